@@ -1,0 +1,58 @@
+# Everything here works from a fresh clone: the first run of a command makes its own virtual environment.
+# Needs make and Python 3.11 or 3.13, the two that Blender is built for as a Python module.
+
+DEMO_ENV := .venv-demo
+TEST_ENV := .venv-test
+DATA ?= ../shared/data/paper/table1.csv
+
+# Any name of a Python that runs, has a matching version and can make virtual environments.
+USABLE := import sys, venv, ensurepip; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 13)))
+FOUND := $(shell for name in python3.11 python3.13 python3 python; do \
+	if $$name -c '$(USABLE)' >/dev/null 2>&1; then echo $$name; break; fi; done)
+PYTHON ?= $(FOUND)
+
+# A run that hangs is ended from outside too, where the system has the command for it.
+LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
+
+.DELETE_ON_ERROR:
+.PHONY: help demo test lint bench clean
+
+help:
+	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
+	@echo "make test    runs every test of the core and of the add-on"
+	@echo "make lint    runs ruff and mypy"
+	@echo "make bench   times the eight discs of the paper's Table 1 (DATA=path/to/table1.csv)"
+	@echo "make clean   removes the environments and everything built"
+
+demo: $(DEMO_ENV)/ready
+	@$(DEMO_ENV)/bin/python examples/check_bpy.py
+	$(DEMO_ENV)/bin/python examples/demo.py
+
+test: $(TEST_ENV)/ready
+	@$(TEST_ENV)/bin/python examples/check_bpy.py
+	$(if $(LIMIT),$(LIMIT) 840) $(TEST_ENV)/bin/python -m pytest
+
+lint: $(TEST_ENV)/ready
+	$(TEST_ENV)/bin/python -m ruff check .
+	$(TEST_ENV)/bin/python -m mypy
+
+bench: $(TEST_ENV)/ready
+	$(TEST_ENV)/bin/python benchmarks/table1.py --data "$(DATA)"
+
+clean:
+	rm -rf $(DEMO_ENV) $(TEST_ENV) build .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+
+# $(1): environment, $(2): extras of pyproject.toml. The file `ready` says that the installation went through.
+define environment
+$(1)/ready: pyproject.toml
+	@if [ -z "$$(PYTHON)" ] || ! "$$(PYTHON)" -c '$(USABLE)' >/dev/null 2>&1; then \
+		echo "Nested Cages needs Python 3.11 or 3.13 with its venv module: install python3.11 and python3.11-venv" \
+			"(Debian, Ubuntu), python3.11 (Fedora, Homebrew) or a release from python.org," \
+			"or name one with 'make PYTHON=/path/to/python3.11'." >&2; exit 1; fi
+	@echo "Making $(1) with $$$$("$$(PYTHON)" --version) (first run: this downloads Blender as a Python module)"
+	"$$(PYTHON)" -m venv --clear $(1)
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[$(2)]"
+	@touch $$@
+endef
+$(eval $(call environment,$(DEMO_ENV),blender))
+$(eval $(call environment,$(TEST_ENV),dev))
