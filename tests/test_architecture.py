@@ -1,0 +1,264 @@
+"""The rooms import only downwards, the core knows numpy and scipy alone, and Blender stays in the add-on."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import importlib
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CORE = "nestedcages_core"
+
+# The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
+ROOMS = (
+    "_types",
+    "errors",
+    "predicates",
+    "mesh",
+    "distance",
+    "broad_phase",
+    "signed_distance",
+    "decimation",
+    "quadrature",
+    "flow",
+    "energies",
+    "solver",
+    "contact",
+    "reinflation",
+    "tightening",
+    "verification",
+    "hierarchy",
+    "coordinates",
+    "batch",
+    "__init__",
+)
+
+THIRD_PARTY = {"numpy", "scipy"}
+BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "gpu_extras", "blf", "aud", "addon_utils", "bl_ui"}
+BLENDER_PLACES = ("addon/", "__init__.py", "examples/", "tests/addon/")
+
+PUBLIC = (
+    "ArcLength",
+    "Certificate",
+    "FlowError",
+    "Hierarchy",
+    "InvalidMeshError",
+    "Level",
+    "Mesh",
+    "NestedCagesError",
+    "NestedCagesRun",
+    "NestingError",
+    "NestingReport",
+    "OuterHull",
+    "Progress",
+    "ReinflationError",
+    "Settings",
+    "nested_cages",
+    "verify",
+)
+
+
+class Import(NamedTuple):
+    """One imported name: `parts` of a dotted path, inside the core if `inside`."""
+
+    line: int
+    parts: tuple[str, ...]
+    inside: bool
+
+
+def module_of(path: str) -> tuple[str, ...]:
+    """`solver/newton.py` -> (solver, newton), `solver/__init__.py` -> (solver,), `__init__.py` -> ()."""
+    parts = tuple(path.removesuffix(".py").split("/"))
+    return parts[:-1] if parts[-1] == "__init__" else parts
+
+
+def imports(path: str, tree: ast.AST) -> Iterator[Import | str]:
+    """All imports below `tree`, which is the core's file `path` or a part of it; a string says what is forbidden."""
+    module = module_of(path)
+    package = module if path.endswith("__init__.py") else module[:-1]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield Import(node.lineno, tuple(alias.name.split(".")), False)
+        elif isinstance(node, ast.ImportFrom):
+            named = tuple(node.module.split(".")) if node.module else ()
+            if node.level == 0:
+                yield Import(node.lineno, named, False)
+            elif node.level > len(package) + 1:
+                yield f"{path}:{node.lineno}: a relative import that leaves the core"
+            else:
+                base = package[: len(package) + 1 - node.level]
+                for alias in node.names:
+                    yield Import(node.lineno, (*base, *named, alias.name), True)
+        elif isinstance(node, ast.Call):
+            function = node.func
+            name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+            if name in {"__import__", "import_module"}:
+                yield f"{path}:{node.lineno}: an import by string, which nobody can check"
+
+
+def room_violations(sources: Mapping[str, str], rooms: tuple[str, ...] = ROOMS) -> list[str]:
+    """What the core's files (path below the core -> source) import against the rules, one sentence each."""
+    rank = {room: place for place, room in enumerate(rooms)}
+    known = {module_of(path)[0] for path in sources if module_of(path)}
+    found: list[str] = [f"{room}: this room has no place in the order" for room in sorted(known - rank.keys())]
+    for path, source in sources.items():
+        own = (module_of(path) or ("__init__",))[0]
+        for item in imports(path, ast.parse(source)):
+            if isinstance(item, str):
+                found.append(item)
+            elif item.inside:
+                room = item.parts[0] if item.parts[0] in known else "__init__"  # a name that the core exports
+                if room != own and rank.get(room, -1) > rank.get(own, len(rooms)):
+                    found.append(f"{path}:{item.line}: {own} imports {room}, which comes after it")
+            elif item.parts[0] == CORE:
+                found.append(f"{path}:{item.line}: the core is imported absolutely")
+            elif item.parts[0] not in THIRD_PARTY and item.parts[0] not in sys.stdlib_module_names:
+                found.append(f"{path}:{item.line}: imports {item.parts[0]}")
+    return found
+
+
+class WithoutTypeChecking(ast.NodeTransformer):
+    """Leaves out what only a type checker imports."""
+
+    def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:
+        if "TYPE_CHECKING" in ast.unparse(node.test):
+            return node.orelse
+        return self.generic_visit(node)
+
+
+def circle(sources: Mapping[str, str]) -> list[str] | None:
+    """Files of the core that import each other in a circle when they run, or None."""
+    files = {module_of(path): path for path in sources}
+    graph: dict[str, set[str]] = {path: set() for path in sources}
+    for path, source in sources.items():
+        for item in imports(path, WithoutTypeChecking().visit(ast.parse(source))):
+            if isinstance(item, Import) and item.inside:
+                target = item.parts if item.parts in files else item.parts[:-1]
+                if target in files and files[target] != path:
+                    graph[path].add(files[target])
+    try:
+        tuple(graphlib.TopologicalSorter(graph).static_order())
+    except graphlib.CycleError as error:
+        return list(error.args[1])
+    return None
+
+
+def blender_violations(sources: Mapping[str, str]) -> list[str]:
+    """Files (path below the project's root -> source) that import Blender's modules where they must not."""
+    return [
+        f"{path}:{item.line}: imports {item.parts[0]}"
+        for path, source in sources.items()
+        if not path.startswith(BLENDER_PLACES)
+        for item in imports(path, ast.parse(source))
+        if isinstance(item, Import) and not item.inside and item.parts[0] in BLENDER
+    ]
+
+
+def python_files(folder: Path) -> dict[str, str]:
+    """Path below `folder` -> source of each Python file that belongs to the project."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(folder.rglob("*.py"))
+        if not any(part.startswith(".") or part in {"build", "dist"} for part in path.relative_to(folder).parts)
+    }
+
+
+# The project
+
+
+def test_rooms_import_only_from_rooms_before_them() -> None:
+    sources = python_files(ROOT / CORE)
+    assert sources
+    assert room_violations(sources) == []
+
+
+def test_no_circle_inside_the_core() -> None:
+    assert circle(python_files(ROOT / CORE)) is None
+
+
+def test_blender_stays_in_the_addon() -> None:
+    assert blender_violations(python_files(ROOT)) == []
+
+
+def test_addon_carries_its_own_core() -> None:
+    # An installed extension finds the core below its own package, so an absolute import would miss it.
+    absolute = [
+        f"{path}:{item.line}"
+        for path, source in python_files(ROOT / "addon").items()
+        for item in imports(path, ast.parse(source))
+        if isinstance(item, Import) and not item.inside and item.parts[:1] == (CORE,)
+    ]
+    assert absolute == []
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_interface(name: str) -> None:
+    core = importlib.import_module(CORE)
+    assert hasattr(core, name)
+    assert name in core.__all__
+
+
+# The checkers themselves, on sources made for it
+
+ORDER = ("errors", "mesh", "solver", "flow", "__init__")
+GOOD = {
+    "__init__.py": "from .flow import run\nfrom .mesh import Mesh",
+    "errors.py": "from __future__ import annotations\nimport math",
+    "mesh.py": "import numpy as np\nfrom scipy.sparse import csr_matrix\nfrom .errors import Bad",
+    "solver/__init__.py": "from .newton import Newton\nfrom ..mesh import Mesh",
+    "solver/newton.py": "from . import line_search\nfrom ..errors import Bad",
+    "solver/line_search.py": "from ..mesh import Mesh",
+    "flow.py": "from . import mesh, solver\nfrom .solver.newton import Newton",
+}
+
+
+def test_good_sources_pass() -> None:
+    assert room_violations(GOOD, ORDER) == []
+    assert circle(GOOD) is None
+
+
+@pytest.mark.parametrize(
+    ("path", "source", "complaint"),
+    [
+        ("mesh.py", "from .flow import run", "mesh.py:1: mesh imports flow, which comes after it"),
+        ("mesh.py", "def late():\n    from . import solver", "mesh.py:2: mesh imports solver, which comes after it"),
+        ("mesh.py", "from . import run", "mesh.py:1: mesh imports __init__, which comes after it"),
+        ("solver/newton.py", "from ..flow import run", "solver/newton.py:1: solver imports flow, which comes after it"),
+        ("solver/newton.py", "from .. import flow", "solver/newton.py:1: solver imports flow, which comes after it"),
+        ("flow.py", "from nestedcages_core.mesh import Mesh", "flow.py:1: the core is imported absolutely"),
+        ("flow.py", "import nestedcages_core.mesh", "flow.py:1: the core is imported absolutely"),
+        ("flow.py", "import os\nimport shapely.geometry", "flow.py:2: imports shapely"),
+        ("flow.py", "try:\n    import bpy\nexcept ImportError:\n    pass", "flow.py:2: imports bpy"),
+        ("flow.py", "from bpy.types import Mesh", "flow.py:1: imports bpy"),
+        ("flow.py", "from ..addon import convert", "flow.py:1: a relative import that leaves the core"),
+        ("flow.py", "import importlib\nimportlib.import_module('bpy')", "flow.py:2: an import by string"),
+        ("drawer.py", "import math", "drawer: this room has no place in the order"),
+    ],
+)
+def test_bad_sources_are_found(path: str, source: str, complaint: str) -> None:
+    (found,) = room_violations({**GOOD, path: source}, ORDER)
+    assert found.startswith(complaint)
+
+
+def test_circles_are_found() -> None:
+    inside_a_room = {**GOOD, "solver/line_search.py": "from .newton import Newton"}
+    assert room_violations(inside_a_room, ORDER) == []
+    found = circle(inside_a_room)
+    assert found is not None
+    assert {"solver/newton.py", "solver/line_search.py"} <= set(found)
+    only_for_types = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from .newton import Newton"
+    assert circle({**GOOD, "solver/line_search.py": only_for_types}) is None
+
+
+def test_blender_outside_its_places_is_found() -> None:
+    sources = {"addon/convert.py": "import bpy", "benchmarks/table1.py": "import json\nimport bpy.ops"}
+    assert blender_violations(sources) == ["benchmarks/table1.py:2: imports bpy"]
+    assert blender_violations({"tests/core/test_mesh.py": "from mathutils import Matrix"}) != []
+    assert blender_violations({"tests/addon/test_panel.py": "import bpy", "__init__.py": "import bpy"}) == []
