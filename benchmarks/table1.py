@@ -1,0 +1,128 @@
+"""The eight discs of the paper's Table 1: our time and tightness beside those of the paper's own C++ program.
+
+Run as ``python benchmarks/table1.py`` from the project's root, or ``make bench``. Times are CPU seconds of one thread.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import sys
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before numpy loads them: one thread, as the reference
+sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
+
+from data import COARSE_RING_VERTICES, TABLE_1_WITHOUT_REFERENCE, Table1Row, annulus, read_table1  # noqa: E402
+
+from nestedcages_core import Mesh, NestedCagesError, nested_cages, verify  # noqa: E402
+
+DATA = ROOT.parent / "shared" / "data" / "paper" / "table1.csv"
+REPEATS = 5  # the median of so many runs is printed, after one that is not counted
+
+
+class Measurement(NamedTuple):
+    """Median CPU seconds in all and per phase, excess in per cent, and whether the cage is certified."""
+
+    seconds: float
+    phases: dict[str, float]
+    excess: float
+    certified: bool
+
+
+def measure(fine: Mesh, coarse: Mesh, repeats: int) -> Measurement:
+    """Times the cage of `fine` that starts from `coarse`."""
+    totals: list[float] = []
+    phases: dict[str, list[float]] = {}
+    for turn in range(repeats + 1):
+        start = time.process_time()
+        (level,) = nested_cages(fine, [coarse]).levels
+        total = time.process_time() - start
+        if turn == 0:
+            continue
+        totals.append(total)
+        for phase, seconds in level.report.seconds.items():
+            phases.setdefault(phase, []).append(seconds)
+    certified = verify(level.cage, fine).holds
+    excess = 100 * (level.cage.area / fine.area - 1)
+    medians = {phase: statistics.median(seconds) for phase, seconds in phases.items()}
+    return Measurement(statistics.median(totals), medians, excess, certified)
+
+
+def cells(row: Table1Row, ours: Measurement) -> dict[str, str]:
+    """One line of the printed table: heading -> text."""
+    ratio = row.reference_seconds / ours.seconds if row.reference_seconds else None
+    return {
+        "fine": str(row.fine_vertices),
+        **{f"{phase} s": f"{seconds:.4f}" for phase, seconds in ours.phases.items()},
+        "total s": f"{ours.seconds:.4f}",
+        "C++ s": text(row.reference_seconds, ".2f"),
+        "ratio": text(ratio, ".0f"),
+        "excess %": f"{ours.excess:.3f}",
+        "C++ %": text(row.reference_excess, ".1f"),
+        "optimum %": text(row.optimum_excess, ".2f"),
+        "certified": "yes" if ours.certified else "NO",
+    }
+
+
+def text(value: float | None, form: str) -> str:
+    """A figure, or a dash where there is none."""
+    return "-" if value is None else format(value, form)
+
+
+def table(lines: list[dict[str, str]]) -> str:
+    """Lines under their headings, columns aligned to the right."""
+    headings = list(dict.fromkeys(heading for line in lines for heading in line))
+    rows = [headings, *([line.get(heading, "-") for heading in headings] for line in lines)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description="Times the eight discs of the paper's Table 1.")
+    parser.add_argument("--data", type=Path, default=DATA, help="the reference table, a CSV file (%(default)s)")
+    parser.add_argument("--without-reference", action="store_true", help="print our own figures alone")
+    parser.add_argument("--repeats", type=int, default=REPEATS, help="runs of which the median counts (%(default)s)")
+    options = parser.parse_args(arguments)
+    if options.without_reference:
+        rows = TABLE_1_WITHOUT_REFERENCE
+    elif options.data.is_file():
+        rows = read_table1(options.data)
+    else:
+        print(
+            f"The reference table {options.data} is not there: name it with --data PATH, "
+            "or run with --without-reference to print our own figures alone.",
+            file=sys.stderr,
+        )
+        return 2
+
+    coarse = annulus(COARSE_RING_VERTICES)
+    lines: list[dict[str, str]] = []
+    ratios: list[float] = []
+    failed = False
+    for row in rows:
+        try:
+            ours = measure(annulus(row.fine_ring_vertices), coarse, max(1, options.repeats))
+        except NestedCagesError as error:
+            lines.append({"fine": str(row.fine_vertices), "certified": "NO"})
+            print(f"{row.fine_vertices} fine vertices: {error}", file=sys.stderr)
+            failed = True
+            continue
+        failed |= not ours.certified
+        lines.append(cells(row, ours))
+        if row.reference_seconds:
+            ratios.append(row.reference_seconds / ours.seconds)
+    print(table(lines))
+    if ratios:
+        print(f"\nratio of times, C++ to ours: geometric mean {statistics.geometric_mean(ratios):.0f}, ", end="")
+        print(f"least {min(ratios):.0f}")
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
