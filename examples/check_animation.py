@@ -1,0 +1,170 @@
+"""Checks the cages in a .blend file as Blender plays them: on every frame and half frame, by exact predicates.
+
+Run as ``python examples/check_animation.py FILE.blend``; exit status 1 if anything is wrong. From the end of a level's
+flow on, cage and inner mesh must not touch, the cage must not touch itself, and the inner mesh must be inside; on the
+last frame the fine mesh must have the source's coordinates, bit by bit.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from nestedcages_core.predicates import BoxTree, crossing_pairs, segments_intersect, winding_number
+
+SOURCE, LEVEL = "nested_cages_source", "nested_cages_level"  # the add-on's marks on collections and objects
+DOUBLED = 1e-6  # of the drawing's size: points of a curve that are closer are one point, where two pieces meet
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was looked at, and a sentence for each thing that is wrong."""
+
+    poses: int
+    problems: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Evaluated points (n, 2) and edges (m, 2) of a mesh object in its own plane."""
+
+    points: np.ndarray
+    edges: np.ndarray
+
+    @property
+    def tree(self) -> BoxTree:
+        return BoxTree(self.points[self.edges[:, 0]], self.points[self.edges[:, 1]])
+
+
+def check_animation(scene: bpy.types.Scene) -> Outcome:
+    """Checks every collection of cages in `scene`."""
+    collections = [collection for collection in scene.collection.children_recursive if SOURCE in collection]
+    problems = [] if collections else ["there are no cages in the scene"]
+    poses = 0
+    before = scene.frame_current
+    for collection in collections:
+        for name, found in checked_poses(scene, collection):
+            poses += 1
+            problems += [f"{name}: {problem}" for problem in found]
+        problems += home_problems(scene, collection)
+    scene.frame_set(before)
+    return Outcome(poses, tuple(problems))
+
+
+def checked_poses(scene: bpy.types.Scene, collection: bpy.types.Collection) -> Iterator[tuple[str, list[str]]]:
+    """Goes through a collection's animation: name and problems of each pair of levels at each half frame."""
+    levels = sorted((item for item in collection.objects if LEVEL in item), key=lambda item: item[LEVEL])
+    last = collection["nested_cages_end"]
+    for half in range(2 * min(cage["nested_cages_flow_start"] for cage in levels[1:]), 2 * last + 1):
+        frame = half / 2
+        scene.frame_set(half // 2, subframe=half % 2 / 2)
+        graph = bpy.context.evaluated_depsgraph_get()
+        for inner, cage in itertools.pairwise(levels):
+            outer = next((item for item in levels if item[LEVEL] == cage[LEVEL] + 1), None)
+            if frame >= cage["nested_cages_reinflation_start"] and not flows(outer, frame):
+                name = f"frame {frame:g}, level {inner[LEVEL]} in level {cage[LEVEL]}"
+                yield name, nesting_problems(evaluated(inner, graph), evaluated(cage, graph))
+
+
+def flows(outer: bpy.types.Object | None, frame: float) -> bool:
+    """Whether a cage is away from home because the level around it has a flow of its own."""
+    if outer is None or outer["nested_cages_flow_start"] == outer["nested_cages_reinflation_start"]:
+        return False
+    return outer["nested_cages_flow_start"] < frame < outer["nested_cages_tightening_start"]
+
+
+def evaluated(item: bpy.types.Object, graph: bpy.types.Depsgraph) -> Pose:
+    """The object as the dependency graph shows it now."""
+    mesh = item.evaluated_get(graph).data
+    points = np.empty((len(mesh.vertices), 3), np.float32)
+    edges = np.empty((len(mesh.edges), 2), np.int32)
+    mesh.vertices.foreach_get("co", points.ravel())
+    mesh.edges.foreach_get("vertices", edges.ravel())
+    return Pose(points[:, :2].astype(np.float64), edges.astype(np.int64))
+
+
+def nesting_problems(inner: Pose, cage: Pose) -> list[str]:
+    """What is wrong with a cage around an inner mesh, both in one plane."""
+    problems: list[str] = []
+    crossings = len(crossing_pairs(inner.tree, cage.tree)[0])
+    if crossings:
+        problems.append(f"{crossings} pairs of edges cross")
+    first, second = cage.tree.self_pairs()
+    a, b = cage.edges[first], cage.edges[second]
+    apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))  # neighbours share a vertex and are meant to touch there
+    a, b = cage.points[a[apart]], cage.points[b[apart]]
+    if segments_intersect(a[:, 0], a[:, 1], b[:, 0], b[:, 1]).any():
+        problems.append("the cage crosses itself")
+    starts, ends = cage.points[cage.edges[:, 0]], cage.points[cage.edges[:, 1]]
+    outside = np.count_nonzero(winding_number(inner.points, starts, ends) != 1)
+    if outside:
+        problems.append(f"{outside} vertices are outside of the cage")
+    return problems
+
+
+def home_problems(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[str]:
+    """Whether the fine mesh on the last frame has the very coordinates of the source, and lies where it does."""
+    source = bpy.data.objects[collection[SOURCE]]
+    fine = next(item for item in collection.objects if item.get(LEVEL) == 0)
+    scene.frame_set(collection["nested_cages_end"])
+    graph = bpy.context.evaluated_depsgraph_get()
+    shown = points_of(fine.evaluated_get(graph).data)
+    wanted = outline_of(source)
+    if fine.matrix_world != source.matrix_world:
+        return ["on the last frame: the fine mesh does not lie where the source does"]
+    problems: list[str] = []
+    strangers = {tuple(point) for point in shown.tolist()} - {tuple(point) for point in wanted.tolist()}
+    if strangers:
+        problems.append(f"on the last frame: {len(strangers)} vertices of the fine mesh are not those of the source")
+    reach = DOUBLED * float(np.linalg.norm(np.ptp(wanted, axis=0)))
+    gaps = np.array([np.abs(shown - point).max(axis=1).min() for point in wanted])
+    lost = np.count_nonzero(gaps > reach)
+    if lost:
+        problems.append(f"on the last frame: {lost} points of the source are missing")
+    return problems
+
+
+def outline_of(source: bpy.types.Object) -> np.ndarray:
+    """Points (n, 3) of a curve's outline or of a mesh, in the object's own space."""
+    if source.type != "CURVE":
+        return points_of(source.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
+    copy, data = source.copy(), source.data.copy()
+    data.dimensions = "3D"  # a filled curve shows its area, and that leaves points out
+    data.bevel_depth = data.extrude = 0.0
+    copy.data = data
+    try:
+        return points_of(copy.to_mesh())
+    finally:
+        bpy.data.objects.remove(copy)
+        bpy.data.curves.remove(data)
+
+
+def points_of(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Vertices (n, 3) of a mesh, as stored."""
+    points = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", points.ravel())
+    return points
+
+
+def main(arguments: list[str]) -> int:
+    if len(arguments) != 1 or not Path(arguments[0]).is_file():
+        print("Name one .blend file: python examples/check_animation.py FILE.blend", file=sys.stderr)
+        return 2
+    bpy.ops.wm.open_mainfile(filepath=str(Path(arguments[0]).resolve()))
+    outcome = check_animation(bpy.context.scene)
+    for problem in outcome.problems:
+        print(problem, file=sys.stderr)
+    print(f"{outcome.poses} poses checked, {len(outcome.problems)} problems")
+    return int(bool(outcome.problems))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,98 @@
+"""The examples, the README's ten lines and the commands do what they say."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from examples import check_bpy
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+# What is said when bpy cannot be imported
+
+
+@pytest.mark.parametrize("library", check_bpy.LIBRARIES)
+def test_a_missing_library_is_answered_with_its_packages(library: str) -> None:
+    message = f"{library}: cannot open shared object file: No such file or directory"
+    sentence = check_bpy.advice(message, is_there=lambda _: True)
+    packages = check_bpy.LIBRARIES[library]
+    assert sentence == (
+        f"Blender's Python module needs {library} from the system: "
+        f"install {packages.debian} (Debian, Ubuntu) or {packages.fedora} (Fedora)."
+    )
+
+
+def test_all_missing_libraries_are_named_at_once() -> None:
+    missing = {"libGL.so.1", "libSM.so.6", "libXi.so.6"}
+    message = "libSM.so.6: cannot open shared object file: No such file or directory"
+    sentence = check_bpy.advice(message, is_there=lambda library: library not in missing)
+    assert "libSM.so.6, libGL.so.1 and libXi.so.6" in sentence
+    assert "install libsm6 libgl1 libxi6 (Debian, Ubuntu) or libSM libglvnd-glx libXi (Fedora)" in sentence
+
+
+def test_an_unknown_library_is_answered_with_how_to_find_it() -> None:
+    message = "libfoo-2.so.7: cannot open shared object file: No such file or directory"
+    sentence = check_bpy.advice(message, is_there=lambda _: True)
+    assert "'apt-file search libfoo-2.so.7'" in sentence
+    assert "install" not in sentence
+
+
+def test_a_bpy_that_is_not_installed_is_answered_with_pip() -> None:
+    sentence = check_bpy.advice("No module named 'bpy'", is_there=lambda _: True)
+    assert "No module named 'bpy'" in sentence
+    assert "with pip" in sentence
+
+
+def test_every_library_that_is_looked_for_has_packages() -> None:
+    assert set(check_bpy.REQUIRED) <= check_bpy.LIBRARIES.keys()
+
+
+def test_the_loader_is_asked() -> None:
+    assert not check_bpy.loads("libthere-is-no-such-library.so.1")
+
+
+# Metadata
+
+
+def test_project_and_extension_have_one_version() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
+    assert manifest["version"] == project["version"]
+    assert manifest["license"] == [f"SPDX:{project['license']}"]
+
+
+def test_the_commands_of_the_readme_exist() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    named = set(re.findall(r"`make ([a-z]+)", readme)) | set(re.findall(r"^make ([a-z]+)", readme, flags=re.MULTILINE))
+    assert {"demo", "test"} <= named <= set(targets)
+    for path in re.findall(r"\]\(((?!https?:)[^)#]+)\)|src=\"([^\"]+)\"", readme):
+        assert (ROOT / "".join(path)).exists(), f"the README names {path}, which is not there"
+
+
+# Python
+
+
+def test_the_ten_lines_of_the_readme_run(tmp_path: Path) -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    (lines,) = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
+    assert len(lines.strip().splitlines()) <= 14
+    done = subprocess.run(
+        [sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def test_table1_says_what_is_missing(tmp_path: Path) -> None:
+    command = [sys.executable, "benchmarks/table1.py", "--data", str(tmp_path / "none.csv")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert "--without-reference" in done.stderr
