@@ -16,7 +16,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before numpy loads them: one thread, as the reference
-sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
+sys.path.insert(0, str(ROOT))
 
 from data import COARSE_RING_VERTICES, TABLE_1_WITHOUT_REFERENCE, Table1Row, annulus, read_table1  # noqa: E402
 

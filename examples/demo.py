@@ -12,13 +12,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
-
 from check_animation import check_animation
 from extension import registered
 from picture import Fill, Outline, Panel, colour, render
 
+HERE = Path(__file__).resolve().parent
 DRAWING = HERE / "letter_a.svg"
 OUTPUT = HERE.parent / "build" / "demo"
 LEVELS = "64, 24"
