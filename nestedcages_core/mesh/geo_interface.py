@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .errors import InvalidMeshError
+from ..errors import InvalidMeshError
 
 GREATEST_DEPTH = 64
 """Collections within collections that are followed; a deeper nest is taken for one that contains itself."""

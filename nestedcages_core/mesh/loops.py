@@ -8,14 +8,14 @@ from fractions import Fraction
 
 import numpy as np
 
-from .box_tree import BoxTree, Floats, Ints
-from .predicates import Signs, as_integers, orientation, ray_crossings
+from .._types import FloatArray, IntArray
+from ..predicates import BoxTree, Signs, as_integers, orientation, ray_crossings
 
 DOUBTFUL_AREA = 1e-4
-"""Share of the summed products below which an area loses too many digits to rounding and is summed exactly."""
+"""Share of the summed products below which an area has lost four digits or more and is summed exactly instead."""
 
 
-def trace_loops(edges: Ints, count: int) -> list[Ints]:
+def trace_loops(edges: IntArray, count: int) -> list[IntArray]:
     """Vertices of each loop in walking order, from edges (m, 2) over `count` vertices of degree two.
 
     Each loop starts at its smallest vertex; loops are in the order of these. The direction is that of the first edge
@@ -44,7 +44,7 @@ def trace_loops(edges: Ints, count: int) -> list[Ints]:
     return loops
 
 
-def successors(loops: Sequence[Ints], count: int) -> Ints:
+def successors(loops: Sequence[IntArray], count: int) -> IntArray:
     """The vertex after each vertex, (count,)."""
     following = np.empty(count, dtype=np.int64)
     for loop in loops:
@@ -53,7 +53,7 @@ def successors(loops: Sequence[Ints], count: int) -> Ints:
     return following
 
 
-def turning_senses(points: Floats, sizes: Ints) -> tuple[Signs, Ints]:
+def turning_senses(points: FloatArray, sizes: IntArray) -> tuple[Signs, IntArray]:
     """Sense of each simple loop (1 counter-clockwise, -1 clockwise), (L,), and the place of its extreme vertex, (L,).
 
     points: (n, 2), loop after loop; sizes: (L,). The extreme vertex is the highest of the rightmost ones; the loop
@@ -71,7 +71,7 @@ def turning_senses(points: Floats, sizes: Ints) -> tuple[Signs, Ints]:
     return orientation(points[before], points[extreme], points[after]), extreme
 
 
-def enclosing_pairs(points: Floats, sizes: Ints, extreme: Ints, tree: BoxTree) -> tuple[Ints, Ints]:
+def enclosing_pairs(points: FloatArray, sizes: IntArray, extreme: IntArray, tree: BoxTree) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) of loops where the outer one runs around the inner one, (K,), (K,); exact.
 
     points: (n, 2), loop after loop; sizes: (L,); extreme: (L,) as from `turning_senses`; tree: of all the edges.
@@ -86,7 +86,7 @@ def enclosing_pairs(points: Floats, sizes: Ints, extreme: Ints, tree: BoxTree) -
     return inner[inner != outer], outer[inner != outer]
 
 
-def parents(inner: Ints, outer: Ints, count: int) -> tuple[Ints, Ints]:
+def parents(inner: IntArray, outer: IntArray, count: int) -> tuple[IntArray, IntArray]:
     """Nesting depth of each of `count` loops, (L,), and the smallest loop around it (-1 for none), (L,)."""
     depth = np.bincount(inner, minlength=count)
     parent = np.full(count, -1, dtype=np.int64)
@@ -95,7 +95,7 @@ def parents(inner: Ints, outer: Ints, count: int) -> tuple[Ints, Ints]:
     return depth, parent
 
 
-def signed_areas(vertices: Floats, loops: Sequence[Ints]) -> tuple[Floats, float]:
+def signed_areas(vertices: FloatArray, loops: Sequence[IntArray]) -> tuple[FloatArray, float]:
     """Signed area of each loop, (L,), and their sum: Green's theorem; exact before rounding where digits cancel."""
     sizes = np.array([len(loop) for loop in loops])
     begins = np.cumsum(sizes) - sizes
@@ -103,7 +103,7 @@ def signed_areas(vertices: Floats, loops: Sequence[Ints]) -> tuple[Floats, float
     x, y = (points - np.repeat(points[begins], sizes, axis=0)).T
     ahead = np.arange(1, len(points) + 1)
     ahead[begins + sizes - 1] = begins
-    left, right = x * y[ahead], y * x[ahead]
+    left, right = x * (y[ahead] - y), y * (x[ahead] - x)
     areas = np.add.reduceat(left - right, begins) / 2.0
     doubtful = np.abs(areas) < DOUBTFUL_AREA * np.add.reduceat(np.abs(left) + np.abs(right), begins)
     for k in np.flatnonzero(doubtful & np.isfinite(areas)):
@@ -114,7 +114,7 @@ def signed_areas(vertices: Floats, loops: Sequence[Ints]) -> tuple[Floats, float
     return areas, total
 
 
-def _exact_area(points: Floats) -> Fraction:
+def _exact_area(points: FloatArray) -> Fraction:
     """Signed area of a loop (k, 2) without rounding."""
     integers, exponents = as_integers(points.reshape(1, -1))
     x, y = integers.reshape(-1, 2).T

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .box_tree import Floats, Ints
-from .errors import InvalidMeshError
+from .._types import FloatArray, IntArray
+from ..errors import InvalidMeshError
 from .geo_interface import rings_of, to_geo_interface
 from .loops import enclosing_pairs, parents, signed_areas, successors, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
@@ -30,15 +30,15 @@ class Mesh:
     Raises InvalidMeshError unless the loops are closed, have at least three vertices and neither cross nor touch.
     """
 
-    vertices: Floats
-    edges: Ints
-    successor: Ints = field(init=False)
+    vertices: FloatArray
+    edges: IntArray
+    successor: IntArray = field(init=False)
     """(n,) the vertex after each vertex; the edge that starts at vertex v ends at successor[v]."""
-    loops: tuple[Ints, ...] = field(init=False)
+    loops: tuple[IntArray, ...] = field(init=False)
     """Vertices of each loop in oriented order from its smallest one; loops are in the order of these."""
-    loop_signs: Ints = field(init=False)
+    loop_signs: IntArray = field(init=False)
     """(L,) role of each loop: 1 outer, -1 hole."""
-    component_of_loop: Ints = field(init=False)
+    component_of_loop: IntArray = field(init=False)
     """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
     is_validated: bool = field(init=False)
     """Whether these vertices have passed the door; False for a mesh made by `moved`."""
@@ -161,14 +161,14 @@ class Mesh:
         return self if self.is_validated else Mesh(self.vertices, self.edges)
 
     @cached_property
-    def predecessor(self) -> Ints:
+    def predecessor(self) -> IntArray:
         """(n,) the vertex before each vertex."""
         before = np.empty_like(self.successor)
         before[self.successor] = np.arange(len(before))
         return _frozen(before)
 
     @cached_property
-    def loop_of_vertex(self) -> Ints:
+    def loop_of_vertex(self) -> IntArray:
         """(n,) the loop of each vertex."""
         owner = np.empty(len(self.vertices), dtype=np.int64)
         for k, loop in enumerate(self.loops):
@@ -176,7 +176,7 @@ class Mesh:
         return _frozen(owner)
 
     @cached_property
-    def edge_lengths(self) -> Floats:
+    def edge_lengths(self) -> FloatArray:
         """(n,) length of the edge that starts at each vertex."""
         return _frozen(np.hypot(*(self.vertices[self.successor] - self.vertices).T))
 
@@ -186,7 +186,7 @@ class Mesh:
         return float(np.hypot(*np.ptp(self.vertices, axis=0)))
 
     @property
-    def loop_areas(self) -> Floats:
+    def loop_areas(self) -> FloatArray:
         """(L,) signed area of each loop: holes count negative."""
         return self._areas[0]
 
@@ -196,7 +196,7 @@ class Mesh:
         return self._areas[1]
 
     @cached_property
-    def _areas(self) -> tuple[Floats, float]:
+    def _areas(self) -> tuple[FloatArray, float]:
         areas, total = signed_areas(self.vertices, self.loops)
         return _frozen(areas), total
 

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from .box_tree import BoxTree, Floats, Ints
-from .errors import InvalidMeshError
-from .predicates import orientation, segments_intersect
+from .._types import AnyArray, FloatArray, IntArray
+from ..errors import InvalidMeshError
+from ..predicates import BoxTree, orientation, segments_intersect
 
 GREATEST_EXTENT, LEAST_EXTENT = 1e+150, 1e-150
 """Bounding-box diagonals and coordinates, in input units, whose squares stay inside the range of a double."""
 
 
-def as_vertices(data: Any) -> Floats:
+def as_vertices(data: Any) -> FloatArray:
     """A read-only copy as (n, 2) float64, finite and of a workable size. Raises InvalidMeshError."""
     given = _as_array(data, "vertices")
     if given.size == 0:
@@ -47,7 +47,7 @@ def as_vertices(data: Any) -> Floats:
     return vertices
 
 
-def as_edges(data: Any, count: int) -> Ints:
+def as_edges(data: Any, count: int) -> IntArray:
     """A copy as (m, 2) int64 that joins `count` vertices into closed loops. Raises InvalidMeshError."""
     given = _as_array(data, "edges")
     if given.size == 0:
@@ -72,12 +72,12 @@ def as_edges(data: Any, count: int) -> Ints:
             f"Edge {outside[0]} joins vertices {i:.0f} and {j:.0f}, but the {count} vertices are numbered from 0 to "
             f"{count - 1}; correct the index."
         )
-    edges = given.astype(np.int64)
+    edges: IntArray = given.astype(np.int64)
     _check_degrees(edges, count)
     return edges
 
 
-def _as_array(data: Any, what: str) -> np.ndarray[Any, Any]:
+def _as_array(data: Any, what: str) -> AnyArray:
     try:
         return np.asarray(data)
     except Exception as error:
@@ -86,7 +86,7 @@ def _as_array(data: Any, what: str) -> np.ndarray[Any, Any]:
         ) from error
 
 
-def _converted(given: np.ndarray[Any, Any], dtype: type[np.float64], what: str) -> Floats:
+def _converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArray:
     """A float64 copy of an array of real numbers."""
     try:
         if given.dtype.kind not in "iufO":
@@ -97,7 +97,7 @@ def _converted(given: np.ndarray[Any, Any], dtype: type[np.float64], what: str) 
         raise InvalidMeshError(f"The {what} are not all real numbers ({error}); give numbers only.") from error
 
 
-def _check_degrees(edges: Ints, count: int) -> None:
+def _check_degrees(edges: IntArray, count: int) -> None:
     """Raise unless every vertex is the end of exactly two different edges."""
     selfish = np.flatnonzero(edges[:, 0] == edges[:, 1])
     if len(selfish):
@@ -126,7 +126,7 @@ def _check_degrees(edges: Ints, count: int) -> None:
     )
 
 
-def _has_two_gon(edges: Ints, count: int) -> bool:
+def _has_two_gon(edges: IntArray, count: int) -> bool:
     """Whether two edges join the same two vertices, given that every degree is two."""
     ends = edges.ravel()
     total = np.bincount(ends, weights=ends[np.arange(len(ends)) ^ 1], minlength=count)
@@ -135,12 +135,12 @@ def _has_two_gon(edges: Ints, count: int) -> bool:
     return len(np.unique(pairs, axis=0)) < len(pairs)
 
 
-def place(point: Sequence[float] | Floats) -> str:
+def place(point: Sequence[float] | FloatArray) -> str:
     """A point as the user reads it."""
     return f"({float(point[0]):.6g}, {float(point[1]):.6g})"
 
 
-def check_simple(points: Floats, sizes: Ints, vertex: Ints) -> BoxTree:
+def check_simple(points: FloatArray, sizes: IntArray, vertex: IntArray) -> BoxTree:
     """The tree over the edges of loops that neither cross nor touch each other or themselves.
 
     points: (n, 2), loop after loop; sizes: (L,); vertex: (n,) the user's number of each point.
@@ -173,7 +173,7 @@ def check_simple(points: Floats, sizes: Ints, vertex: Ints) -> BoxTree:
     return tree
 
 
-def _check_fold_back(points: Floats, ahead: Ints, vertex: Ints, loop: Ints) -> None:
+def _check_fold_back(points: FloatArray, ahead: IntArray, vertex: IntArray, loop: IntArray) -> None:
     """Raise where a loop runs straight back over the edge it came by."""
     corner, after = points[ahead], points[ahead[ahead]]
     straight = np.flatnonzero(orientation(points, corner, after) == 0)
@@ -188,13 +188,13 @@ def _check_fold_back(points: Floats, ahead: Ints, vertex: Ints, loop: Ints) -> N
 
 
 def _raise_contact(
-    points: Floats,
-    ends: Floats,
-    ahead: Ints,
-    i: Ints,
-    j: Ints,
-    vertex: Ints,
-    loop: Ints,
+    points: FloatArray,
+    ends: FloatArray,
+    ahead: IntArray,
+    i: IntArray,
+    j: IntArray,
+    vertex: IntArray,
+    loop: IntArray,
     edge: Callable[[int], str],
 ) -> None:
     """Raise for the first of the pairs (i, j) of edges in contact: a shared point, a touch or a crossing."""
@@ -223,7 +223,7 @@ def _raise_contact(
     )
 
 
-def crossing_point(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+def crossing_point(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
     """Where segments a-b and c-d, each (2,), cross, rounded; their common middle if they are parallel."""
     along, across = b - a, d - c
     determinant = along[0] * across[1] - along[1] * across[0]

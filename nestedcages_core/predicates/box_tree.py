@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from .._types import FloatArray, IntArray
 
 FANOUT = 4
 """Boxes that share a parent; 4 was the fastest of 2, 4 and 8 for loops of 1,000 to 100,000 segments."""
@@ -28,7 +26,7 @@ class BoxTree:
     closed: whether every chain ends where it starts.
     """
 
-    def __init__(self, starts: Floats, ends: Floats) -> None:
+    def __init__(self, starts: FloatArray, ends: FloatArray) -> None:
         self.starts = np.asarray(starts, dtype=np.float64).reshape(-1, 2)
         self.ends = np.asarray(ends, dtype=np.float64).reshape(-1, 2)
         count = len(self.starts)
@@ -53,7 +51,7 @@ class BoxTree:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def self_pairs(self) -> tuple[Ints, Ints]:
+    def self_pairs(self) -> tuple[IntArray, IntArray]:
         """Pairs i < j of segments whose boxes overlap or touch, (K,), (K,)."""
         level = len(self.levels) - 1
         i, j = np.triu_indices(self.levels[level].shape[1])
@@ -69,7 +67,7 @@ class BoxTree:
         i, j = self.order[i], self.order[j]
         return np.minimum(i, j), np.maximum(i, j)
 
-    def pairs(self, other: BoxTree) -> tuple[Ints, Ints]:
+    def pairs(self, other: BoxTree) -> tuple[IntArray, IntArray]:
         """Pairs (i of this tree, j of the other) of segments whose boxes overlap or touch, (K,), (K,)."""
         a, b = len(self.levels) - 1, len(other.levels) - 1
         here, there = np.indices((self.levels[a].shape[1], other.levels[b].shape[1]))
@@ -86,7 +84,7 @@ class BoxTree:
                 i, j = np.repeat(i, FANOUT), _children(j)
 
 
-def _along_curve(points: Floats) -> Ints:
+def _along_curve(points: FloatArray) -> IntArray:
     """Order of points (K, 2) along a Morton curve, (K,)."""
     low, high = points.min(axis=0), points.max(axis=0)
     with np.errstate(all="ignore"):
@@ -98,7 +96,7 @@ def _along_curve(points: Floats) -> Ints:
     return np.argsort(code, kind="stable")
 
 
-def _pyramid(lower: Floats, upper: Floats) -> list[Floats]:
+def _pyramid(lower: FloatArray, upper: FloatArray) -> list[FloatArray]:
     """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; N a multiple of FANOUT below the top."""
     boxes = np.concatenate((lower.T, upper.T))
     levels = [boxes]
@@ -113,7 +111,7 @@ def _pyramid(lower: Floats, upper: Floats) -> list[Floats]:
     return levels
 
 
-def _overlapping(boxes: Floats, i: Ints, others: Floats, j: Ints) -> tuple[Ints, Ints]:
+def _overlapping(boxes: FloatArray, i: IntArray, others: FloatArray, j: IntArray) -> tuple[IntArray, IntArray]:
     """The pairs (i, j) whose boxes share a point."""
     for axis in (0, 1):
         keep = boxes[axis].take(i) <= others[axis + 2].take(j)
@@ -122,16 +120,16 @@ def _overlapping(boxes: Floats, i: Ints, others: Floats, j: Ints) -> tuple[Ints,
     return i, j
 
 
-def _children(nodes: Ints) -> Ints:
+def _children(nodes: IntArray) -> IntArray:
     return (FANOUT * nodes[:, None] + np.arange(FANOUT)).ravel()
 
 
-def _children_of_both(i: Ints, j: Ints) -> tuple[Ints, Ints]:
+def _children_of_both(i: IntArray, j: IntArray) -> tuple[IntArray, IntArray]:
     offsets = np.indices((FANOUT, FANOUT)).reshape(2, -1)
     return (FANOUT * i[:, None] + offsets[0]).ravel(), (FANOUT * j[:, None] + offsets[1]).ravel()
 
 
-def _mean_size(boxes: Floats) -> float:
+def _mean_size(boxes: FloatArray) -> float:
     """Mean extent of the boxes of a level (padding boxes left out)."""
     filled = boxes[0] <= boxes[2]
     return float((boxes[2:, filled] - boxes[:2, filled]).mean()) if filled.any() else 0.0

@@ -1,0 +1,20 @@
+"""Certified predicates on plain arrays: every answer is exact for the doubles that come in, however degenerate."""
+
+from __future__ import annotations
+
+from .box_tree import BoxTree
+from .containment import ON_BOUNDARY, RayCrossings, ray_crossings, winding_number
+from .orientation import Signs, as_integers, crossing_pairs, orientation, segments_intersect
+
+__all__ = [
+    "ON_BOUNDARY",
+    "BoxTree",
+    "RayCrossings",
+    "Signs",
+    "as_integers",
+    "crossing_pairs",
+    "orientation",
+    "ray_crossings",
+    "segments_intersect",
+    "winding_number",
+]
