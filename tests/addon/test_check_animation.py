@@ -1,4 +1,4 @@
-"""The check of the demo's animation finds what it is there to find, on scenes made by hand with one thing wrong each."""
+"""The check of the demo's animation finds what it is there to find, on scenes with one thing wrong each."""
 
 from __future__ import annotations
 
