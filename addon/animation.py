@@ -1,0 +1,157 @@
+"""Steps to shape keys and keyframes, with Blender's bulk calls.
+
+Relative shape keys over a Basis that is the result: each step is a key whose value goes 0 → 1 → 0 with linear
+interpolation, so the evaluated mesh is the step on its frame and the linear blend of two steps between their frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .generate import CageLevel
+
+# Blender's numbers for the interpolation of a keyframe.
+CONSTANT, LINEAR = 0, 1
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Frame of the first step, frames from one step to the next, and whether the flow is part of the animation."""
+
+    start_frame: int = 1
+    frames_per_step: int = 4
+    show_flow: bool = True
+
+
+@dataclass(frozen=True)
+class Span:
+    """The frames of one level: of the first flow step, reinflation step and tightening step, and of the result.
+
+    `flow` equals `reinflation` if there is no flow to see."""
+
+    flow: int
+    reinflation: int
+    tightening: int
+    end: int
+
+
+def spans(levels: Sequence[CageLevel], timing: Timing) -> tuple[Span, ...]:
+    """When each level plays: one after the other, with a pause of one step between them."""
+    found: list[Span] = []
+    start = timing.start_frame
+    for level in levels:
+        skipped = 0 if timing.show_flow else level.flow_end
+
+        def at(step: int, start: int = start, skipped: int = skipped) -> int:
+            return start + (step - skipped) * timing.frames_per_step
+
+        found.append(Span(start, at(level.flow_end), at(level.tightening), at(len(level.cage_steps) - 1)))
+        start = found[-1].end + timing.frames_per_step
+    return tuple(found)
+
+
+def add_basis(obj: bpy.types.Object) -> None:
+    """Makes the mesh as it is the Basis of the shape keys to come."""
+    if obj.data.shape_keys is None:
+        obj.shape_key_add(name="Basis", from_mix=False)
+
+
+def add_steps(obj: bpy.types.Object, steps: NDArray[np.float32], frames: NDArray[np.int64], name: str) -> None:
+    """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
+
+    Equal steps in a row share a key, which is held. Before the first and after the last frame, the first and the last
+    step stay.
+    """
+    basis = np.empty((steps.shape[1], 3), np.float32)
+    obj.data.vertices.foreach_get("co", basis.ravel())
+    coordinates = basis.copy()
+    runs = _runs_of_equal(steps)
+    fcurves: list[tuple[str, list[float]]] = []
+    add_basis(obj)
+    for index, (first, last) in enumerate(runs):
+        if np.array_equal(steps[first], basis[:, :2]):
+            continue
+        coordinates[:, :2] = steps[first]
+        key = obj.shape_key_add(name=f"{name} Step {first}", from_mix=False)
+        key.points.foreach_set("co", coordinates.ravel())
+        keyframes: list[float] = []
+        if index > 0:
+            keyframes += (frames[first - 1], 0.0)
+        keyframes += (frames[first], 1.0)
+        if last > first:
+            keyframes += (frames[last], 1.0)
+        if index + 1 < len(runs):
+            keyframes += (frames[last + 1], 0.0)
+        fcurves.append((f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value', keyframes))
+    animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps")
+
+
+def hide_until(obj: bpy.types.Object, frame: int) -> None:
+    """Hides the object, in the viewport and in renders, on all frames before `frame`."""
+    keyframes = [float(frame - 1), 1.0, float(frame), 0.0]
+    animate(obj, [("hide_viewport", keyframes), ("hide_render", keyframes)], CONSTANT, obj.name)
+
+
+def animate(owner: Any, fcurves: Sequence[tuple[str, Sequence[float]]], interpolation: int, name: str) -> None:
+    """Animates properties of a data-block: pairs of a data path and its keyframes as frame, value, frame, value …"""
+    if not fcurves:
+        return
+    animation = owner.animation_data or owner.animation_data_create()
+    if animation.action is None:
+        animation.action = bpy.data.actions.new(name)
+    action = animation.action
+    for path, keyframes in fcurves:
+        # Blender 4.4 brought slots to actions and 5.0 took the older way out.
+        if hasattr(action, "fcurve_ensure_for_datablock"):
+            fcurve = action.fcurve_ensure_for_datablock(owner, path)
+        else:
+            fcurve = action.fcurves.find(path) or action.fcurves.new(path)
+        count = len(keyframes) // 2
+        fcurve.keyframe_points.add(count)
+        fcurve.keyframe_points.foreach_set("co", keyframes)
+        fcurve.keyframe_points.foreach_set("interpolation", [interpolation] * count)
+        fcurve.update()
+
+
+def remove_animation(owner: Any) -> None:
+    """Removes a data-block's animation, and its action if nothing else uses it."""
+    if owner is None or owner.animation_data is None:
+        return
+    action = owner.animation_data.action
+    owner.animation_data_clear()
+    if action is not None and action.users == 0:
+        bpy.data.actions.remove(action)
+
+
+def add_markers(scene: bpy.types.Scene, timeline: Sequence[Span]) -> list[tuple[str, int]]:
+    """Marks where the phases of each level begin; returns the markers' names and frames."""
+    wanted: list[tuple[str, int]] = []
+    for number, span in enumerate(timeline, 1):
+        if span.reinflation > span.flow:
+            wanted.append((f"Flow {number}", span.flow))
+        wanted.append((f"Reinflation {number}", span.reinflation))
+        wanted.append((f"Tightening {number}", span.tightening))
+    for name, frame in wanted:
+        scene.timeline_markers.new(name, frame=frame)
+    return wanted
+
+
+def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str, int]]) -> None:
+    """Removes one marker for each name and frame, where it is still there."""
+    for name, frame in names_and_frames:
+        marker = next((m for m in scene.timeline_markers if m.name == name and m.frame == frame), None)
+        if marker is not None:
+            scene.timeline_markers.remove(marker)
+
+
+def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
+    """First and last index of each run of equal steps (S, n, 2)."""
+    changes = np.flatnonzero((steps[1:] != steps[:-1]).any(axis=(1, 2))) + 1
+    firsts = [0, *changes.tolist()]
+    return list(zip(firsts, [*(first - 1 for first in firsts[1:]), len(steps) - 1], strict=True))

@@ -1,0 +1,227 @@
+"""Drawings to certified cages in the numbers that Blender stores; nothing here touches the scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .convert import Drawing
+from .refusal import Refusal, load_core, say
+
+# The clearance of the core's default, as a part of the drawing's diagonal.
+AUTOMATIC_CLEARANCE = 1e-5
+# Rounding to float32 moves a coordinate by at most this part of it; of a point by sqrt(2) times that.
+FLOAT32_ROUNDING = float(np.finfo(np.float32).eps) / 2.0
+# What is added to the wanted clearance, in roundings of the largest coordinate: twice what one rounded mesh can lose,
+# as the cage reaches further out than the drawing that the coordinate is taken from.
+MARGIN = 2.0 * np.sqrt(2.0)
+# A second try asks for this many times the margin: rounding can also close a gap of the cage with itself.
+SECOND_MARGIN = 64.0
+
+Percent = float
+
+
+@dataclass(frozen=True)
+class Options:
+    """`levels`: vertex counts (int) or percentages of the drawing's vertices (float), finest first. `clearance`: a
+    length of the scene, 0 = automatic. `decimation`: a key of `DECIMATIONS`.
+    """
+
+    levels: tuple[int | Percent, ...] = ()
+    clearance: float = 0.0
+    decimation: str = "ON_CURVE"
+
+
+# How the coarse mesh of a level is made from the mesh inside it: for the first level, and for those after it. Cages of
+# later levels start outside of the one before, so that nothing has to shrink again, unless resampling was asked for.
+DECIMATIONS: dict[str, tuple[Callable[[ModuleType], Any], Callable[[ModuleType], Any]]] = {
+    "ON_CURVE": (lambda core: core.OnCurve(), lambda core: core.OuterHull()),
+    "OUTER_HULL": (lambda core: core.OuterHull(), lambda core: core.OuterHull()),
+    "ARC_LENGTH": (lambda core: core.ArcLength(), lambda core: core.ArcLength()),
+}
+
+
+@dataclass(frozen=True)
+class Request:
+    """A drawing, and the user's own coarse drawings for it, finest first; without these, `Options.levels` counts."""
+
+    fine: Drawing
+    coarse: tuple[Drawing, ...] = ()
+
+
+@dataclass(frozen=True)
+class CageLevel:
+    """One level as Blender stores it: `fine_steps` (S, n, 2) and `cage_steps` (S, m, 2), float32, go through flow (up
+    to index `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result.
+    """
+
+    fine_edges: NDArray[np.int64]
+    cage_edges: NDArray[np.int64]
+    fine_steps: NDArray[np.float32]
+    cage_steps: NDArray[np.float32]
+    flow_end: int
+    tightening: int
+    certificate: Any
+    report: Any
+
+    @property
+    def cage(self) -> NDArray[np.float32]:
+        """The cage's vertices (m, 2)."""
+        return self.cage_steps[-1]
+
+
+@dataclass(frozen=True)
+class Result:
+    """All levels around one drawing."""
+
+    drawing: Drawing
+    levels: tuple[CageLevel, ...]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How much of everything is done, in [0, 1], and what is being done."""
+
+    fraction: float
+    message: str
+
+
+def parse_levels(text: str) -> tuple[int | Percent, ...]:
+    """Counts and percentages from a text such as "64, 24" or "10% 3%". Raises: Refusal."""
+    levels: list[int | Percent] = []
+    for word in re.split(r"[\s,;]+", re.sub(r"\s+%", "%", text.strip())):
+        if re.fullmatch(r"\d+", word):
+            levels.append(int(word))
+        elif re.fullmatch(r"\d+(\.\d*)?%|\.\d+%", word):
+            levels.append(float(word[:-1]))
+        else:
+            raise Refusal(
+                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas; "
+                "'{text}' is not",
+                text=word or text,
+            )
+    return tuple(levels)
+
+
+def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, ...]:
+    """Vertex counts for a drawing's ``Mesh``; each loop gets three at least. Raises: Refusal if they do not go down."""
+    total, least = len(fine.vertices), 3 * len(fine.loops)
+    found: list[int] = []
+    for level in levels:
+        count = level if isinstance(level, int) else max(least, round(total * level / 100.0))
+        before = found[-1] if found else total
+        if count > before:
+            inner = say("the level before it") if found else say("the drawing")
+            raise Refusal(
+                "'{name}': a level of {count} vertices is more than the {before} of {inner}; list fewer, from "
+                "finest to coarsest",
+                name=name,
+                count=count,
+                before=before,
+                inner=inner,
+            )
+        if count < least:
+            raise Refusal(
+                "'{name}': {count} vertices are too few for its {loops} loops, which need three each",
+                name=name,
+                count=count,
+                loops=len(fine.loops),
+            )
+        found.append(count)
+    return tuple(found)
+
+
+class Generation:
+    """Cages for several drawings as an iterator of `Progress`; ``results`` is complete when it ends. Dropping it
+    cancels.
+
+    Everything that can be refused without computing is refused by the constructor. Raises: Refusal.
+    """
+
+    def __init__(self, requests: Sequence[Request], options: Options) -> None:
+        self.core = load_core()
+        self.options = options
+        self.results: list[Result] = []
+        self._plans: list[tuple[Request, Any, tuple[Any, ...]]] = []
+        for request in requests:
+            fine = request.fine.mesh(self.core)
+            own = tuple(drawing.mesh(self.core) for drawing in request.coarse)
+            if not own and not options.levels:
+                raise Refusal("Give a vertex count for at least one level, such as 64")
+            self._plans.append((request, fine, own or counts(options.levels, fine, request.fine.name)))
+
+    def __iter__(self) -> Iterator[Progress]:
+        total = sum(len(levels) for _, _, levels in self._plans)
+        done = 0
+        for request, fine, levels in self._plans:
+            finished: list[CageLevel] = []
+            for number, wanted in enumerate(levels, 1):
+                label = say("{name}, level {number}", name=request.fine.name, number=number)
+                steps = self._level(request, fine, wanted, number)
+                while True:
+                    try:
+                        progress = next(steps)
+                    except StopIteration as end:
+                        level, fine = end.value
+                        break
+                    yield Progress((done + progress.fraction) / total, f"{label}: {progress.message}")
+                finished.append(level)
+                done += 1
+                yield Progress(done / total, label)
+            self.results.append(Result(request.fine, tuple(finished)))
+
+    def _level(self, request: Request, fine: Any, wanted: Any, number: int) -> Iterator[Any]:
+        """The core's progress of one level; returns (CageLevel, the cage as the next level's fine mesh)."""
+        core, name = self.core, request.fine.name
+        clearance = self.options.clearance / request.fine.frame.scale or AUTOMATIC_CLEARANCE * fine.diagonal
+        margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
+        first, later = DECIMATIONS[self.options.decimation]
+        settings = core.Settings(decimation=(first if number == 1 else later)(core))
+        problems: tuple[str, ...] = ()
+        for ask in (clearance + margin, clearance + SECOND_MARGIN * margin):
+            try:
+                run = core.NestedCagesRun(fine, [wanted], replace(settings, clearance=ask))
+                yield from run
+            except core.NestedCagesError as error:
+                raise Refusal("'{name}', level {number}: {problem}", name=name, number=number, problem=error) from error
+            level = run.hierarchy.levels[0]
+            cage = level.cage.moved(as_stored(level.cage.vertices))
+            certificate = core.verify(cage, fine, clearance)
+            if certificate.holds:
+                return self._stored(fine, level, certificate), core.Mesh(cage.vertices, cage.edges)
+            problems = certificate.problems
+        raise Refusal(
+            "'{name}', level {number}: the cage does not hold in Blender's single precision ({problem}); move the "
+            "drawing closer to its object's origin, or ask for more clearance",
+            name=name,
+            number=number,
+            problem="; ".join(problems),
+        )
+
+    def _stored(self, fine: Any, level: Any, certificate: Any) -> CageLevel:
+        """The core's level as a `CageLevel`: the flow, during which the coarse mesh stands still, and the reinflation
+        in one sequence.
+        """
+        flow, reinflation = level.flow.steps, level.reinflation
+        standing = np.broadcast_to(level.coarse.vertices, (len(flow) - 1, *level.coarse.vertices.shape))
+        return CageLevel(
+            fine_edges=fine.edges,
+            cage_edges=level.cage.edges,
+            fine_steps=np.concatenate([flow[:-1], reinflation.fine_steps]).astype(np.float32),
+            cage_steps=np.concatenate([standing, reinflation.cage_steps]).astype(np.float32),
+            flow_end=len(flow) - 1,
+            tightening=len(flow) - 1 + reinflation.tightening_start,
+            certificate=certificate,
+            report=level.report,
+        )
+
+
+def as_stored(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points as Blender stores them."""
+    return points.astype(np.float32).astype(np.float64)

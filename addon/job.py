@@ -1,0 +1,55 @@
+"""Work that goes on in slices while Blender stays usable; the panel shows what ``running()`` says."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+from .generate import Generation, Progress
+
+# Seconds of work per tick of the timer, and seconds between ticks: some ten redraws a second, with most of the time
+# spent working.
+SLICE = 0.08
+TICK = 0.01
+
+
+class Job:
+    """A generation under way: ``fraction`` and ``message`` for display, ``cancelled`` for anybody to set."""
+
+    def __init__(self, generation: Generation) -> None:
+        self.generation = generation
+        self.fraction = 0.0
+        self.message = ""
+        self.cancelled = False
+        self._work: Iterator[Progress] = iter(generation)
+
+    def advance(self, seconds: float = SLICE) -> bool:
+        """Works for about `seconds`; True when everything is done. Raises: Refusal."""
+        until = time.perf_counter() + seconds
+        for progress in self._work:
+            self.fraction, self.message = progress.fraction, progress.message
+            if time.perf_counter() >= until:
+                return False
+        return True
+
+    def drain(self) -> None:
+        """Works to the end. Raises: Refusal."""
+        while not self.advance(float("inf")):
+            pass
+
+    def start(self) -> None:
+        """Makes this the job that `running` returns."""
+        _current.append(self)
+
+    def stop(self) -> None:
+        """Drops the work; `running` returns None again."""
+        _current.clear()
+        self._work = iter(())
+
+
+_current: list[Job] = []
+
+
+def running() -> Job | None:
+    """The job under way, if there is one."""
+    return _current[0] if _current else None

@@ -1,0 +1,7 @@
+"""The add-on's operators: thin, over the public functions of the rooms beside this folder."""
+
+from __future__ import annotations
+
+from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
+
+CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel)

@@ -1,0 +1,179 @@
+"""Generate Nested Cages: in slices with progress when invoked, at once when executed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .. import convert, output, properties
+from ..generate import Generation, Request
+from ..job import TICK, Job, running
+from ..properties import GenerationProperties
+from ..refusal import Refusal, say
+
+
+class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
+    """Wrap the selected drawings in coarse outlines that strictly enclose them, and animate how the outlines grow"""
+
+    bl_idname = "object.nested_cages_generate"
+    bl_label = "Generate Nested Cages"
+    bl_options = {"REGISTER", "UNDO"}
+
+    _job: Job | None = None
+    _timer: Any = None
+    _scene_name: str = ""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if running() is not None:
+            cls.poll_message_set("Cages are being generated: wait, or press Escape")
+        elif context.mode != "OBJECT":
+            cls.poll_message_set("Switch to Object Mode")
+        elif not any(convert.readable(obj) for obj in context.selected_objects):
+            cls.poll_message_set("Select a closed curve, a text or a mesh made of edge loops")
+        else:
+            return True
+        return False
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        for name in properties.NAMES:
+            layout.prop(self, name)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            job = self._prepare(context)
+            job.drain()
+            return self._write(context.scene, job)
+        except Refusal as refusal:
+            return self._refuse(refusal)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        if bpy.app.background or context.window is None:
+            return self.execute(context)
+        try:
+            self._job = self._prepare(context)
+        except Refusal as refusal:
+            return self._refuse(refusal)
+        self._scene_name = context.scene.name
+        self._job.start()
+        self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        job = self._job
+        if job.cancelled or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
+            self.report({"INFO"}, say("Nested Cages: cancelled, nothing was changed"))
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            if not job.advance():
+                self._show(context)
+                return {"PASS_THROUGH"}
+            self.cancel(context)
+            scene = bpy.data.scenes.get(self._scene_name)
+            if scene is None:
+                raise Refusal("The scene of the drawing is gone, so its cages were dropped")
+            return self._write(scene, job)
+        except Refusal as refusal:
+            self.cancel(context)
+            return self._refuse(refusal)
+        except Exception:
+            self.cancel(context)
+            raise
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Stops the work; Blender calls this too when it ends or opens another file."""
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if self._job is not None:
+            self._job.stop()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        _redraw(context)
+
+    def _prepare(self, context: bpy.types.Context) -> Job:
+        """Reads the selection. Raises: Refusal."""
+        options = properties.options(self)
+        return Job(Generation(requests(context, self), options))
+
+    def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:
+        """Puts the results into the scene. Raises: Refusal."""
+        results = job.generation.results
+        collections = output.write(scene, results, properties.timing(self))
+        if self.show_result:
+            scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
+        cages = [level for result in results for level in result.levels]
+        excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
+        self.report({"INFO"}, say("{count} certified cages; excess {excess}", count=len(cages), excess=excess))
+        return {"FINISHED"}
+
+    def _refuse(self, refusal: Refusal) -> set[str]:
+        self.report({"ERROR"}, str(refusal))
+        return {"CANCELLED"}
+
+    def _show(self, context: bpy.types.Context) -> None:
+        """Progress in the status bar, and in the panel by drawing it again."""
+        text = say(
+            "Nested Cages {percent:.0f} %  {message}   |   Esc: cancel",
+            percent=100.0 * self._job.fraction,
+            message=self._job.message,
+        )
+        context.workspace.status_text_set(text)
+        _redraw(context)
+
+
+class NESTEDCAGES_OT_cancel(bpy.types.Operator):
+    """Stop generating cages and leave the scene as it is"""
+
+    bl_idname = "object.nested_cages_cancel"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        if running() is None:
+            cls.poll_message_set("No cages are being generated")
+            return False
+        return True
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        running().cancelled = True
+        return {"FINISHED"}
+
+
+def requests(context: bpy.types.Context, values: GenerationProperties) -> list[Request]:
+    """What the selection asks for: each drawing with its own cages, or the active one with the others as its levels.
+    Raises: Refusal.
+    """
+    reading = properties.reading_options(values)
+    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
+    if not values.use_selected_as_levels:
+        return [Request(convert.fine_drawing(convert.read(context, obj, reading), reading)) for obj in selected]
+    active = context.view_layer.objects.active
+    if active not in selected or len(selected) < 2:
+        raise Refusal(
+            "'Selected as Levels' needs the drawing as the active object and at least one coarse mesh selected "
+            "beside it"
+        )
+    fine = convert.fine_drawing(convert.read(context, active, reading), reading)
+    coarse = [
+        convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading)
+        for obj in selected
+        if obj is not active
+    ]
+    return [Request(fine, tuple(sorted(coarse, key=lambda drawing: -sum(map(len, drawing.loops)))))]
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()

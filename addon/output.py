@@ -1,0 +1,236 @@
+"""Results to objects: one collection per drawing with its fine mesh and one object per cage, replacing what was there
+from before.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from . import animation
+from .animation import Span, Timing
+from .generate import CageLevel, Result
+from .refusal import Refusal, say
+
+# Names of the custom properties that say where an output comes from and what it is.
+SOURCE = "nested_cages_source"
+LEVEL = "nested_cages_level"
+MARKERS = "nested_cages_markers"
+FRAME_END = "nested_cages_frame_end"
+
+# Linear colours: the fine mesh nearly white, the cages from warm to cool, easy to tell apart also for the colour-blind
+# (after Okabe & Ito).
+FINE_COLOUR = (0.9, 0.9, 0.9, 1.0)
+CAGE_COLOURS = (
+    (0.80, 0.35, 0.00, 1.0),
+    (0.10, 0.46, 0.80, 1.0),
+    (0.00, 0.34, 0.17, 1.0),
+    (0.60, 0.19, 0.38, 1.0),
+    (0.86, 0.75, 0.05, 1.0),
+)
+
+
+def collection_of(scene: bpy.types.Scene, source: str) -> bpy.types.Collection | None:
+    """The collection that holds the output of the object named `source`, if there is one in the scene."""
+    return next((c for c in scene.collection.children_recursive if c.get(SOURCE) == source), None)
+
+
+def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | None:
+    """The object of a level in an output collection; level 0 is the fine mesh."""
+    return next((o for o in collection.objects if o.get(LEVEL) == level), None)
+
+
+def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """All output objects of a collection, the fine mesh first."""
+    return sorted((o for o in collection.objects if LEVEL in o), key=lambda o: o[LEVEL])
+
+
+def write(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing) -> list[bpy.types.Collection]:
+    """Writes the output of each drawing. Raises: Refusal, before anything is changed, if earlier output cannot be
+    replaced.
+    """
+    for result in results:
+        _check_replaceable(scene, result)
+    return [_write_one(scene, result, timing) for result in results]
+
+
+def _check_replaceable(scene: bpy.types.Scene, result: Result) -> None:
+    collection = collection_of(scene, result.drawing.name)
+    for obj in members(collection) if collection else ():
+        if obj.mode != "OBJECT":
+            raise Refusal(
+                "'{name}' is about to be replaced but is being edited: go back to Object Mode first", name=obj.name
+            )
+        if not obj.is_editable:
+            raise Refusal("'{name}' cannot be replaced because it is linked from another file", name=obj.name)
+
+
+def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.types.Collection:
+    name, first = result.drawing.name, result.levels[0]
+    collection = collection_of(scene, name)
+    if collection is None:
+        collection = bpy.data.collections.new(say("{name} Cages", name=name))
+        scene.collection.children.link(collection)
+    _forget_frames(scene, collection)
+    timeline = animation.spans(result.levels, timing)
+
+    fine = _member_with_mesh(
+        collection, 0, say("{name} Fine", name=name), first.fine_edges, first.fine_steps[-1], result
+    )
+    _play(fine, first.fine_steps, first, timeline[0], timing, 1)
+    _describe(fine, {LEVEL: 0, SOURCE: name, "nested_cages_vertices": len(fine.data.vertices)})
+    for number, (level, span) in enumerate(zip(result.levels, timeline, strict=True), 1):
+        cage = _member_with_mesh(
+            collection,
+            number,
+            say("{name} Cage {number}", name=name, number=number),
+            level.cage_edges,
+            level.cage,
+            result,
+        )
+        _play(cage, level.cage_steps, level, span, timing, number)
+        if number < len(result.levels):
+            inner = result.levels[number]
+            _play(cage, inner.fine_steps, inner, timeline[number], timing, number + 1)
+        animation.hide_until(cage, span.flow)
+        _describe(cage, _facts(result, level, span, number))
+    for surplus in [o for o in members(collection) if o[LEVEL] > len(result.levels)]:
+        _remove(surplus)
+
+    _describe(
+        collection, {SOURCE: name, "nested_cages_levels": len(result.levels), "nested_cages_end": timeline[-1].end}
+    )
+    collection[MARKERS] = json.dumps(animation.add_markers(scene, timeline))
+    if scene.frame_end < timeline[-1].end:
+        collection[FRAME_END] = [scene.frame_end, timeline[-1].end]
+        scene.frame_end = timeline[-1].end
+    return collection
+
+
+def _play(
+    obj: bpy.types.Object, steps: NDArray[np.float32], level: CageLevel, span: Span, timing: Timing, number: int
+) -> None:
+    """Animates the steps of a level on one object."""
+    shown = steps if timing.show_flow else steps[level.flow_end :]
+    frames = span.flow + np.arange(len(shown)) * timing.frames_per_step
+    animation.add_steps(obj, shown, frames, f"Level {number}")
+
+
+def _member_with_mesh(
+    collection: bpy.types.Collection,
+    level: int,
+    name: str,
+    edges: NDArray[np.int64],
+    vertices: NDArray[np.float32],
+    result: Result,
+) -> bpy.types.Object:
+    """The collection's object of a level with a new mesh that lies where the drawing does; the object is kept if there
+    is one.
+    """
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(vertices))
+    mesh.edges.add(len(edges))
+    mesh.vertices.foreach_set("co", result.drawing.frame.points(vertices).astype(np.float32).ravel())
+    mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
+    mesh.update()
+    obj = member(collection, level)
+    if obj is None:
+        obj = bpy.data.objects.new(name, mesh)
+        obj[LEVEL] = level
+        collection.objects.link(obj)
+        obj.display_type = "WIRE"
+        obj.show_in_front = True
+        obj.color = CAGE_COLOURS[(level - 1) % len(CAGE_COLOURS)] if level else FINE_COLOUR
+    else:
+        old = obj.data
+        animation.remove_animation(obj)
+        obj.data = mesh
+        _remove_mesh(old)
+        mesh.name = name
+    obj.hide_viewport = obj.hide_render = False
+    _place(obj, result)
+    return obj
+
+
+def _place(obj: bpy.types.Object, result: Result) -> None:
+    """Puts the object where the drawing is; with the very numbers of the source's transform if that can be."""
+    source = bpy.data.objects.get(result.drawing.name)
+    stands_there = source is not None and np.array_equal(np.array(source.matrix_world), result.drawing.frame.matrix)
+    if result.drawing.frame.own and stands_there and source.parent is None and not source.constraints:
+        obj.rotation_mode = source.rotation_mode
+        for channel in (
+            "location",
+            "rotation_euler",
+            "rotation_quaternion",
+            "rotation_axis_angle",
+            "scale",
+            "delta_location",
+            "delta_rotation_euler",
+            "delta_rotation_quaternion",
+            "delta_scale",
+        ):
+            setattr(obj, channel, getattr(source, channel))
+    else:
+        obj.matrix_world = Matrix(result.drawing.frame.matrix.tolist())
+
+
+def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:
+    """What the panel and other programs can read from a cage; lengths are those of the scene."""
+    certificate, report = level.certificate, level.report
+    clearance = certificate.clearance * result.drawing.frame.scale
+    return {
+        LEVEL: number,
+        SOURCE: result.drawing.name,
+        "nested_cages_vertices": len(level.cage),
+        "nested_cages_clearance": clearance,
+        "nested_cages_excess": float(certificate.excess),
+        "nested_cages_begins_from": str(report.start),
+        "nested_cages_seconds": float(sum(report.seconds.values())),
+        "nested_cages_notes": "; ".join(report.notes),
+        "nested_cages_flow_start": span.flow,
+        "nested_cages_reinflation_start": span.reinflation,
+        "nested_cages_tightening_start": span.tightening,
+        "nested_cages_end": span.end,
+        "nested_cages_certificate": say(
+            "Certified as stored: simple, all loops kept, strictly encloses level {inner}; clearance {clearance:.3g}, "
+            "excess {excess:.2f} %",
+            inner=number - 1,
+            clearance=clearance,
+            excess=100.0 * certificate.excess,
+        ),
+    }
+
+
+def _describe(owner: Any, properties: dict[str, Any]) -> None:
+    for name, value in properties.items():
+        owner[name] = value
+
+
+def _forget_frames(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
+    """Takes back the markers and the end frame that this collection's earlier output brought."""
+    animation.remove_markers(scene, [(name, frame) for name, frame in json.loads(collection.get(MARKERS, "[]"))])
+    before, after = collection.get(FRAME_END, (0, 0))
+    if before and scene.frame_end == after:
+        scene.frame_end = before
+    if FRAME_END in collection:
+        del collection[FRAME_END]
+
+
+def _remove(obj: bpy.types.Object) -> None:
+    mesh = obj.data
+    animation.remove_animation(obj)
+    bpy.data.objects.remove(obj)
+    _remove_mesh(mesh)
+
+
+def _remove_mesh(mesh: bpy.types.Mesh) -> None:
+    """Removes a mesh that nothing uses any more, with the actions of its shape keys."""
+    if mesh.users == 0:
+        animation.remove_animation(mesh.shape_keys)
+        bpy.data.meshes.remove(mesh)

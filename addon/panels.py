@@ -1,0 +1,113 @@
+"""The sidebar tab: settings, the button or the progress, and what was found. Panels read; they compute nothing."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import output
+from .job import running
+from .properties import copy_values
+
+CATEGORY = "Nested Cages"
+
+
+class SidebarPanel:
+    """Where all panels of the add-on are."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = CATEGORY
+
+
+class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
+    """Settings of the cages and the button that generates them"""
+
+    bl_label = "Nested Cages"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.nested_cages
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column()
+        levels = column.row()
+        levels.active = not settings.use_selected_as_levels
+        levels.prop(settings, "levels")
+        column.prop(settings, "use_selected_as_levels")
+        column.prop(settings, "clearance")
+        column.prop(settings, "decimation")
+        column = layout.column(align=True)
+        column.prop(settings, "start_frame")
+        column.prop(settings, "frames_per_step")
+        column = layout.column()
+        column.prop(settings, "show_flow")
+        column.prop(settings, "show_result")
+        job = running()
+        if job is None:
+            row = layout.row()
+            row.scale_y = 1.5
+            copy_values(settings, row.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
+        else:
+            layout.progress(factor=job.fraction, text=job.message)
+            layout.operator("object.nested_cages_cancel", icon="CANCEL")
+
+
+class VIEW3D_PT_nested_cages_reading(SidebarPanel, bpy.types.Panel):
+    """How the selected objects are read"""
+
+    bl_label = "Drawing"
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.nested_cages
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("resolution", "close_open", "project"):
+            layout.prop(settings, name)
+
+
+class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
+    """What is known of the active object's cages"""
+
+    bl_label = "Result"
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _shown_collection(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        collection = _shown_collection(context)
+        layout = self.layout
+        layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
+        for obj in output.members(collection):
+            box = layout.box().column(align=True)
+            box.label(text=obj.name, icon="MESH_DATA" if obj[output.LEVEL] == 0 else "MOD_MESHDEFORM", translate=False)
+            for label, text in _readout(obj):
+                row = box.split(factor=0.45)
+                row.label(text=label)
+                row.label(text=text, translate=False)
+
+
+def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
+    """Label and value of what is stored on an output object."""
+    rows = [("Vertices", str(obj.get("nested_cages_vertices", "")))]
+    if obj[output.LEVEL]:
+        rows += [
+            ("Excess", f"{100.0 * obj['nested_cages_excess']:.2f} %"),
+            ("Clearance", f"{obj['nested_cages_clearance']:.3g}"),
+            ("Time", f"{obj['nested_cages_seconds']:.2f} s"),
+            ("Frames", f"{obj['nested_cages_flow_start']} – {obj['nested_cages_end']}"),
+        ]
+    return rows
+
+
+def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None:
+    """The output that the active object belongs to or is the source of."""
+    obj = context.active_object
+    if obj is None:
+        return None
+    return output.collection_of(context.scene, obj.get(output.SOURCE, obj.name))
+
+
+CLASSES = (VIEW3D_PT_nested_cages, VIEW3D_PT_nested_cages_reading, VIEW3D_PT_nested_cages_result)

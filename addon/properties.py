@@ -1,0 +1,148 @@
+"""What the user can set: once as the scene's settings, which the panel shows, and once as the operator's properties."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+from .animation import Timing
+from .convert import ReadingOptions
+from .generate import Options, parse_levels
+
+DECIMATION_ITEMS = (
+    (
+        "ON_CURVE",
+        "On the Curve",
+        "Coarse meshes start on the drawing, so that it is seen to shrink, and to push them out while it grows back; "
+        "further levels start from the outer hull",
+    ),
+    (
+        "OUTER_HULL",
+        "Outer Hull",
+        "Coarse meshes start outside of the drawing, which need not shrink: the tightest cages",
+    ),
+    ("ARC_LENGTH", "Even Resampling", "Coarse vertices lie on the drawing at equal distances along it, on every level"),
+)
+
+
+class GenerationProperties:
+    """The settings, for a class of Blender to inherit."""
+
+    levels: StringProperty(  # type: ignore[valid-type]
+        name="Levels",
+        description=(
+            "Number of vertices of each cage from the inside out, such as 64, 24; or parts of the drawing's own "
+            "number, such as 10%"
+        ),
+        default="64, 24",
+    )
+    use_selected_as_levels: BoolProperty(  # type: ignore[valid-type]
+        name="Selected as Levels",
+        description=(
+            "The active object is the drawing, and the other selected objects are its coarse meshes, from finest to "
+            "coarsest"
+        ),
+        default=False,
+    )
+    clearance: FloatProperty(  # type: ignore[valid-type]
+        name="Clearance",
+        description=(
+            "Smallest distance between a cage and what it encloses; 0 takes a hundred thousandth of the drawing's size"
+        ),
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+    decimation: EnumProperty(  # type: ignore[valid-type]
+        name="Coarse Meshes",
+        description="How the coarse mesh that becomes a cage is made",
+        items=DECIMATION_ITEMS,
+        default="ON_CURVE",
+    )
+    start_frame: IntProperty(  # type: ignore[valid-type]
+        name="Start Frame",
+        description="Frame on which the animation begins",
+        default=1,
+        soft_min=0,
+    )
+    frames_per_step: IntProperty(  # type: ignore[valid-type]
+        name="Frames per Step",
+        description="Frames from one step of the computation to the next",
+        default=4,
+        min=1,
+        soft_max=24,
+    )
+    show_flow: BoolProperty(  # type: ignore[valid-type]
+        name="Show Flow",
+        description="Begin the animation with the drawing shrinking into the coarse mesh, which it passes through",
+        default=True,
+    )
+    show_result: BoolProperty(  # type: ignore[valid-type]
+        name="Jump to Result",
+        description="Go to the last frame of the animation when the cages are made",
+        default=True,
+    )
+    resolution: IntProperty(  # type: ignore[valid-type]
+        name="Resolution",
+        description=(
+            "Segments between two control points of a curve; 0 takes the resolution that the curve is shown with"
+        ),
+        default=0,
+        min=0,
+        soft_max=64,
+        max=1024,
+    )
+    close_open: BoolProperty(  # type: ignore[valid-type]
+        name="Close Open Lines",
+        description="Join the two ends of open splines and lines instead of refusing them",
+        default=False,
+    )
+    project: BoolProperty(  # type: ignore[valid-type]
+        name="Project Anyway",
+        description="Flatten drawings that are not planar onto the plane that fits them best instead of refusing them",
+        default=False,
+    )
+
+
+# In the order of the panel.
+NAMES = tuple(GenerationProperties.__annotations__)
+
+
+class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
+    """The scene's settings for the next cages."""
+
+
+def reading_options(values: GenerationProperties) -> ReadingOptions:
+    """How objects are read."""
+    return ReadingOptions(resolution=values.resolution, close_open=values.close_open, project=values.project)
+
+
+def options(values: GenerationProperties) -> Options:
+    """What is computed. Raises: Refusal if the levels are not numbers."""
+    levels = () if values.use_selected_as_levels else parse_levels(values.levels)
+    return Options(levels=levels, clearance=values.clearance, decimation=values.decimation)
+
+
+def timing(values: GenerationProperties) -> Timing:
+    """How the result is animated."""
+    return Timing(start_frame=values.start_frame, frames_per_step=values.frames_per_step, show_flow=values.show_flow)
+
+
+def copy_values(source: GenerationProperties, target: GenerationProperties) -> None:
+    """Sets all settings of `target` to those of `source`."""
+    for name in NAMES:
+        setattr(target, name, getattr(source, name))
+
+
+def register() -> None:
+    bpy.utils.register_class(NestedCagesSettings)
+    bpy.types.Scene.nested_cages = PointerProperty(type=NestedCagesSettings, name="Nested Cages")
+
+
+def unregister() -> None:
+    del bpy.types.Scene.nested_cages
+    bpy.utils.unregister_class(NestedCagesSettings)

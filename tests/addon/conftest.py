@@ -1,0 +1,64 @@
+"""The add-on, registered once from the repository's root as Blender would, and an empty scene for every test."""
+
+from __future__ import annotations
+
+import atexit
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+ROOT = Path(__file__).resolve().parents[2]
+# Any name will do: an extension is imported as bl_ext.<repository>.<id>, so nothing may depend on it.
+PACKAGE = "nested_cages_extension"
+
+
+@pytest.fixture(scope="session")
+def extension() -> Iterator[ModuleType]:
+    """The root package as Blender's extension, registered for the whole session."""
+    spec = importlib.util.spec_from_file_location(PACKAGE, ROOT / "__init__.py", submodule_search_locations=[str(ROOT)])
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[PACKAGE] = module
+    spec.loader.exec_module(module)
+    module.register()
+    # Classes that are still registered when the interpreter ends make some versions of bpy crash or hang.
+    registered = [True]
+
+    def leave() -> None:
+        if registered:
+            registered.clear()
+            module.unregister()
+
+    atexit.register(leave)
+    yield module
+    leave()
+
+
+@pytest.fixture(autouse=True)
+def empty_scene(extension: ModuleType) -> None:
+    """A scene without objects, on frame 1 of 1 to 250."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+@pytest.fixture
+def addon(extension: ModuleType) -> ModuleType:
+    """The package `addon`, with all rooms that the tests use as attributes."""
+    from importlib import import_module
+
+    for room in ("animation", "chains", "convert", "generate", "job", "output", "plane", "properties", "refusal"):
+        import_module(f"{PACKAGE}.addon.{room}")
+    return import_module(f"{PACKAGE}.addon")
+
+
+@pytest.fixture
+def core(extension: ModuleType) -> ModuleType:
+    """The core as the add-on sees it."""
+    from importlib import import_module
+
+    return import_module(f"{PACKAGE}.nestedcages_core")

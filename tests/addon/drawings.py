@@ -1,0 +1,166 @@
+"""Objects to test with, what a scene consists of, and the evaluated shape of an object as shapely sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+Loop = NDArray[np.float64]
+
+
+def circle(count: int = 48, radius: float = 1.0, middle: tuple[float, float] = (0.0, 0.0)) -> Loop:
+    """A regular polygon (count, 2)."""
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    return np.column_stack([np.cos(angles), np.sin(angles)]) * radius + np.array(middle)
+
+
+def star(count: int = 60, depth: float = 0.25, waves: int = 5) -> Loop:
+    """A wavy circle (count, 2) that is far from convex."""
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    return np.column_stack([np.cos(angles), np.sin(angles)]) * (1.0 + depth * np.cos(waves * angles))[:, None]
+
+
+def raised(loop: Loop, z: float = 0.0) -> NDArray[np.float64]:
+    """Points (k, 2) as (k, 3), or (k, 3) as they are."""
+    return loop if loop.shape[1] == 3 else np.column_stack([loop, np.full(len(loop), z)])
+
+
+def add(name: str, data: Any, select: bool = True) -> Any:
+    """Links a new object into the scene, selects it and makes it active."""
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    if select:
+        obj.select_set(True)
+        bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def poly_curve(name: str, loops: Sequence[Loop], cyclic: bool = True, dimensions: str = "2D") -> Any:
+    """A curve object with one poly spline per loop."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = dimensions
+    for loop in loops:
+        spline = data.splines.new("POLY")
+        spline.points.add(len(loop) - 1)
+        spline.points.foreach_set("co", np.column_stack([raised(loop), np.ones(len(loop))]).ravel())
+        spline.use_cyclic_u = cyclic
+    return add(name, data)
+
+
+def bezier_circle(name: str, radius: float = 1.0, resolution: int = 12) -> Any:
+    """A Bezier curve of four points with automatic handles."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "2D"
+    data.resolution_u = resolution
+    spline = data.splines.new("BEZIER")
+    spline.bezier_points.add(3)
+    for point, (x, y) in zip(spline.bezier_points, circle(4, radius), strict=True):
+        point.co = (x, y, 0.0)
+        point.handle_left_type = point.handle_right_type = "AUTO"
+    spline.use_cyclic_u = True
+    spline.resolution_u = resolution
+    return add(name, data)
+
+
+def nurbs_circle(name: str) -> Any:
+    """A cyclic NURBS curve around a square."""
+    data = bpy.data.curves.new(name, "CURVE")
+    spline = data.splines.new("NURBS")
+    spline.points.add(7)
+    spline.points.foreach_set("co", np.column_stack([raised(circle(8)), np.ones(8)]).ravel())
+    spline.use_cyclic_u = True
+    spline.order_u = 4
+    return add(name, data)
+
+
+def wire(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
+    """A mesh object made of edge loops."""
+    mesh = bpy.data.meshes.new(name)
+    vertices, edges, offset = [], [], 0
+    for loop in loops:
+        vertices += raised(loop).tolist()
+        count = len(loop)
+        edges += [(offset + i, offset + (i + 1) % count) for i in range(count if cyclic else count - 1)]
+        offset += count
+    mesh.from_pydata(vertices, edges, [])
+    return add(name, mesh)
+
+
+def grid_face(name: str, cells: int = 4) -> Any:
+    """A mesh object of square faces, `cells` by `cells`, over the unit square."""
+    mesh = bpy.data.meshes.new(name)
+    side = cells + 1
+    vertices = [(x / cells, y / cells, 0.0) for y in range(side) for x in range(side)]
+    corners = [y * side + x for y in range(cells) for x in range(cells)]
+    mesh.from_pydata(vertices, [], [(c, c + 1, c + side + 1, c + side) for c in corners])
+    return add(name, mesh)
+
+
+def snapshot() -> dict[str, Any]:
+    """Everything that a refused operator must leave as it was."""
+    data = {
+        name: sorted((item.name_full, item.users) for item in collection)
+        for name in dir(bpy.data)
+        if isinstance(collection := getattr(bpy.data, name), bpy.types.bpy_prop_collection)
+    }
+    scene, active = bpy.context.scene, bpy.context.view_layer.objects.active
+    return data | {
+        "selected": sorted(obj.name for obj in bpy.context.selected_objects),
+        "active": active.name if active else None,
+        "frames": (scene.frame_current, scene.frame_subframe, scene.frame_start, scene.frame_end),
+        "markers": [(marker.name, marker.frame) for marker in scene.timeline_markers],
+        "children": sorted(collection.name for collection in scene.collection.children_recursive),
+        "matrices": {obj.name: tuple(map(tuple, obj.matrix_world)) for obj in bpy.data.objects},
+        "hidden": sorted(obj.name for obj in bpy.data.objects if obj.hide_viewport or obj.hide_get()),
+        "properties": sorted((obj.name, tuple(obj.keys())) for obj in bpy.data.objects),
+    }
+
+
+def at_frame(frame: float) -> Any:
+    """The dependency graph on a frame, which may be a fraction."""
+    bpy.context.scene.frame_set(int(frame // 1), subframe=frame % 1)
+    return bpy.context.evaluated_depsgraph_get()
+
+
+def evaluated(obj: Any, depsgraph: Any = None) -> NDArray[np.float32]:
+    """Vertices (n, 3) of the evaluated object in its own space."""
+    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+    shape = obj.evaluated_get(depsgraph)
+    mesh = shape.to_mesh()
+    vertices = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", vertices.ravel())
+    shape.to_mesh_clear()
+    return vertices
+
+
+def in_world(obj: Any, points: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Points (n, 3) of an object's own space in the world."""
+    matrix = np.array(obj.matrix_world, dtype=float)
+    return points.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def edges_of(obj: Any) -> NDArray[np.int32]:
+    """Edges (m, 2) of a mesh object."""
+    edges = np.empty((len(obj.data.edges), 2), np.int32)
+    obj.data.edges.foreach_get("vertices", edges.ravel())
+    return edges
+
+
+def lines(obj: Any, depsgraph: Any = None) -> Any:
+    """The evaluated edges of a mesh object as a shapely MultiLineString in the object's x and y."""
+    points = evaluated(obj, depsgraph)[:, :2].astype(float)
+    return shapely.multilinestrings(shapely.linestrings(points[edges_of(obj)]))
+
+
+def solid(obj: Any, depsgraph: Any = None) -> Any:
+    """The area that the evaluated edges of a mesh object bound, by shapely: loops in loops are holes."""
+    faces = shapely.polygonize(shapely.get_parts(lines(obj, depsgraph)))
+    area = shapely.Polygon()
+    for ring in sorted((shapely.Polygon(face.exterior) for face in faces.geoms), key=lambda p: -p.area):
+        area = area.symmetric_difference(ring)
+    return area
