@@ -1,0 +1,185 @@
+"""What exact predicates say of a cage: simple, with its loops, strictly around the solid of the fine mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._types import IntArray
+from ..errors import InvalidMeshError
+from ..mesh import Mesh
+from ..mesh.loops import enclosing_pairs, parents, turning_senses
+from ..mesh.validation import crossing_point, place
+from ..predicates import BoxTree, crossing_pairs
+from .clearance import smallest_gap
+
+CLEARANCE_TOLERANCE = 1e-9
+"""Relative shortfall of the measured clearance that still counts as reached; above the rounding of a distance."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What is known about a cage and the fine mesh in it; true if it holds."""
+
+    simple: bool
+    """The cage is valid: finite, closed loops that neither cross nor touch."""
+    loops_kept: bool
+    """The cage has as many loops as the fine mesh, each with its own sense, and each next to one of its own kind."""
+    strict: bool
+    """The solid of the fine mesh lies in the interior of the cage's solid: every component, and all of it."""
+    clearance: float
+    """Measured smallest distance between the two boundaries; 0 where they meet, nan where it cannot be measured."""
+    excess: float
+    """area(cage) / area(fine) - 1."""
+    problems: tuple[str, ...]
+    """A sentence for each requirement that is not met."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether every requirement is met."""
+        return not self.problems
+
+    def __bool__(self) -> bool:
+        return self.holds
+
+
+def verify(cage: Mesh, fine: Mesh, clearance: float = 0.0, *, same_loops: bool = True) -> Certificate:
+    """The certificate of a cage around a fine mesh, for any pair; every verdict but the distance is exact.
+
+    clearance: the distance between the two boundaries to ask for, in input units.
+    same_loops: whether the cage must keep the loops of the fine mesh; without it, a cage may cover holes, and one loop
+    may wrap several components.
+    """
+    with np.errstate(all="ignore"):
+        excess = float(np.float64(cage.area) / fine.area - 1.0)
+    problems: list[str] = []
+    judged, judged_fine = (_at_the_door(mesh, name, problems) for mesh, name in ((cage, "cage"), (fine, "fine mesh")))
+    if judged is None or judged_fine is None:
+        return Certificate(judged is not None, False, False, float("nan"), excess, tuple(problems))
+    pair = _Pair(judged, judged_fine)
+    turned = np.flatnonzero(judged.loop_signs != cage.loop_signs)
+    problems += [f"Loop {k} of the cage is turned inside out near {pair.of_cage(k)}." for k in turned]
+    contact = pair.contact()
+    problems += contact
+    strict = loops_kept = False
+    if not contact:
+        outside = pair.outside()
+        problems += outside
+        strict = not outside
+        misplaced = pair.misplaced_loops()
+        loops_kept = not misplaced and len(turned) == 0
+        if same_loops and strict:
+            problems += misplaced
+    measured = 0.0 if contact else pair.gap()
+    if not contact and measured < clearance * (1.0 - CLEARANCE_TOLERANCE):
+        problems.append(f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for.")
+    return Certificate(True, loops_kept, strict, measured, excess, tuple(problems))
+
+
+def _at_the_door(mesh: Mesh, name: str, problems: list[str]) -> Mesh | None:
+    """The mesh as the door lets it in, or None and a sentence."""
+    try:
+        return mesh.validated()
+    except InvalidMeshError as error:
+        problems.append(f"The {name} is not a valid mesh: {error}")
+        return None
+
+
+class _Pair:
+    """A valid cage and a valid fine mesh, with the boxes of their edges in loop order."""
+
+    def __init__(self, cage: Mesh, fine: Mesh) -> None:
+        self.cage, self.fine = cage, fine
+        self.cage_order, self.fine_order = np.concatenate(cage.loops), np.concatenate(fine.loops)
+        self.cage_tree, self.fine_tree = (
+            BoxTree(mesh.vertices[order], mesh.vertices[mesh.successor[order]])
+            for mesh, order in ((cage, self.cage_order), (fine, self.fine_order))
+        )
+        self._nested: tuple[IntArray, IntArray] | None = None
+
+    def of_cage(self, loop: int) -> str:
+        """Where a loop of the cage is, for the user."""
+        return place(self.cage.vertices[self.cage.loops[loop][0]])
+
+    def of_fine(self, loop: int) -> str:
+        """Where a loop of the fine mesh is, for the user."""
+        return place(self.fine.vertices[self.fine.loops[loop][0]])
+
+    def contact(self) -> list[str]:
+        """A sentence if the boundaries touch or cross."""
+        i, j = crossing_pairs(self.cage_tree, self.fine_tree)
+        if not len(i):
+            return []
+        first = np.lexsort((j, i))[0]
+        k, m = i[first], j[first]
+        where = crossing_point(
+            self.cage_tree.starts[k], self.cage_tree.ends[k], self.fine_tree.starts[m], self.fine_tree.ends[m]
+        )
+        u, v = self.cage_order[k], self.fine_order[m]
+        return [
+            f"The cage meets the fine mesh at {len(i)} pairs of edges, first near {place(where)}: edge "
+            f"{u}-{self.cage.successor[u]} of the cage and edge {v}-{self.fine.successor[v]} of the fine mesh."
+        ]
+
+    def nested(self) -> tuple[IntArray, IntArray]:
+        """Pairs (inner, outer) of loops of both meshes, those of the cage numbered first; the loops must not meet."""
+        if self._nested is None:
+            points = np.concatenate((self.cage_tree.starts, self.fine_tree.starts))
+            ends = np.concatenate((self.cage_tree.ends, self.fine_tree.ends))
+            sizes = np.array([len(loop) for loop in (*self.cage.loops, *self.fine.loops)])
+            self._nested = enclosing_pairs(points, sizes, turning_senses(points, sizes)[1], BoxTree(points, ends))
+        return self._nested
+
+    def outside(self) -> list[str]:
+        """A sentence for each part of the fine solid that the cage's solid does not cover.
+
+        Where boundaries do not meet, the fine solid lies inside if and only if every fine loop does and no loop of the
+        cage lies inside the fine solid (as the inner loop of a thin ring around the boundary would).
+        """
+        inner, outer = self.nested()
+        kept, count = len(self.cage.loops), len(self.cage.loops) + len(self.fine.loops)
+        by_cage, by_fine = outer < kept, outer >= kept
+        in_cage = np.bincount(inner[by_cage], self.cage.loop_signs[outer[by_cage]], count)[kept:]
+        in_fine = np.bincount(inner[by_fine], self.fine.loop_signs[outer[by_fine] - kept], count)[:kept]
+        leaks = [
+            f"Loop {k} of the fine mesh near {self.of_fine(k)} lies outside the cage."
+            for k in np.flatnonzero(in_cage < 1)
+        ]
+        gaps = [
+            f"Loop {k} of the cage near {self.of_cage(k)} lies inside the fine mesh and leaves a part of it uncovered."
+            for k in np.flatnonzero(in_fine > 0)
+        ]
+        return leaks + gaps
+
+    def misplaced_loops(self) -> list[str]:
+        """A sentence if the loops of the two meshes do not correspond one to one.
+
+        In the forest of all loops, an outer fine loop must be the only child of an outer cage loop, and a hole of the
+        cage the only child of a hole of the fine mesh.
+        """
+        kept = len(self.cage.loops)
+        if kept != len(self.fine.loops):
+            return [f"The cage has {kept} loops, but the fine mesh has {len(self.fine.loops)}."]
+        signs = np.concatenate((self.cage.loop_signs, self.fine.loop_signs))
+        is_cage = np.arange(2 * kept) < kept
+        _, parent = parents(*self.nested(), 2 * kept)
+        children = np.bincount(parent[parent >= 0], minlength=2 * kept)
+        partner = np.where(is_cage == (signs > 0), -1, parent)
+        lower = np.flatnonzero(is_cage != (signs > 0))
+        alone = (partner[lower] >= 0) & (children[partner[lower]] == 1)
+        alone &= (signs[partner[lower]] == signs[lower]) & (is_cage[partner[lower]] != is_cage[lower])
+        if alone.all():
+            return []
+        k = int(lower[~alone][0])
+        if k >= kept:
+            k -= kept
+            return [f"Loop {k} of the fine mesh near {self.of_fine(k)} has no loop of the cage for itself."]
+        return [f"Loop {k} of the cage near {self.of_cage(k)} has no loop of the fine mesh for itself."]
+
+    def gap(self) -> float:
+        """Smallest distance between the two boundaries: of the vertices of each to the edges of the other."""
+        (a, b), (c, d) = (
+            (tree.starts[tree.order], tree.ends[tree.order]) for tree in (self.cage_tree, self.fine_tree)
+        )
+        return min(smallest_gap(c, a, b), smallest_gap(a, c, d))
