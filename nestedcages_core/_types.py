@@ -1,0 +1,20 @@
+"""Array types that the signatures of every room share."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+"""Array of float64; its shape and unit are said where it is used."""
+
+IntArray: TypeAlias = npt.NDArray[np.int64]
+"""Array of indices."""
+
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+"""Array of truth values."""
+
+AnyArray: TypeAlias = npt.NDArray[Any]
+"""Array of unchecked content, as it comes in at the door."""

@@ -1,0 +1,69 @@
+"""The log barrier of Incremental Potential Contact on point-edge pairs, with closed-form derivatives.
+
+    b(d) = -(d - d̂)² log(d / d̂) for 0 < d < d̂,  0 beyond,  infinite at contact          (Li et al. 2020, equation 6)
+
+The sum over the pairs is B of Gurditta & Jacobson 2022, section 3.2. Every pair has its own range d̂ and weight here,
+because a single range locks
+where two walls of the fine mesh face each other across a slit narrower than the range.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._types import FloatArray
+from ..distance import PointEdge, bending, coefficients, interior, tangents
+
+
+class BarrierTerms(NamedTuple):
+    """The barrier of K pairs and its derivatives with respect to the distance; unit: length² and its quotients by
+    length."""
+
+    value: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+
+def barrier(distance: FloatArray, d_hat: FloatArray) -> BarrierTerms:
+    """b(d), b'(d), b''(d) for (K,) distances and their ranges d̂ (K,); value and slope are infinite where d ≤ 0."""
+    inside = (distance < d_hat) & (distance > 0.0)
+    d = np.where(inside, distance, d_hat)
+    gap = d - d_hat
+    logarithm = np.log(d / d_hat)
+    ratio = gap / d
+    value = -gap * gap * logarithm
+    first = -gap * (2.0 * logarithm + ratio)
+    second = -2.0 * logarithm - 4.0 * ratio + ratio * ratio
+    contact = distance <= 0.0
+    if contact.any():
+        value[contact], first[contact], second[contact] = np.inf, -np.inf, np.inf
+    return BarrierTerms(value, first, second)
+
+
+def barrier_hessian_factors(
+    terms: BarrierTerms, weight: FloatArray, pair: PointEdge, a: FloatArray, b: FloatArray
+) -> FloatArray:
+    """Factors U (K, 3, 6) with Uᵀ U the positive semi-definite part of the weighted Hessian of each pair's barrier.
+
+    weight: (K,); a, b: (K, 2) ends of the edges. The Hessian is w (b'' ∂d ∂dᵀ + b' ∂²d) with b' < 0. Its parts are
+    projected one by one,
+    which needs no eigenvalues: b'' ∂d ∂dᵀ and the d q qᵀ of -∂²d are semi-definite as they are; c_t qᵀ + q c_tᵀ has, as
+    c_t ⊥ q, the
+    eigenvalues ± |c_t| |q|, and the eigenvector (ĉ_t + q̂)/√2 of the positive one; next to an end point -∂²d has no
+    positive part.
+    """
+    c = coefficients(pair)
+    gradient = (c[:, :, None] * pair.normal[:, None, :]).reshape(-1, 6)
+    c_t = (c[:, :, None] * tangents(pair, a, b)[:, None, :]).reshape(-1, 6)
+    q = bending(pair)
+    push = np.where(interior(pair), -terms.first, 0.0) * weight
+    c_t_length = np.sqrt((c * c).sum(axis=1))
+    q_length = np.sqrt(2.0) / pair.length
+    factors = np.empty((len(push), 3, 6))
+    factors[:, 0] = np.sqrt(weight * terms.second)[:, None] * gradient
+    turning = np.sqrt(0.5 * push * c_t_length * q_length)
+    factors[:, 1] = (turning / c_t_length)[:, None] * c_t + (turning / q_length)[:, None] * q
+    factors[:, 2] = np.sqrt(push * pair.distance)[:, None] * q
+    return factors

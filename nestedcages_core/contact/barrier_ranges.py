@@ -1,0 +1,86 @@
+"""How far the barrier of each feature reaches: d̂, shorter where walls face each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._types import FloatArray, IntArray
+from ..broad_phase import near_pairs
+from ..distance import point_edge
+from .pairs import Bodies, Pairs
+
+
+@dataclass(frozen=True, eq=False)
+class BarrierRanges:
+    """d̂ of every feature; a pair uses the smaller one of its point and its edge (unit: length)."""
+
+    cage_vertex: FloatArray
+    """(m,)"""
+    cage_edge: FloatArray
+    """(m,) by start vertex; only against the cage itself."""
+    fine_vertex: FloatArray
+    """(n,)"""
+    fine_edge: FloatArray
+    """(n,) by start vertex."""
+
+    @classmethod
+    def local(cls, bodies: Bodies, cage: FloatArray, home: FloatArray, base: float) -> BarrierRanges:
+        """``base``, or less where walls face each other: half of the gap, at home for the fine mesh, at the start for
+        the cage."""
+        fine_gap = facing_gaps(home, bodies.fine_successor, bodies.fine_predecessor, 2.0 * base)
+        cage_gap = facing_gaps(cage, bodies.cage_successor, bodies.cage_predecessor, 2.0 * base)
+        fine = np.minimum(base, 0.5 * fine_gap)
+        own = np.minimum(base, 0.5 * cage_gap)
+        return cls(
+            own,
+            np.minimum(own, own[bodies.cage_successor]),
+            fine,
+            np.minimum(fine, fine[bodies.fine_successor]),
+        )
+
+    def scaled(self, factor: float) -> BarrierRanges:
+        """All ranges times ``factor``."""
+        return BarrierRanges(
+            factor * self.cage_vertex, factor * self.cage_edge, factor * self.fine_vertex, factor * self.fine_edge
+        )
+
+    def of(self, bodies: Bodies, pairs: Pairs) -> FloatArray:
+        """(K,) d̂ of the pairs."""
+        m = bodies.m
+        d_hat = np.empty(len(pairs))
+        d_hat[pairs.fine_cage] = self.fine_vertex[pairs.point[pairs.fine_cage] - m]
+        d_hat[pairs.cage_fine] = self.fine_edge[pairs.start[pairs.cage_fine] - m]
+        own = pairs.cage_cage
+        d_hat[own] = np.minimum(self.cage_vertex[pairs.point[own]], self.cage_edge[pairs.start[own]])
+        return d_hat
+
+    @property
+    def largest(self) -> float:
+        """Pairs farther apart than this feel nothing."""
+        return float(max(self.cage_vertex.max(), self.fine_vertex.max()))
+
+
+def facing_gaps(vertices: FloatArray, successor: IntArray, predecessor: IntArray, reach: float) -> FloatArray:
+    """(k,) distance from each vertex to the nearest edge that faces it across the outside, infinite beyond ``reach``.
+
+    Two places face each other when each lies on the outer side of the other and their outward normals point against
+    each other.
+    """
+    ends = vertices[successor]
+    edge = ends - vertices
+    length = np.maximum(np.hypot(edge[:, 0], edge[:, 1]), np.finfo(float).tiny)
+    normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]
+    vertex_normal = normal + normal[predecessor]
+    point, other = near_pairs(vertices, vertices, ends, reach)
+    foreign = (point != other) & (point != successor[other])
+    point, other = point[foreign], other[foreign]
+    pair = point_edge(vertices[point], vertices[other], ends[other])
+    outside = (pair.normal * normal[other]).sum(axis=1) > 0.0
+    towards = (pair.normal * vertex_normal[point]).sum(axis=1) < 0.0
+    opposed = (vertex_normal[point] * normal[other]).sum(axis=1) < 0.0
+    facing = outside & towards & opposed
+    gap = np.full(len(vertices), np.inf)
+    np.minimum.at(gap, point[facing], pair.distance[facing])
+    return gap

@@ -1,0 +1,167 @@
+"""The point-edge pairs between fine and cage, kept while nothing has moved far.
+
+All positions of a contact problem stand in one array x = (C; F) of shape (m + n, 2): the m cage vertices first, then
+the n fine vertices. Pairs
+come in three families, in this order: F-C (a fine vertex and a cage edge), C-F (a cage vertex and a fine edge) and C-C
+(a cage vertex and a cage
+edge that does not end in it). F-F pairs do not exist: the fine mesh may cross itself on its way, it comes home to a
+shape that does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .._types import BoolArray, FloatArray, IntArray
+from ..broad_phase import near_pairs
+from ..distance import PointEdge, point_edge
+from ..mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """What does not change while a cage is pushed: which vertices are joined by edges, and how much boundary each
+    stands for."""
+
+    cage_successor: IntArray
+    """(m,) next vertex along the cage."""
+    fine_successor: IntArray
+    """(n,) next vertex along the fine mesh."""
+    fine_weight: FloatArray
+    """(n,) half the length of the two fine edges at each vertex, at home."""
+    cage_edge_length: float
+    """Mean length of the coarse edges: the unit of the steps that the cage can take."""
+
+    @classmethod
+    def of(cls, coarse: Mesh, fine: Mesh) -> Bodies:
+        lengths = fine.edge_lengths
+        return cls(
+            coarse.successor,
+            fine.successor,
+            0.5 * (lengths + lengths[fine.predecessor]),
+            float(coarse.edge_lengths.mean()),
+        )
+
+    @property
+    def m(self) -> int:
+        """Number of cage vertices."""
+        return len(self.cage_successor)
+
+    @property
+    def n(self) -> int:
+        """Number of fine vertices."""
+        return len(self.fine_successor)
+
+    @cached_property
+    def cage_predecessor(self) -> IntArray:
+        """(m,) previous vertex along the cage."""
+        predecessor = np.empty(self.m, np.int64)
+        predecessor[self.cage_successor] = np.arange(self.m)
+        return predecessor
+
+    @cached_property
+    def fine_predecessor(self) -> IntArray:
+        """(n,) previous vertex along the fine mesh."""
+        predecessor = np.empty(self.n, np.int64)
+        predecessor[self.fine_successor] = np.arange(self.n)
+        return predecessor
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """K point-edge pairs as indices into x = (C; F), in the order of their families."""
+
+    point: IntArray
+    start: IntArray
+    end: IntArray
+    fine_cage: slice
+    cage_fine: slice
+    cage_cage: slice
+
+    def __len__(self) -> int:
+        return len(self.point)
+
+    def measure(self, x: FloatArray) -> PointEdge:
+        """Distances of all pairs at the positions x (m + n, 2)."""
+        return point_edge(x.take(self.point, axis=0), x.take(self.start, axis=0), x.take(self.end, axis=0))
+
+    def subset(self, keep: BoolArray) -> Pairs:
+        """The pairs where ``keep`` (K,) is true."""
+        first = int(np.count_nonzero(keep[self.fine_cage]))
+        second = first + int(np.count_nonzero(keep[self.cage_fine]))
+        third = second + int(np.count_nonzero(keep[self.cage_cage]))
+        return Pairs(
+            self.point[keep], self.start[keep], self.end[keep],
+            slice(0, first), slice(first, second), slice(second, third),
+        )  # fmt: skip
+
+
+def find_pairs(bodies: Bodies, x: FloatArray, radius: float) -> Pairs:
+    """All pairs of the three families closer than ``radius`` at the positions x = (C; F), sorted by cage edge in the
+    family F-C."""
+    m = bodies.m
+    cage, fine = x[:m], x[m:]
+    cage_end, fine_end = cage[bodies.cage_successor], fine[bodies.fine_successor]
+    fine_vertex, cage_edge = near_pairs(fine, cage, cage_end, radius)
+    order = np.argsort(cage_edge, kind="stable")
+    fine_vertex, cage_edge = fine_vertex[order], cage_edge[order]
+    cage_vertex, fine_edge = near_pairs(cage, fine, fine_end, radius)
+    own_vertex, own_edge = near_pairs(cage, cage, cage_end, radius)
+    foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage_successor[own_edge])
+    own_vertex, own_edge = own_vertex[foreign], own_edge[foreign]
+    first = len(fine_vertex)
+    second = first + len(cage_vertex)
+    return Pairs(
+        np.concatenate([fine_vertex + m, cage_vertex, own_vertex]),
+        np.concatenate([cage_edge, fine_edge + m, own_edge]),
+        np.concatenate(
+            [bodies.cage_successor[cage_edge], bodies.fine_successor[fine_edge] + m, bodies.cage_successor[own_edge]]
+        ),
+        slice(0, first),
+        slice(first, second),
+        slice(second, second + len(own_vertex)),
+    )
+
+
+class CandidateList:
+    """The pairs closer than a reach, found with a skin so that they stay complete while positions move less than half
+    of it.
+
+    A pair can come closer by at most the sum of the two largest motions since the list was built; the list is built
+    anew when
+    that uses up the skin.
+    """
+
+    def __init__(self, bodies: Bodies) -> None:
+        self.bodies = bodies
+        self.builds = 0
+        self._radius = 0.0
+        self._x: FloatArray | None = None
+        self._pairs: Pairs | None = None
+
+    def within(self, x: FloatArray, reach: float, skin: float) -> Pairs:
+        """Pairs that contain all those closer than ``reach`` at x; when built anew, the list also covers ``skin`` on
+        top."""
+        if self._pairs is None or self._x is None or self._radius < reach + self._approach(x):
+            self._radius = reach + skin
+            self._x = x.copy()
+            self._pairs = find_pairs(self.bodies, x, self._radius)
+            self.builds += 1
+        return self._pairs
+
+    def forget(self) -> None:
+        """Build the list anew at the next use."""
+        self._pairs = None
+
+    def _approach(self, x: FloatArray) -> float:
+        """Upper bound of how much closer any pair has come since the list was built."""
+        assert self._x is not None
+        moved = x - self._x
+        squared = moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1]
+        m = self.bodies.m
+        cage = float(np.sqrt(squared[:m].max()))
+        fine = float(np.sqrt(squared[m:].max()))
+        return cage + max(cage, fine)

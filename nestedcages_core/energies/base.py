@@ -1,0 +1,64 @@
+"""What an energy of the cage must offer: value, gradient and Hessian together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+
+from .._types import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """A symmetric matrix of 2 × 2 blocks over vertices, as a sum: blocks that name the same place add up.
+
+    Only one triangle is listed: a block with ``row != column`` stands for itself and its transpose at (column, row).
+    """
+
+    row: IntArray
+    """(B,) vertex of the block's row."""
+    column: IntArray
+    """(B,) vertex of the block's column."""
+    value: FloatArray
+    """(B, 2, 2)."""
+
+    def dense(self, count: int) -> FloatArray:
+        """The (2 count, 2 count) matrix."""
+        matrix: FloatArray = self.sparse(count).toarray()
+        return matrix
+
+    def sparse(self, count: int) -> sp.csr_matrix:
+        """The (2 count, 2 count) matrix in compressed rows."""
+        axis = np.arange(2)
+        rows = np.broadcast_to(2 * self.row[:, None, None] + axis[:, None], self.value.shape)
+        columns = np.broadcast_to(2 * self.column[:, None, None] + axis, self.value.shape)
+        other = self.row != self.column
+        places = (
+            np.concatenate([rows.ravel(), columns[other].ravel()]),
+            np.concatenate([columns.ravel(), rows[other].ravel()]),
+        )
+        values = np.concatenate([self.value.ravel(), self.value[other].ravel()])
+        return sp.csr_matrix((values, places), shape=(2 * count, 2 * count))
+
+
+class CageEnergy(Protocol):
+    """An energy of the cage's vertices (m, 2), joined by edges from each vertex v to successor[v] (m,)."""
+
+    def value(self, vertices: FloatArray, successor: IntArray) -> float:
+        """The energy; infinite where the state is invalid."""
+        ...
+
+    def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
+        """(m, 2) derivative of the energy."""
+        ...
+
+    def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
+        """Exact second derivative, which may be indefinite."""
+        ...
+
+    def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
+        """Positive semi-definite second derivative: each element's Hessian without its negative eigenvalues."""
+        ...

@@ -1,0 +1,39 @@
+"""Projected Newton: Newton's method on the positive semi-definite part of every element's Hessian."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .._types import FloatArray
+from .base import Objective, Solution
+from .line_search import backtrack
+
+
+@dataclass(frozen=True)
+class ProjectedNewton:
+    """Newton steps with backtracking until the predicted decrease is small (the further work named in Gurditta &
+    Jacobson 2022)."""
+
+    tolerance: float = 1e-3
+    """Stop when a full step promises less than this fraction of what the first step promised."""
+    max_iterations: int = 100
+    """Cap on the steps of one minimisation."""
+
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> Solution:
+        """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""
+        first_decrement = 0.0
+        for iteration in range(self.max_iterations):
+            if objective.finished(x):
+                return Solution(x, iteration, True)
+            model = objective.newton(x)
+            decrement = -float((model.gradient * model.direction).sum())
+            first_decrement = max(first_decrement, decrement)
+            if decrement <= self.tolerance * first_decrement:
+                return Solution(x, iteration, True)
+            step = backtrack(objective, x, model)
+            if step.fraction == 0.0:
+                return Solution(x, iteration + 1, False)
+            x = step.x
+            on_step(x)
+        return Solution(x, self.max_iterations, objective.finished(x))

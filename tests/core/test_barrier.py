@@ -1,0 +1,96 @@
+"""The barrier's derivatives against central differences, its Hessian against an eigenvalue projection."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nestedcages_core.contact.barrier import barrier, barrier_hessian_factors
+from nestedcages_core.distance import PointEdge, distance_gradient, distance_hessian, point_edge
+
+D_HAT = 0.3
+
+
+def test_value_is_the_formula() -> None:
+    d = np.array([0.01, 0.1, 0.29])
+    assert barrier(d, np.full(3, D_HAT)).value == pytest.approx(-((d - D_HAT) ** 2) * np.log(d / D_HAT))
+
+
+def test_it_vanishes_smoothly_at_its_range_and_is_infinite_at_contact() -> None:
+    terms = barrier(np.array([D_HAT, 1.0, 0.0]), np.full(3, D_HAT))
+    assert terms.value.tolist() == [0.0, 0.0, np.inf]
+    assert terms.first[:2].tolist() == [0.0, 0.0]
+    assert terms.second[:2].tolist() == [0.0, 0.0]
+
+
+def test_derivatives_agree_with_differences() -> None:
+    d = np.linspace(0.01, 0.4, 200)
+    d_hat, step = np.full(200, D_HAT), 1e-6
+    terms, ahead, behind = barrier(d, d_hat), barrier(d + step, d_hat), barrier(d - step, d_hat)
+    assert terms.first == pytest.approx((ahead.value - behind.value) / (2 * step), abs=1e-6)
+    assert terms.second == pytest.approx((ahead.first - behind.first) / (2 * step), abs=1e-4, rel=1e-5)
+
+
+@pytest.fixture
+def close() -> tuple[np.ndarray, PointEdge, np.ndarray]:
+    """Corners (K, 6) of pairs within the range, their distances and random weights."""
+    random = np.random.default_rng(5)
+    corners = random.normal(size=(2000, 6))
+    pair = point_edge(corners[:, :2], corners[:, 2:4], corners[:, 4:])
+    keep = pair.distance < D_HAT
+    return corners[keep], PointEdge(*(field[keep] for field in pair)), random.uniform(0.5, 2.0, keep.sum())
+
+
+def exact_hessian(corners: np.ndarray, pair: PointEdge, weight: np.ndarray) -> np.ndarray:
+    terms = barrier(pair.distance, np.full(len(weight), D_HAT))
+    gradient = distance_gradient(pair)
+    outer = gradient[:, :, None] * gradient[:, None, :]
+    bend = distance_hessian(pair, corners[:, 2:4], corners[:, 4:])
+    return weight[:, None, None] * (terms.second[:, None, None] * outer + terms.first[:, None, None] * bend)
+
+
+def projected_hessian(corners: np.ndarray, pair: PointEdge, weight: np.ndarray) -> np.ndarray:
+    terms = barrier(pair.distance, np.full(len(weight), D_HAT))
+    factors = barrier_hessian_factors(terms, weight, pair, corners[:, 2:4], corners[:, 4:])
+    return factors.transpose(0, 2, 1) @ factors
+
+
+def test_exact_hessian_agrees_with_differences(close: tuple[np.ndarray, PointEdge, np.ndarray]) -> None:
+    """Of the sum w b(d), which also checks the product rule that the projection starts from."""
+    corners, pair, weight = close
+    smooth = np.abs(pair.parameter - 0.5) < 0.45
+    corners, weight = corners[smooth][:100], weight[smooth][:100]
+
+    def gradient(at: np.ndarray) -> np.ndarray:
+        p = point_edge(at[:, :2], at[:, 2:4], at[:, 4:])
+        return (weight * barrier(p.distance, np.full(len(at), D_HAT)).first)[:, None] * distance_gradient(p)
+
+    pair = point_edge(corners[:, :2], corners[:, 2:4], corners[:, 4:])
+    hessian = exact_hessian(corners, pair, weight)
+    scale = 1 + np.abs(hessian).max(axis=(1, 2))
+    for k in range(6):
+        step = np.eye(6)[k] * 1e-7
+        difference = (gradient(corners + step) - gradient(corners - step)) / 2e-7
+        assert (np.abs(hessian[:, k] - difference).max(axis=1) / scale).max() < 1e-5
+
+
+def test_projection_is_semi_definite_and_no_less_than_the_hessian(
+    close: tuple[np.ndarray, PointEdge, np.ndarray],
+) -> None:
+    corners, pair, weight = close
+    exact, projected = exact_hessian(corners, pair, weight), projected_hessian(corners, pair, weight)
+    size = np.abs(exact).max(axis=(1, 2))
+    assert (np.linalg.eigvalsh(projected)[:, 0] > -1e-10 * size).all()
+    assert (np.linalg.eigvalsh(projected - exact)[:, 0] > -1e-10 * size).all()
+
+
+def test_projection_leaves_a_definite_part_alone(close: tuple[np.ndarray, PointEdge, np.ndarray]) -> None:
+    """Next to an end point the projection is exact: that of the eigenvalues."""
+    corners, pair, weight = close
+    end = (pair.parameter <= 0) | (pair.parameter >= 1)
+    exact, projected = (
+        h[end] for h in (exact_hessian(corners, pair, weight), projected_hessian(corners, pair, weight))
+    )
+    values, vectors = np.linalg.eigh(exact)
+    positive = (vectors * np.maximum(values, 0)[:, None, :]) @ vectors.transpose(0, 2, 1)
+    assert np.abs(projected - positive).max() <= 1e-9 * np.abs(exact).max()

@@ -1,0 +1,64 @@
+"""The broad phase finds exactly the pairs that measuring all of them finds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nestedcages_core import broad_phase
+from nestedcages_core.broad_phase import near_pairs, smallest_distance
+from nestedcages_core.distance import point_edge
+
+
+def scene(seed: int, long_share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points and edges, a share of them a hundred times as long as the others."""
+    random = np.random.default_rng(seed)
+    points, starts = random.uniform(size=(700, 2)), random.uniform(size=(400, 2))
+    length = np.where(random.uniform(size=(400, 1)) < long_share, 0.5, 0.005)
+    return points, starts, starts + length * random.normal(size=(400, 2))
+
+
+def all_pairs(points: np.ndarray, starts: np.ndarray, ends: np.ndarray, radius: float) -> set[tuple[int, int]]:
+    distance = point_edge(points[:, None], starts[None], ends[None]).distance
+    return set(zip(*(k.tolist() for k in np.nonzero(distance < radius)), strict=True))
+
+
+@pytest.mark.parametrize("radius", [1e-4, 0.003, 0.05, 0.5])
+@pytest.mark.parametrize("long_share", [0.0, 0.1, 1.0])
+def test_cells_find_each_close_pair_once(radius: float, long_share: float) -> None:
+    points, starts, ends = scene(1, long_share)
+    i, j = near_pairs(points, starts, ends, radius)
+    found = list(zip(i.tolist(), j.tolist(), strict=True))
+    assert len(found) == len(set(found))
+    assert set(found) == all_pairs(points, starts, ends, radius)
+
+
+def test_few_pairs_take_the_short_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, starts, ends = (part[:50] for part in scene(2, 0.1))
+    short = near_pairs(points, starts, ends, 0.05)
+    monkeypatch.setattr(broad_phase, "ALL_PAIRS_LIMIT", 0)
+    cells = near_pairs(points, starts, ends, 0.05)
+    assert set(zip(*short, strict=True)) == set(zip(*cells, strict=True))
+
+
+def test_small_chunks_lose_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, starts, ends = scene(3, 0.1)
+    whole = near_pairs(points, starts, ends, 0.05)
+    monkeypatch.setattr(broad_phase, "CHUNK_PAIRS", 100)
+    chunked = near_pairs(points, starts, ends, 0.05)
+    assert set(zip(*whole, strict=True)) == set(zip(*chunked, strict=True))
+
+
+@pytest.mark.parametrize("shift", [0.0, 100.0])
+def test_smallest_distance_agrees_with_all_pairs(shift: float) -> None:
+    points, starts, ends = scene(4, 0.1)
+    points = points + shift
+    expected = point_edge(points[:, None], starts[None], ends[None]).distance.min()
+    assert smallest_distance(points, starts, ends) == pytest.approx(expected, rel=1e-12)
+
+
+def test_nothing_is_near_nothing() -> None:
+    nothing, one = np.zeros((0, 2)), np.zeros((1, 2))
+    assert len(near_pairs(nothing, one, one + 1, 1.0)[0]) == 0
+    assert len(near_pairs(one, nothing, nothing, 1.0)[0]) == 0
+    assert smallest_distance(nothing, one, one + 1) == np.inf
