@@ -1,0 +1,48 @@
+"""Nested cages in the plane: coarse outlines that strictly enclose a detailed shape, and the safe way there.
+
+Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. The main entry is :func:`nested_cages`.
+"""
+
+from __future__ import annotations
+
+from .contact import IPC
+from .decimation import ArcLength, OnCurve, OuterHull
+from .energies import Area
+from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
+from .flow import FlowResult, TwoSidedFlow
+from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
+from .mesh import Mesh
+from .reinflation import Reinflation
+from .solver import ProjectedNewton
+from .tightening import Tightening
+from .verification import Certificate, verify
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "IPC",
+    "ArcLength",
+    "Area",
+    "Certificate",
+    "FlowError",
+    "FlowResult",
+    "Hierarchy",
+    "InvalidMeshError",
+    "Level",
+    "Mesh",
+    "NestedCagesError",
+    "NestedCagesRun",
+    "NestingError",
+    "NestingReport",
+    "OnCurve",
+    "OuterHull",
+    "Progress",
+    "ProjectedNewton",
+    "Reinflation",
+    "ReinflationError",
+    "Settings",
+    "Tightening",
+    "TwoSidedFlow",
+    "nested_cages",
+    "verify",
+]

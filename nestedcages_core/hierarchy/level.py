@@ -1,0 +1,159 @@
+"""One level: decimation, flow, reinflation, tightening, verification."""
+
+from __future__ import annotations
+
+from .._types import FloatArray
+from ..contact.pairs import Bodies
+from ..decimation import Decimation
+from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
+from ..flow import FlowResult
+from ..flow.matching import match_loops
+from ..mesh import Mesh
+from ..reinflation import Reinflation, reinflate
+from ..verification import Certificate, verify
+from .reporting import Reporter
+from .results import Level, NestingReport
+from .settings import Settings
+from .units import Clearance, Frame
+
+
+class LevelBuilder:
+    """Makes one level around ``fine``."""
+
+    def __init__(self, fine: Mesh, clearance: Clearance, settings: Settings, report: Reporter) -> None:
+        self.fine = fine
+        self.clearance = clearance
+        self.settings = settings
+        self.report = report
+        self.frame = Frame.of(fine)
+        self.unit_fine = fine.moved(self.frame.inside(fine.vertices))
+
+    def build(self, wanted: int | Mesh) -> Level:
+        """The level for a vertex count or a coarse mesh, by the flow or, where that fails, from the fallback."""
+        settings = self.settings
+        if isinstance(wanted, Mesh):
+            coarse = wanted
+        else:
+            self.report.begin("decimation")
+            coarse = settings.decimation.decimate(self.fine, wanted, clearance=self.clearance.length)
+        generated = not isinstance(wanted, Mesh)
+        try:
+            return self._nest(coarse, generated, ())
+        except (FlowError, ReinflationError, NestingError) as error:
+            if settings.fallback is None or (generated and settings.fallback == settings.decimation):
+                raise
+            self.report.begin("decimation")
+            hull = self._fallback(settings.fallback, coarse)
+            note = f"Started from the outer hull with {len(hull.vertices)} vertices instead of the coarse mesh: {error}"
+            return self._nest(hull, True, (note,))
+
+    def _fallback(self, decimation: Decimation, coarse: Mesh) -> Mesh:
+        """A coarse mesh by ``decimation`` with the same number of vertices per loop as ``coarse``, or in total where
+        loops differ."""
+        if len(coarse.loops) != len(self.fine.loops):
+            return decimation.decimate(self.fine, len(coarse.vertices), clearance=self.clearance.length)
+        try:
+            partner = match_loops(self.fine, coarse).partner
+            counts = [len(coarse.loops[k]) for k in partner]
+            return decimation.decimate(self.fine, counts, clearance=self.clearance.length)
+        except NestedCagesError:
+            return decimation.decimate(self.fine, len(coarse.vertices), clearance=self.clearance.length)
+
+    def _nest(self, coarse: Mesh, generated: bool, notes: tuple[str, ...]) -> Level:
+        settings, frame, report = self.settings, self.frame, self.report
+        unit_coarse = coarse.moved(frame.inside(coarse.vertices))
+        report.begin("flow")
+        unit_flow = self._flow(unit_coarse)
+        report.begin("reinflation")
+        wanted = self.clearance.length
+        way_home = reinflate(
+            self.unit_fine,
+            unit_coarse,
+            unit_flow.steps,
+            contact=settings.contact,
+            energy=settings.energy,
+            solver=settings.solver,
+            clearance=frame.length(wanted),
+            progress=report,
+        )
+        for length in self.clearance.options():
+            report.begin("tightening")
+            tightened, counts = self._tighten(unit_coarse, way_home, length)
+            report.begin("verification")
+            flow, reinflation = self._in_input_units(coarse, unit_flow, tightened)
+            cage = coarse.moved(reinflation.cage_steps[-1])
+            certificate = verify(cage, self.fine, length, same_loops=len(coarse.loops) == len(self.fine.loops))
+            report.pause()
+            if certificate.holds or not (certificate.strict and certificate.simple):
+                break
+        if not certificate.holds:
+            raise NestingError(_refusal(certificate, self.clearance.length))
+        if length < wanted:
+            notes = (*notes, f"The gaps of the fine mesh leave room for a clearance of {length:.3g}, not {wanted:.3g}.")
+        nesting = NestingReport(
+            strict=certificate.strict,
+            simple=certificate.simple,
+            clearance=certificate.clearance,
+            wanted_clearance=length,
+            excess=certificate.excess,
+            start="outer hull" if generated and len(flow.steps) == 1 else "flow",
+            iterations={"flow": flow.iterations, "reinflation": way_home.iterations, **counts},
+            seconds=dict(report.seconds),
+            notes=notes,
+        )
+        return Level(self.fine, coarse, cage, flow, reinflation, nesting)
+
+    def _flow(self, unit_coarse: Mesh) -> FlowResult:
+        try:
+            return self.settings.flow.run(self.unit_fine, unit_coarse, progress=self.report)
+        except FlowError as error:
+            partial = error.partial
+            if isinstance(partial, FlowResult) and partial.obstacle is not None:
+                x, y = self.frame.centre
+                raise FlowError(partial.obstacle.sentence(self.frame.scale, (float(x), float(y)))) from error
+            raise
+
+    def _tighten(
+        self, unit_coarse: Mesh, way_home: Reinflation, clearance: float
+    ) -> tuple[Reinflation, dict[str, int]]:
+        cages: list[FloatArray] = []
+
+        def on_step(cage: FloatArray) -> None:
+            cages.append(cage)
+            self.report(1.0 - 1.0 / (1.0 + 0.1 * len(cages)), f"tightening, step {len(cages)}")
+
+        outcome = self.settings.tightening.run(
+            Bodies.of(unit_coarse, self.unit_fine),
+            way_home.cage_steps[-1],
+            self.unit_fine.vertices,
+            clearance=self.frame.length(clearance),
+            energy=self.settings.energy,
+            on_step=on_step,
+        )
+        counts = {"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs}
+        return way_home.with_tightening(cages), counts
+
+    def _in_input_units(
+        self, coarse: Mesh, unit_flow: FlowResult, unit_way: Reinflation
+    ) -> tuple[FlowResult, Reinflation]:
+        """The same in the input's units; what came in is put back bit by bit."""
+        frame, home = self.frame, self.fine.vertices
+        flow_steps = frame.outside(unit_flow.steps)
+        flow_steps[0] = home
+        fine_steps = frame.outside(unit_way.fine_steps)
+        fine_steps[0] = flow_steps[-1]
+        fine_steps[unit_way.tightening_start :] = home
+        cage_steps = frame.outside(unit_way.cage_steps)
+        cage_steps[0] = coarse.vertices
+        flow = FlowResult(flow_steps, unit_flow.iterations, unit_flow.stage)
+        return flow, Reinflation(fine_steps, cage_steps, unit_way.tightening_start, unit_way.iterations)
+
+
+def _refusal(certificate: Certificate, wanted: float) -> str:
+    """Why a cage was not returned."""
+    if certificate.strict and certificate.simple:
+        return (
+            f"No cage keeps the clearance of {wanted:.6g}: the best one comes as close as {certificate.clearance:.6g}. "
+            "Ask for less clearance or use more vertices."
+        )
+    return "The cage could not be certified: " + " ".join(certificate.problems)

@@ -1,0 +1,90 @@
+"""What a run gives: levels with their steps, reports on how each was made, and progress meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..flow import FlowResult
+from ..mesh import Mesh
+from ..reinflation import Reinflation
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is."""
+
+    level: int
+    """Index of the level being made, 0 for the first."""
+    stage: str
+    """"decimation", "flow", "reinflation", "tightening" or "verification"."""
+    fraction: float
+    """Of the whole run, from 0 to 1."""
+    message: str
+    """A sentence for people."""
+
+
+@dataclass(frozen=True)
+class NestingReport:
+    """How a level was made and what was certified."""
+
+    strict: bool
+    """Certified: the fine mesh lies strictly inside the cage, component by component."""
+    simple: bool
+    """Certified: the cage does not touch or cross itself."""
+    clearance: float
+    """Measured smallest distance between cage and fine mesh; unit: the input's."""
+    wanted_clearance: float
+    """The clearance that was asked for, or that the default came to."""
+    excess: float
+    """area(cage) / area(fine) - 1."""
+    start: str
+    """"flow" or "outer hull": how the fine mesh came to lie inside the coarse one."""
+    iterations: Mapping[str, int]
+    """Iterations per phase."""
+    seconds: Mapping[str, float]
+    """Wall-clock seconds per phase."""
+    notes: tuple[str, ...] = ()
+    """Sentences about what was not done as asked, for instance why the fallback was used."""
+
+    def __str__(self) -> str:
+        measures = (
+            f"strictly nested: {_yes(self.strict)}",
+            f"simple: {_yes(self.simple)}",
+            f"clearance {self.clearance:.3g} (wanted {self.wanted_clearance:.3g})",
+            f"excess {100.0 * self.excess:.2f} %",
+            f"start: {self.start}",
+            f"{sum(self.seconds.values()):.2f} s",
+        )
+        return "\n".join([", ".join(measures), *self.notes])
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """One cage and the way to it."""
+
+    fine: Mesh
+    """The mesh that this level's cage encloses: the input, or the cage of the level before."""
+    coarse: Mesh
+    """Where the cage started."""
+    cage: Mesh
+    flow: FlowResult
+    reinflation: Reinflation
+    report: NestingReport
+
+
+@dataclass(frozen=True, eq=False)
+class Hierarchy:
+    """Nested cages: level k encloses level k - 1, and all enclose the fine mesh."""
+
+    fine: Mesh
+    levels: tuple[Level, ...]
+
+    @property
+    def cages(self) -> tuple[Mesh, ...]:
+        """The cages, from the finest to the coarsest."""
+        return tuple(level.cage for level in self.levels)
+
+
+def _yes(truth: bool) -> str:
+    return "yes" if truth else "no"

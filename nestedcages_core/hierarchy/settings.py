@@ -1,0 +1,50 @@
+"""The choices of a run, each an object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..contact import IPC, Contact
+from ..decimation import Decimation, OuterHull
+from ..energies import Area, CageEnergy
+from ..errors import NestedCagesError
+from ..flow import FlowMethod, TwoSidedFlow
+from ..solver import ProjectedNewton, Solver
+from ..tightening import Tightening
+
+DEFAULT_CLEARANCE = 1e-5
+"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How nested cages are made. Nothing here needs tuning per shape."""
+
+    clearance: float | None = None
+    """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
+    bounding-box diagonal,
+    or as much of it as the gaps of the fine mesh leave room for."""
+    decimation: Decimation = field(default_factory=OuterHull)
+    """How a vertex count becomes a coarse mesh."""
+    fallback: Decimation | None = field(default_factory=OuterHull)
+    """Where to start instead when the flow does not get inside a coarse mesh or the way back is blocked; None makes
+    that an error."""
+    flow: FlowMethod = field(default_factory=TwoSidedFlow)
+    """How the fine mesh is brought inside the coarse one."""
+    energy: CageEnergy = field(default_factory=Area)
+    """What the cage minimises."""
+    contact: Contact = field(default_factory=IPC)
+    """How contact is resolved on the way home."""
+    solver: Solver = field(default_factory=ProjectedNewton)
+    """How contacts that minimise an energy do so."""
+    tightening: Tightening = field(default_factory=Tightening)
+    """How the cage is brought to its optimum once the fine mesh is home."""
+
+    def __post_init__(self) -> None:
+        if self.clearance is not None and not (np.isfinite(self.clearance) and self.clearance >= 0.0):
+            raise NestedCagesError(
+                f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
+                f"default."
+            )
