@@ -1,0 +1,222 @@
+"""Tightening by trust-region sequential quadratic programming.
+
+In every iteration the energy and the distances are modelled at the current cage (m, 2), which is free of contact and
+keeps all its distances:
+
+    minimise   ∇E·D + ½ Dᵀ (∇²E - Σ z ∇²d + δ I) D
+    subject to d - clearance + ∂d·D ≥ 0,   |D_i| ≤ Δ_i,
+
+with the multipliers z of the iteration before and a radius Δ of its own for every vertex. The step is restored to the
+wanted distances, checked over its whole length for collisions, and accepted if the energy falls. The model's predicted
+decrease says how far the cage is from a local optimum.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .._types import BoolArray, FloatArray
+from ..contact.ccd import impacts
+from ..contact.linearisation import Contacts, constraint_rows, measure, not_implied, relevant
+from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..energies import Blocks, CageEnergy
+from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
+from .curvature import EdgeLoads, contact_curvature
+from .restoration import restore
+from .trial import find_trial
+from .trust_region import TrustRegion
+
+logger = logging.getLogger(__name__)
+
+INSIDE = 1e-7
+"""The distance aimed at is larger than the clearance by this fraction, so that no later rounding eats it."""
+
+THINNING = 0.02
+"""Contacts whose constraints others imply up to this fraction of the clearance are left out; restoration makes up for
+them."""
+
+LONGEST_MOTION = 1.5
+"""Longest motion of a vertex in one step with its restoration, in radii; √2 without it. Pairs are looked for so far."""
+
+COMPLEMENTARITY = 0.1
+"""Complementarity of a quadratic program that is small enough, as a fraction of the decrease at which tightening
+stops."""
+
+
+@dataclass(frozen=True, eq=False)
+class TighteningOutcome:
+    """Where a tightening ended."""
+
+    cage: FloatArray
+    """(m, 2) vertices of the cage."""
+    iterations: int
+    """Steps of the trust-region method."""
+    quadratic_programs: int
+    """Linear systems factorised within their quadratic programs."""
+    converged: bool
+    """Whether the predicted decrease fell below the tolerance."""
+    reason: str
+    """Why it stopped, in a sentence."""
+
+
+@dataclass(frozen=True)
+class Tightening:
+    """Brings a cage to a local optimum of its energy; lengths in units of the mean coarse edge length L."""
+
+    iterations: int = 100
+    """Cap on the steps."""
+    first_radius: float = 0.05
+    """First Δ of every vertex."""
+    largest_radius: float = 0.1
+    """Largest Δ: steps of a whole L converge in fewer iterations, but to worse optima."""
+    tolerance: float = 1e-6
+    """Stop when the predicted decrease stays below this fraction of the energy ..."""
+    share: float = 2e-4
+    """... or below this fraction of all decrease so far."""
+    patience: int = 3
+    """... for so many iterations."""
+    solver: InteriorPoint = field(default_factory=InteriorPoint)
+    """Method for the quadratic programs."""
+
+    def run(
+        self,
+        bodies: Bodies,
+        cage: FloatArray,
+        fine: FloatArray,
+        *,
+        clearance: float,
+        energy: CageEnergy,
+        on_step: Callable[[FloatArray], None],
+    ) -> TighteningOutcome:
+        """Tighten ``cage`` (m, 2), which is free of contact with ``fine`` (n, 2), to the clearance (a length).
+
+        ``on_step`` gets the cage of every accepted step; the linear motion from the one before is free of collisions.
+        It may raise to cancel.
+        """
+        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy, on_step).minimise()
+
+
+class _Run:
+    """State of one tightening."""
+
+    def __init__(
+        self,
+        settings: Tightening,
+        bodies: Bodies,
+        x: FloatArray,
+        clearance: float,
+        energy: CageEnergy,
+        on_step: Callable[[FloatArray], None],
+    ) -> None:
+        self.settings, self.bodies, self.energy, self.on_step = settings, bodies, energy, on_step
+        self.x = x
+        self.clearance = clearance * (1.0 + INSIDE)
+        self.own_clearance = self.clearance
+        self.m = bodies.m
+        self.candidates = CandidateList(bodies)
+        self.systems = 0
+        self.loads = EdgeLoads.none(bodies.m)
+
+    def minimise(self) -> TighteningOutcome:
+        if not self._reach_clearance():
+            return self._outcome(0, False, "The clearance cannot be reached.")
+        settings, energy, successor = self.settings, self.energy, self.bodies.cage_successor
+        region = TrustRegion.start(self.m, settings, self.bodies.cage_edge_length)
+        value = first_value = energy.value(self.x[: self.m], successor)
+        small = 0
+        for iteration in range(1, settings.iterations + 1):
+            threshold = max(settings.tolerance * abs(value), settings.share * (first_value - value))
+            longest = LONGEST_MOTION * float(region.radius.max())
+            pairs = self.candidates.within(self.x, self.clearance + 2.0 * longest, 2.0 * longest)
+            contacts = measure(pairs, self.x)
+            solution = self._solve(pairs, contacts, region, COMPLEMENTARITY * settings.tolerance * abs(value))
+            trial = find_trial(
+                self.bodies, pairs, contacts, self.x, solution.step,
+                required=self._required(pairs), longest=longest, value=value, decrease=solution.decrease, energy=energy,
+            )  # fmt: skip
+            logger.debug(
+                "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e, "
+                "radius %.1e, shortened %d",
+                iteration, value, solution.decrease, value - trial.value if trial.accepted else 0.0, len(pairs),
+                solution.iterations, "" if solution.converged else "!", solution.shift, float(np.median(region.radius)),
+                int((trial.fraction < 1.0).sum()),
+            )  # fmt: skip
+            converging = solution.converged and solution.decrease < threshold
+            region.update(solution, trial, value, self.clearance, self.x[: self.m])
+            if trial.accepted:
+                self.x, value = trial.x, trial.value
+                self.on_step(self.x[: self.m].copy())
+                small = small + 1 if converging and trial.mostly_whole else 0
+            elif converging:
+                small += 1
+            if small >= settings.patience:
+                return self._outcome(iteration, True, "The predicted decrease of the energy is below the tolerance.")
+            if region.collapsed:
+                return self._outcome(iteration, False, "No step, however short, lowers the energy.")
+        return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
+
+    def _reach_clearance(self) -> bool:
+        """Bring all distances to the clearance; whether that succeeded."""
+        longest = LONGEST_MOTION * self.settings.first_radius * self.bodies.cage_edge_length
+        pairs = self.candidates.within(self.x, self.clearance + 2.0 * longest, 2.0 * longest)
+        contacts = measure(pairs, self.x)
+        required = self._required(pairs)
+        if not bool((contacts.distance < required).any()):
+            return True
+        tried, after = restore(self.bodies, pairs, self.x, required, contacts.side)
+        motion = tried - self.x
+        hit, _ = impacts(pairs, self.x, motion, contacts.distance)
+        if len(hit) or bool((after.distance < required).any()) or float(np.abs(motion).max()) > longest:
+            return False
+        self.x = tried
+        self.on_step(self.x[: self.m].copy())
+        return True
+
+    def _solve(self, pairs: Pairs, contacts: Contacts, region: TrustRegion, absolute: float) -> Solution:
+        """The quadratic program at the current cage; keeps the loads of the edges for the next one."""
+        cage, successor = self.x[: self.m], self.bodies.cage_successor
+        room = contacts.distance - self._required(pairs)
+        reach = np.zeros(len(self.x))
+        reach[: self.m] = region.radius * np.sqrt(2.0)
+        pairs, contacts, room = _select(pairs, contacts, room, relevant(pairs, contacts, room, reach))
+        keep = not_implied(pairs, contacts, room, THINNING * self.clearance)
+        pairs, contacts, room = _select(pairs, contacts, room, keep)
+        program = QuadraticProgram(
+            self.energy.gradient(cage, successor),
+            _sum(self.energy.hessian(cage, successor), contact_curvature(self.bodies, cage, self.loads)),
+            constraint_rows(pairs, contacts, self.m),
+            np.maximum(room, 0.0),
+            region.radius,
+            shift=region.shift,
+        )
+        solution = self.settings.solver.solve(program, absolute)
+        self.systems += solution.iterations
+        self.loads = EdgeLoads.of(pairs, contacts, solution.multipliers, self.m)
+        return solution
+
+    def _required(self, pairs: Pairs) -> FloatArray:
+        """(K,) distance that each pair must keep."""
+        required = np.full(len(pairs), self.clearance)
+        required[pairs.cage_cage] = self.own_clearance
+        return required
+
+    def _outcome(self, iterations: int, converged: bool, reason: str) -> TighteningOutcome:
+        return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, converged, reason)
+
+
+def _select(
+    pairs: Pairs, contacts: Contacts, room: FloatArray, keep: BoolArray
+) -> tuple[Pairs, Contacts, FloatArray]:
+    return pairs.subset(keep), Contacts(*(part[keep] for part in contacts)), room[keep]
+
+
+def _sum(first: Blocks, second: Blocks) -> Blocks:
+    return Blocks(
+        np.concatenate([first.row, second.row]),
+        np.concatenate([first.column, second.column]),
+        np.concatenate([first.value, second.value]),
+    )
