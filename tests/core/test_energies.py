@@ -10,13 +10,9 @@ from nestedcages_core import Mesh
 from nestedcages_core.energies import Area, Blocks, CageEnergy
 from nestedcages_core.energies.containment import Containment
 from nestedcages_core.energies.restoring import Restoring
+from shapes import ring
 
 STEP = 1e-6  # of central differences; coordinates are of order 1
-
-
-def ring(count: int, radius: float) -> np.ndarray:
-    angle = 2.0 * np.pi * np.arange(count) / count
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 @pytest.fixture

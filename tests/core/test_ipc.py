@@ -14,11 +14,7 @@ from nestedcages_core.contact.incremental_potential import IncrementalPotential,
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.reinflation import Reinflation, reinflate
-
-
-def ring(count: int, radius: float) -> np.ndarray:
-    angle = 2.0 * np.pi * np.arange(count) / count
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+from shapes import ring
 
 
 def annulus(count: int) -> Mesh:
@@ -155,7 +151,9 @@ def test_a_slit_much_thinner_than_the_range_does_not_lock() -> None:
 
 
 def test_a_cage_that_cannot_give_way_is_an_error_with_the_steps_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nestedcages_core.contact.incremental_potential.IncrementalPotential.finished", lambda *_: False)
+    monkeypatch.setattr(
+        "nestedcages_core.contact.incremental_potential.IncrementalPotential.finished", lambda *_: False
+    )
     fine, coarse = annulus(16), annulus(16)
     start = fine.vertices * np.repeat([0.93, 1.12], 16)[:, None]
     with pytest.raises(ReinflationError, match="holds up fine vertex") as caught:

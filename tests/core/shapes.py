@@ -1,0 +1,87 @@
+"""Shapes that tests of several rooms draw, and shapely's view of them. All drawn here."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from nestedcages_core import Mesh
+
+
+def ring(count: int, radius: float = 1.0, angle: float = 0.0) -> np.ndarray:
+    """(count, 2) regular polygon with its first vertex at ``angle``."""
+    turn = angle + 2.0 * np.pi * np.arange(count) / count
+    return radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+
+def annulus(count: int, inner: float = 0.5, angle: float = 0.0) -> Mesh:
+    """Two regular polygons with ``count`` vertices each, of radius 1 and ``inner``."""
+    return Mesh.from_loops([ring(count, 1.0, angle), ring(count, inner, angle)])
+
+
+def square_with_hole(inner: float = 0.5) -> Mesh:
+    return annulus(4, inner, np.pi / 4)
+
+
+def octagon_with_hole(inner: float = 0.5) -> Mesh:
+    return annulus(8, inner, np.pi / 8)
+
+
+def letter_a_coarse() -> Mesh:
+    """A letter A that stands on two legs and holds out two arms, with a triangular hole: 21 vertices."""
+    outline = [(-1.6, 0.0), (-0.9, 0.0), (-0.55, 1.2), (0.55, 1.2), (0.9, 0.0), (1.6, 0.0), (1.6, 0.35), (1.25, 0.4)]
+    outline += [(0.95, 1.9), (2.0, 2.3), (1.9, 2.7), (0.75, 2.5), (0.3, 4.0), (-0.3, 4.0), (-0.75, 2.5), (-1.9, 2.7)]
+    outline += [(-2.0, 2.3), (-0.95, 1.9), (-1.25, 0.4), (-1.6, 0.35)]
+    hole = [(-0.3, 1.8), (0.3, 1.8), (0.0, 2.8)]
+    return Mesh.from_loops([np.array(outline), np.array(hole)])
+
+
+def letter_a(per_edge: int = 6) -> Mesh:
+    """The coarse letter A with rounded corners (two rounds of corner cutting) and every edge divided: a fine mesh."""
+    loops = []
+    for loop in (letter_a_coarse().vertices[k] for k in letter_a_coarse().loops):
+        points = loop
+        for _ in range(2):
+            following = np.roll(points, -1, axis=0)
+            points = np.stack([0.8 * points + 0.2 * following, 0.2 * points + 0.8 * following], axis=1).reshape(-1, 2)
+        following = np.roll(points, -1, axis=0)
+        part = np.linspace(0.0, 1.0, per_edge, endpoint=False)[None, :, None]
+        loops.append((points[:, None] * (1 - part) + following[:, None] * part).reshape(-1, 2))
+    return Mesh.from_loops(loops)
+
+
+def star(points: int = 9, count: int = 180) -> Mesh:
+    turn = 2.0 * np.pi * np.arange(count) / count
+    radius = 1.0 + 0.35 * np.cos(points * turn)
+    return Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)])
+
+
+def islands() -> Mesh:
+    """An annulus with an island in its hole, and another component beside it: five loops, three components."""
+    beside = np.array([1.9, 0.2])
+    return Mesh.from_loops(
+        [ring(40, 1.0), ring(32, 0.7), ring(16, 0.3), ring(24, 0.6) + beside, ring(12, 0.25) + beside]
+    )
+
+
+def polygon(mesh: Mesh) -> shapely.MultiPolygon:
+    """The solid, by shapely alone: outer loops minus holes, from the loops of the mesh."""
+    shells = [loop for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]
+    holes = [loop for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign < 0]
+    solid = shapely.MultiPolygon()
+    for k in sorted([*shells, *holes], key=lambda loop: -shapely.Polygon(mesh.vertices[loop]).area):
+        solid = solid.symmetric_difference(shapely.Polygon(mesh.vertices[k]))
+    return solid
+
+
+def assert_nested(cage: Mesh, fine: Mesh) -> None:
+    """By shapely: both are valid, the cage covers the fine mesh without touching it, and has its loops."""
+    outside, inside = polygon(cage), polygon(fine)
+    for mesh in (cage, fine):
+        assert shapely.MultiLineString([mesh.vertices[np.append(k, k[0])] for k in mesh.loops]).is_simple
+    assert outside.is_valid
+    assert inside.is_valid
+    assert outside.covers(inside)
+    assert outside.boundary.distance(inside.boundary) > 0.0
+    assert len(cage.loops) == len(fine.loops)
+    assert sorted(cage.loop_signs.tolist()) == sorted(fine.loop_signs.tolist())

@@ -1,0 +1,201 @@
+"""The main job: certified cages for the shapes of the paper, drawn here and checked by shapely; progress, refusals."""
+
+from __future__ import annotations
+
+import pytest
+
+from nestedcages_core import (
+    ArcLength,
+    FlowError,
+    Hierarchy,
+    Mesh,
+    NestedCagesError,
+    NestedCagesRun,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    Progress,
+    Settings,
+    nested_cages,
+    verify,
+)
+from shapes import (
+    annulus,
+    assert_nested,
+    islands,
+    letter_a,
+    letter_a_coarse,
+    octagon_with_hole,
+    ring,
+    square_with_hole,
+    star,
+)
+
+
+def assert_sound(hierarchy: Hierarchy, clearance: float | None = None) -> None:
+    """Everything that a result promises."""
+    inner = hierarchy.fine
+    wanted = 1e-5 * hierarchy.fine.diagonal if clearance is None else clearance
+    for level in hierarchy.levels:
+        assert level.fine is inner
+        assert_nested(level.cage, level.fine)
+        assert level.report.strict
+        assert level.report.simple
+        assert level.report.clearance >= wanted * (1 - 1e-9)
+        assert verify(level.cage, level.fine, wanted).holds
+        assert (level.cage.edges == level.coarse.edges).all()
+        steps = level.reinflation
+        assert (level.flow.steps[0] == level.fine.vertices).all()
+        assert (steps.fine_steps[0] == level.flow.steps[-1]).all()
+        assert (steps.fine_steps[steps.tightening_start :] == level.fine.vertices).all()
+        assert (steps.cage_steps[0] == level.coarse.vertices).all()
+        assert (steps.cage_steps[-1] == level.cage.vertices).all()
+        assert len(steps.fine_steps) == len(steps.cage_steps)
+        inner = level.cage
+
+
+@pytest.mark.parametrize("per_ring", [16, 24, 32, 48, 64, 96, 128, 256])
+def test_discs_of_table_1_come_within_3_percent(per_ring: int) -> None:
+    """Annuli of radii 1 and 0.5 in a coarse one of 16 + 16 vertices (Gurditta & Jacobson 2022, Table 1)."""
+    fine = annulus(per_ring)
+    hierarchy = nested_cages(fine, [annulus(16)])
+    assert_sound(hierarchy)
+    assert hierarchy.levels[0].report.excess < 0.03
+    assert hierarchy.levels[0].report.start == "flow"
+
+
+@pytest.mark.parametrize("corners", [8, 5, 3])
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.7])
+def test_a_disc_in_an_annulus_of_few_corners(corners: int, angle: float) -> None:
+    """The coarse annulus cuts deep into the disc (Gurditta & Jacobson 2022, figure 5); a triangle's ring is thin."""
+    hierarchy = nested_cages(annulus(64), [annulus(corners, 0.5 if corners > 3 else 0.4, angle)])
+    assert_sound(hierarchy)
+
+
+def test_octagon_with_hole_in_square_with_hole() -> None:
+    assert_sound(nested_cages(octagon_with_hole(), [square_with_hole()]))
+
+
+def test_letter_with_its_own_coarse_mesh() -> None:
+    """In the spirit of figure 1: arms, legs and a hole."""
+    hierarchy = nested_cages(letter_a(), [letter_a_coarse()])
+    assert_sound(hierarchy)
+    assert hierarchy.levels[0].report.start == "flow"
+
+
+@pytest.mark.parametrize("decimation", [OuterHull(restarts=4), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
+@pytest.mark.parametrize("shape", [letter_a, star, islands], ids=lambda s: s.__name__)
+def test_several_levels_by_every_decimation(shape: object, decimation: object) -> None:
+    fine = shape()  # type: ignore[operator]
+    hierarchy = nested_cages(fine, [48, 24], Settings(decimation=decimation))  # type: ignore[arg-type]
+    assert_sound(hierarchy)
+    assert len(hierarchy.levels[0].cage.vertices) <= 48
+    assert len(hierarchy.levels[1].cage.vertices) <= 24
+
+
+@pytest.mark.parametrize("clearance", [0.0, 1e-4, 0.05, 0.1])
+def test_the_wanted_clearance_is_kept(clearance: float) -> None:
+    hierarchy = nested_cages(letter_a(), [24], Settings(clearance=clearance))
+    assert_sound(hierarchy, clearance)
+
+
+def test_an_outer_hull_needs_no_flow() -> None:
+    level = nested_cages(star(), [24]).levels[0]
+    assert level.report.start == "outer hull"
+    assert len(level.flow.steps) == 1
+    assert level.reinflation.tightening_start == 0
+
+
+def test_the_fine_mesh_is_not_changed() -> None:
+    fine = letter_a()
+    before = fine.vertices.copy()
+    nested_cages(fine, [24])
+    assert (fine.vertices == before).all()
+
+
+class TestRun:
+    def test_it_reports_and_gives_the_same_result(self) -> None:
+        fine = letter_a()
+        run = NestedCagesRun(fine, [40, 20])
+        reports = list(run)
+        assert all(isinstance(report, Progress) for report in reports)
+        assert {report.level for report in reports} == {0, 1}
+        fractions = [report.fraction for report in reports]
+        assert fractions == sorted(fractions)
+        assert fractions[0] >= 0.0
+        assert fractions[-1] <= 1.0
+        direct = nested_cages(fine, [40, 20])
+        for one, other in zip(run.hierarchy.levels, direct.levels, strict=True):
+            assert (one.cage.vertices == other.cage.vertices).all()
+
+    def test_errors_come_out_of_the_iteration_with_the_finished_levels(self) -> None:
+        run = NestedCagesRun(letter_a(), [40, far_away()], Settings(fallback=None))
+        with pytest.raises(FlowError) as caught:
+            list(run)
+        assert isinstance(caught.value.partial, Hierarchy)
+        assert len(caught.value.partial.levels) == 1
+
+    def test_progress_that_raises_cancels(self) -> None:
+        class EnoughError(Exception):
+            pass
+
+        def stop(progress: Progress) -> None:
+            if progress.stage == "tightening":
+                raise EnoughError
+
+        with pytest.raises(EnoughError):
+            nested_cages(letter_a(), [40], progress=stop)
+
+
+def far_away() -> Mesh:
+    coarse = letter_a_coarse()
+    return Mesh(coarse.vertices + 100.0, coarse.edges)
+
+
+def test_a_stuck_flow_falls_back_to_the_hull_and_says_so() -> None:
+    level = nested_cages(letter_a(), [far_away()]).levels[0]
+    assert level.report.start == "outer hull"
+    assert len(level.report.notes) == 1
+    assert "outer hull" in level.report.notes[0]
+    assert [len(loop) for loop in level.cage.loops] == [len(loop) for loop in far_away().loops]
+    assert_nested(level.cage, level.fine)
+
+
+def test_without_a_fallback_a_stuck_flow_is_an_error() -> None:
+    with pytest.raises(FlowError, match="overlap"):
+        nested_cages(letter_a(), [far_away()], Settings(fallback=None))
+
+
+def test_a_clearance_that_no_cage_has_is_refused_with_the_best_one() -> None:
+    """The hole has an inscribed circle of radius 0.48: no loop keeps 0.6 away from its rim."""
+    with pytest.raises(NestingError, match=r"clearance"):
+        nested_cages(annulus(40, 0.5), [16], Settings(clearance=0.6))
+
+
+@pytest.mark.parametrize(
+    ("levels", "sentence"),
+    [
+        ([], "no levels"),
+        ([500], r"Level 1 has 500 vertices, more than the 240 of the fine mesh"),
+        ([40, 60], r"Level 2 has 60 vertices, more than the 40 of level 1"),
+        ([5], r"Level 1 asks for 5 vertices, but 2 loops need at least 6"),
+        (["many"], r"Level 1 must be a number of vertices or a Mesh, not 'many'"),
+        ([True], r"Level 1 must be a number of vertices or a Mesh, not True"),
+        (24, r"must be a list"),
+    ],
+)
+def test_levels_that_make_no_sense_are_refused(levels: object, sentence: str) -> None:
+    fine = Mesh.from_loops([ring(200, 1.0), ring(40, 0.4)])
+    with pytest.raises(NestingError, match=sentence):
+        nested_cages(fine, levels)  # type: ignore[arg-type]
+
+
+def test_a_fine_mesh_must_be_a_mesh() -> None:
+    with pytest.raises(NestingError, match=r"must be a Mesh, not ndarray"):
+        nested_cages(ring(20), [5])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("clearance", [-1.0, float("nan"), float("inf")])
+def test_impossible_clearances_are_refused(clearance: float) -> None:
+    with pytest.raises(NestedCagesError, match="clearance must be a finite length"):
+        Settings(clearance=clearance)
