@@ -4,5 +4,6 @@ from __future__ import annotations
 
 from .base import Contact, ContactOutcome
 from .ipc import IPC
+from .sequential_qp import SequentialQP
 
-__all__ = ["IPC", "Contact", "ContactOutcome"]
+__all__ = ["IPC", "Contact", "ContactOutcome", "SequentialQP"]

@@ -83,6 +83,13 @@ def relevant(pairs: Pairs, contacts: Contacts, room: FloatArray, reach: FloatArr
     return keep
 
 
+def select(
+    pairs: Pairs, contacts: Contacts, room: FloatArray, keep: BoolArray
+) -> tuple[Pairs, Contacts, FloatArray]:
+    """The pairs, contacts and room where ``keep`` (K,) is true."""
+    return pairs.subset(keep), Contacts(*(part[keep] for part in contacts)), room[keep]
+
+
 def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: float) -> BoolArray:
     """(K,) pairs whose constraints are not implied by others, up to ``tolerance`` (a length).
 

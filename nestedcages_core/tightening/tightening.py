@@ -19,9 +19,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray
+from .._types import FloatArray
 from ..contact.ccd import impacts
-from ..contact.linearisation import Contacts, constraint_rows, measure, not_implied, relevant
+from ..contact.linearisation import Contacts, constraint_rows, measure, not_implied, relevant, select
 from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..energies import Blocks, CageEnergy
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
@@ -182,9 +182,9 @@ class _Run:
         room = contacts.distance - self._required(pairs)
         reach = np.zeros(len(self.x))
         reach[: self.m] = region.radius * np.sqrt(2.0)
-        pairs, contacts, room = _select(pairs, contacts, room, relevant(pairs, contacts, room, reach))
+        pairs, contacts, room = select(pairs, contacts, room, relevant(pairs, contacts, room, reach))
         keep = not_implied(pairs, contacts, room, THINNING * self.clearance)
-        pairs, contacts, room = _select(pairs, contacts, room, keep)
+        pairs, contacts, room = select(pairs, contacts, room, keep)
         program = QuadraticProgram(
             self.energy.gradient(cage, successor),
             _sum(self.energy.hessian(cage, successor), contact_curvature(self.bodies, cage, self.loads)),
@@ -206,12 +206,6 @@ class _Run:
 
     def _outcome(self, iterations: int, converged: bool, reason: str) -> TighteningOutcome:
         return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, converged, reason)
-
-
-def _select(
-    pairs: Pairs, contacts: Contacts, room: FloatArray, keep: BoolArray
-) -> tuple[Pairs, Contacts, FloatArray]:
-    return pairs.subset(keep), Contacts(*(part[keep] for part in contacts)), room[keep]
 
 
 def _sum(first: Blocks, second: Blocks) -> Blocks:
