@@ -3,23 +3,65 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
+from .._types import BoolArray, FloatArray, IntArray
 from ..predicates import BoxTree, Signs, as_integers, orientation, ray_crossings
 
 DOUBTFUL_AREA = 1e-4
 """Share of the summed products below which an area has lost four digits or more and is summed exactly instead."""
 
 
-def trace_loops(edges: IntArray, count: int) -> list[IntArray]:
-    """Vertices of each loop in walking order, from edges (m, 2) over `count` vertices of degree two.
+@dataclass(frozen=True, eq=False)
+class LoopOrder:
+    """Vertices in walking order, loop after loop; a place is an index into this order.
 
-    Each loop starts at its smallest vertex; loops are in the order of these. The direction is that of the first edge
-    given at the smallest vertex, if that edge starts there.
+    vertices: (n,) vertex at each place; sizes: (L,) number of vertices of each loop.
+    """
+
+    vertices: IntArray
+    sizes: IntArray
+
+    @cached_property
+    def begins(self) -> IntArray:
+        """(L,) first place of each loop."""
+        return np.cumsum(self.sizes) - self.sizes
+
+    @cached_property
+    def loop(self) -> IntArray:
+        """(n,) loop of each place."""
+        return np.repeat(np.arange(len(self.sizes)), self.sizes)
+
+    @cached_property
+    def ahead(self) -> IntArray:
+        """(n,) next place on the loop."""
+        ahead = np.arange(1, len(self.vertices) + 1)
+        ahead[self.begins + self.sizes - 1] = self.begins
+        return ahead
+
+    def turned(self, loops: BoolArray) -> LoopOrder:
+        """The same loops, those chosen by (L,) walked the other way from the same first vertex."""
+        places = np.arange(len(self.vertices))
+        begins = self.begins[self.loop]
+        mirrored = begins + (begins - places) % self.sizes[self.loop]
+        return LoopOrder(self.vertices[np.where(loops[self.loop], mirrored, places)], self.sizes)
+
+    def successor(self) -> IntArray:
+        """(n,) the vertex after each vertex."""
+        following = np.empty_like(self.vertices)
+        following[self.vertices] = self.vertices[self.ahead]
+        return following
+
+
+def trace_loops(edges: IntArray, count: int) -> LoopOrder:
+    """The loops that edges (n, 2) make of `count` vertices of degree two.
+
+    Each loop starts at its smallest vertex, and loops are in the order of these. The direction is that of the first
+    edge given at the smallest vertex, if that edge starts there.
     """
     ends = edges.ravel()
     places = np.arange(len(ends))
@@ -27,62 +69,64 @@ def trace_loops(edges: IntArray, count: int) -> list[IntArray]:
     first[ends[::-1]] = places[::-1]
     last[ends] = places
     leaves_here = first % 2 == 0
-    ahead = ends[np.where(leaves_here, first, last) ^ 1].tolist()
-    behind = ends[np.where(leaves_here, last, first) ^ 1].tolist()
-    visited = bytearray(count)
-    loops = []
-    for start in range(count):
+    ahead = ends[np.where(leaves_here, first, last) ^ 1]
+    behind = ends[np.where(leaves_here, last, first) ^ 1]
+    jumps = np.flatnonzero(ahead != np.arange(1, count + 1))
+    begins = np.concatenate(([0], jumps[:-1] + 1))
+    if np.array_equal(ahead[jumps], begins):  # loop after loop, as they mostly come
+        return LoopOrder(np.arange(count), jumps + 1 - begins)
+    return _walk(ahead.tolist(), behind.tolist())
+
+
+def _walk(ahead: list[int], behind: list[int]) -> LoopOrder:
+    """The loops found by walking from neighbour to neighbour, whichever way the edges point."""
+    visited = bytearray(len(ahead))
+    walked: list[int] = []
+    sizes = []
+    for start in range(len(ahead)):
         if visited[start]:
             continue
-        loop, previous, vertex = [start], start, ahead[start]
+        before = len(walked)
+        walked.append(start)
+        previous, vertex = start, ahead[start]
         while vertex != start:
-            loop.append(vertex)
+            walked.append(vertex)
             visited[vertex] = 1
             onward = ahead[vertex]
             previous, vertex = vertex, onward if onward != previous else behind[vertex]
-        loops.append(np.array(loop, dtype=np.int64))
-    return loops
+        sizes.append(len(walked) - before)
+    return LoopOrder(np.array(walked, dtype=np.int64), np.array(sizes, dtype=np.int64))
 
 
-def successors(loops: Sequence[IntArray], count: int) -> IntArray:
-    """The vertex after each vertex, (count,)."""
-    following = np.empty(count, dtype=np.int64)
-    for loop in loops:
-        following[loop[:-1]] = loop[1:]
-        following[loop[-1]] = loop[0]
-    return following
-
-
-def turning_senses(points: FloatArray, sizes: IntArray) -> tuple[Signs, IntArray]:
+def turning_senses(points: FloatArray, order: LoopOrder) -> tuple[Signs, IntArray]:
     """Sense of each simple loop (1 counter-clockwise, -1 clockwise), (L,), and the place of its extreme vertex, (L,).
 
-    points: (n, 2), loop after loop; sizes: (L,). The extreme vertex is the highest of the rightmost ones; the loop
-    is convex there and cannot be flat, so the exact sign of that one corner is the sense of the whole loop.
+    points: (n, 2) by place. The extreme vertex is the highest of the rightmost ones; the loop is convex there and
+    cannot be flat, so the exact sign of that one corner is the sense of the whole loop.
     """
-    begins = np.cumsum(sizes) - sizes
-    loop = np.repeat(np.arange(len(sizes)), sizes)
     x, y = points.T
-    rightmost = x == np.maximum.reduceat(x, begins)[loop]
-    highest = np.maximum.reduceat(np.where(rightmost, y, -np.inf), begins)
-    candidates = np.flatnonzero(rightmost & (y == highest[loop]))
-    extreme = candidates[np.unique(loop[candidates], return_index=True)[1]]
-    before = begins + (extreme - begins - 1) % sizes
-    after = begins + (extreme - begins + 1) % sizes
-    return orientation(points[before], points[extreme], points[after]), extreme
+    rightmost = x == np.maximum.reduceat(x, order.begins)[order.loop]
+    highest = np.maximum.reduceat(np.where(rightmost, y, -np.inf), order.begins)
+    candidates = np.flatnonzero(rightmost & (y == highest[order.loop]))
+    extreme = candidates[np.unique(order.loop[candidates], return_index=True)[1]]
+    before = order.begins + (extreme - order.begins - 1) % order.sizes
+    return orientation(points[before], points[extreme], points[order.ahead[extreme]]), extreme
 
 
-def enclosing_pairs(points: FloatArray, sizes: IntArray, extreme: IntArray, tree: BoxTree) -> tuple[IntArray, IntArray]:
+def enclosing_pairs(
+    points: FloatArray, order: LoopOrder, extreme: IntArray, tree: BoxTree
+) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) of loops where the outer one runs around the inner one, (K,), (K,); exact.
 
-    points: (n, 2), loop after loop; sizes: (L,); extreme: (L,) as from `turning_senses`; tree: of all the edges.
-    The loops must be free of contact. The ray to the right of an extreme vertex leaves its own loop at once.
+    points: (n, 2) by place; extreme: (L,) as from `turning_senses`; tree: over the edges by place. The loops must be
+    free of contact. The ray to the right of an extreme vertex leaves its own loop at once.
     """
     crossings = ray_crossings(points[extreme], tree)
-    loop = np.repeat(np.arange(len(sizes)), sizes)
-    crossed = loop[tree.order[tree.chain_starts[crossings.chain]]]
-    keys, places = np.unique(crossings.point * len(sizes) + crossed, return_inverse=True)
+    crossed = order.loop[tree.order[tree.chain_starts[crossings.chain]]]
+    count = len(order.sizes)
+    keys, places = np.unique(crossings.point * count + crossed, return_inverse=True)
     winding = np.bincount(places, weights=crossings.value, minlength=len(keys))
-    inner, outer = np.divmod(keys[winding != 0], len(sizes))
+    inner, outer = np.divmod(keys[winding != 0], count)
     return inner[inner != outer], outer[inner != outer]
 
 
@@ -95,22 +139,21 @@ def parents(inner: IntArray, outer: IntArray, count: int) -> tuple[IntArray, Int
     return depth, parent
 
 
-def signed_areas(vertices: FloatArray, loops: Sequence[IntArray]) -> tuple[FloatArray, float]:
-    """Signed area of each loop, (L,), and their sum: Green's theorem; exact before rounding where digits cancel."""
-    sizes = np.array([len(loop) for loop in loops])
-    begins = np.cumsum(sizes) - sizes
-    points = vertices[np.concatenate(loops)]
-    x, y = (points - np.repeat(points[begins], sizes, axis=0)).T
-    ahead = np.arange(1, len(points) + 1)
-    ahead[begins + sizes - 1] = begins
-    left, right = x * (y[ahead] - y), y * (x[ahead] - x)
-    areas = np.add.reduceat(left - right, begins) / 2.0
-    doubtful = np.abs(areas) < DOUBTFUL_AREA * np.add.reduceat(np.abs(left) + np.abs(right), begins)
+def signed_areas(points: FloatArray, order: LoopOrder) -> tuple[FloatArray, float]:
+    """Signed area of each loop, (L,), and their sum: Green's theorem; exact before rounding where digits cancel.
+
+    points: (n, 2) by place.
+    """
+    x, y = (points - points[order.begins][order.loop]).T
+    left, right = x * (y[order.ahead] - y), y * (x[order.ahead] - x)
+    areas = np.add.reduceat(left - right, order.begins) / 2.0
+    doubtful = np.abs(areas) < DOUBTFUL_AREA * np.add.reduceat(np.abs(left) + np.abs(right), order.begins)
+    loops = np.split(points, order.begins[1:])
     for k in np.flatnonzero(doubtful & np.isfinite(areas)):
-        areas[k] = float(_exact_area(vertices[loops[k]]))
+        areas[k] = float(_exact_area(loops[k]))
     total = math.fsum(areas)
     if abs(total) < DOUBTFUL_AREA * float(np.abs(areas).sum()):
-        total = float(sum((_exact_area(vertices[loop]) for loop in loops), Fraction(0)))
+        total = float(sum((_exact_area(loop) for loop in loops), Fraction(0)))
     return areas, total
 
 

@@ -13,10 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from .._types import FloatArray, IntArray
 from ..errors import InvalidMeshError
 from .geo_interface import rings_of, to_geo_interface
-from .loops import enclosing_pairs, parents, signed_areas, successors, trace_loops, turning_senses
+from .loops import LoopOrder, enclosing_pairs, parents, signed_areas, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
+
+TOPOLOGY = frozenset(
+    ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop", "_order")
+)
+"""Attributes that stay when vertices move."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -42,22 +47,20 @@ class Mesh:
     """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
     is_validated: bool = field(init=False)
     """Whether these vertices have passed the door; False for a mesh made by `moved`."""
+    _order: LoopOrder = field(init=False)
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
         count = len(checked)
         joined = as_edges(edges, count)
-        loops = trace_loops(joined, count)
-        sizes = np.array([len(loop) for loop in loops])
-        order = np.concatenate(loops)
-        points = checked[order]
-        tree = check_simple(points, sizes, order)
-        senses, extreme = turning_senses(points, sizes)
-        depth, parent = parents(*enclosing_pairs(points, sizes, extreme, tree), len(loops))
+        order = trace_loops(joined, count)
+        points = checked[order.vertices]
+        tree = check_simple(points, order)
+        senses, extreme = turning_senses(points, order)
+        depth, parent = parents(*enclosing_pairs(points, order, extreme, tree), len(order.sizes))
         signs = 1 - 2 * (depth % 2)
-        for k in np.flatnonzero(senses != signs):
-            loops[k] = np.roll(loops[k][::-1], 1)
-        following = successors(loops, count)
+        order = order.turned(senses != signs)
+        following = order.successor()
         turned = following[joined[:, 0]] != joined[:, 1]
         joined[turned] = joined[turned, ::-1]
         outer = signs > 0
@@ -67,10 +70,11 @@ class Mesh:
             vertices=checked,
             edges=_frozen(joined),
             successor=_frozen(following),
-            loops=tuple(_frozen(loop) for loop in loops),
+            loops=tuple(np.split(_frozen(order.vertices), order.begins[1:])),
             loop_signs=_frozen(signs),
             component_of_loop=_frozen(component),
             is_validated=True,
+            _order=order,
         )
         if not self.area > 0.0:
             raise InvalidMeshError(
@@ -152,8 +156,8 @@ class Mesh:
                 f"The moved vertices have shape {moved.shape}, but the mesh has {self.vertices.shape}; give as many."
             )
         mesh = object.__new__(Mesh)
-        kept = ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop")
-        mesh._fill(**{name: getattr(self, name) for name in kept}, vertices=_frozen(moved), is_validated=False)
+        kept = {name: value for name, value in vars(self).items() if name in TOPOLOGY}
+        mesh._fill(**kept, vertices=_frozen(moved), is_validated=False)
         return mesh
 
     def validated(self) -> Mesh:
@@ -170,9 +174,8 @@ class Mesh:
     @cached_property
     def loop_of_vertex(self) -> IntArray:
         """(n,) the loop of each vertex."""
-        owner = np.empty(len(self.vertices), dtype=np.int64)
-        for k, loop in enumerate(self.loops):
-            owner[loop] = k
+        owner = np.empty_like(self.successor)
+        owner[self._order.vertices] = self._order.loop
         return _frozen(owner)
 
     @cached_property
@@ -197,7 +200,7 @@ class Mesh:
 
     @cached_property
     def _areas(self) -> tuple[FloatArray, float]:
-        areas, total = signed_areas(self.vertices, self.loops)
+        areas, total = signed_areas(self.vertices[self._order.vertices], self._order)
         return _frozen(areas), total
 
     def _fill(self, **fields: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from .._types import AnyArray, FloatArray, IntArray
 from ..errors import InvalidMeshError
 from ..predicates import BoxTree, orientation, segments_intersect
+from .loops import LoopOrder
 
 GREATEST_EXTENT, LEAST_EXTENT = 1e+150, 1e-150
 """Bounding-box diagonals and coordinates, in input units, whose squares stay inside the range of a double."""
@@ -140,41 +141,34 @@ def place(point: Sequence[float] | FloatArray) -> str:
     return f"({float(point[0]):.6g}, {float(point[1]):.6g})"
 
 
-def check_simple(points: FloatArray, sizes: IntArray, vertex: IntArray) -> BoxTree:
+def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
     """The tree over the edges of loops that neither cross nor touch each other or themselves.
 
-    points: (n, 2), loop after loop; sizes: (L,); vertex: (n,) the user's number of each point.
-    Raises InvalidMeshError with the first fault and its place.
+    points: (n, 2) by place. Raises InvalidMeshError with a fault and its place.
     """
-    begins = np.cumsum(sizes) - sizes
-    loop = np.repeat(np.arange(len(sizes)), sizes)
-    ahead = np.arange(1, len(points) + 1)
-    ahead[begins + sizes - 1] = begins
+    vertex, loop, ahead = order.vertices, order.loop, order.ahead
     ends = points[ahead]
-
-    def edge(k: int) -> str:
-        return f"edge {vertex[k]}-{vertex[ahead[k]]} of loop {loop[k]}"
-
-    flat = np.flatnonzero((points == ends).all(axis=1))
+    flat = np.flatnonzero((points[:, 0] == ends[:, 0]) & (points[:, 1] == ends[:, 1]))
     if len(flat):
         k = flat[0]
         raise InvalidMeshError(
             f"Vertices {vertex[k]} and {vertex[ahead[k]]} follow each other in loop {loop[k]} and both lie at "
             f"{place(points[k])}; remove one of them."
         )
-    _check_fold_back(points, ahead, vertex, loop)
+    _check_fold_back(points, order)
     tree = BoxTree(points, ends)
-    i, j = tree.self_pairs()
-    apart = (ahead[i] != j) & (ahead[j] != i)
-    i, j = i[apart], j[apart]
-    hit = segments_intersect(points[i], ends[i], points[j], ends[j])
-    if hit.any():
-        _raise_contact(points, ends, ahead, i[hit], j[hit], vertex, loop, edge)
+    for i, j in tree.blocks(slim=True):
+        apart = (ahead[i] != j) & (ahead[j] != i)
+        i, j = i[apart], j[apart]
+        hit = segments_intersect(points[i], ends[i], points[j], ends[j])
+        if hit.any():
+            _raise_contact(points, order, i[hit], j[hit])
     return tree
 
 
-def _check_fold_back(points: FloatArray, ahead: IntArray, vertex: IntArray, loop: IntArray) -> None:
+def _check_fold_back(points: FloatArray, order: LoopOrder) -> None:
     """Raise where a loop runs straight back over the edge it came by."""
+    ahead = order.ahead
     corner, after = points[ahead], points[ahead[ahead]]
     straight = np.flatnonzero(orientation(points, corner, after) == 0)
     before, corner, after = points[straight], corner[straight], after[straight]
@@ -182,22 +176,19 @@ def _check_fold_back(points: FloatArray, ahead: IntArray, vertex: IntArray, loop
     if back.any():
         k = ahead[straight[back.argmax()]]
         raise InvalidMeshError(
-            f"Loop {loop[k]} turns back over its own edge at vertex {vertex[k]}, {place(points[k])}; "
+            f"Loop {order.loop[k]} turns back over its own edge at vertex {order.vertices[k]}, {place(points[k])}; "
             "move or remove the vertex."
         )
 
 
-def _raise_contact(
-    points: FloatArray,
-    ends: FloatArray,
-    ahead: IntArray,
-    i: IntArray,
-    j: IntArray,
-    vertex: IntArray,
-    loop: IntArray,
-    edge: Callable[[int], str],
-) -> None:
+def _raise_contact(points: FloatArray, order: LoopOrder, i: IntArray, j: IntArray) -> None:
     """Raise for the first of the pairs (i, j) of edges in contact: a shared point, a touch or a crossing."""
+    vertex, loop, ahead = order.vertices, order.loop, order.ahead
+    ends = points[ahead]
+
+    def edge(k: int) -> str:
+        return f"edge {vertex[k]}-{vertex[ahead[k]]} of loop {loop[k]}"
+
     for here, there in ((i, j), (ahead[i], j), (i, ahead[j]), (ahead[i], ahead[j])):
         same = np.flatnonzero((points[here] == points[there]).all(axis=1))
         if len(same):

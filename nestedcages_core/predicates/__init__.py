@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .box_tree import BoxTree
 from .containment import ON_BOUNDARY, RayCrossings, ray_crossings, winding_number
-from .orientation import Signs, as_integers, crossing_pairs, orientation, segments_intersect
+from .orientation import Signs, as_integers, crossing_pairs, orientation, orientation_sign, segments_intersect
 
 __all__ = [
     "ON_BOUNDARY",
@@ -14,6 +14,7 @@ __all__ = [
     "as_integers",
     "crossing_pairs",
     "orientation",
+    "orientation_sign",
     "ray_crossings",
     "segments_intersect",
     "winding_number",

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator
+from functools import cached_property
+
 import numpy as np
 
 from .._types import FloatArray, IntArray
+from .oriented_boxes import OrientedBoxes
 
 FANOUT = 4
 """Boxes that share a parent; 4 was the fastest of 2, 4 and 8 for loops of 1,000 to 100,000 segments."""
+
+BLOCK = 2**16
+"""Pairs whose children are compared at once; bounds the memory to about 100 MB."""
+
+CROWDED = 8
+"""Overlaps per box from which upright boxes are too many and turned ones are asked; smooth loops have about 3."""
 
 MORTON_BITS = 16
 """Bits per coordinate of the space-filling curve that sorts chains of segments."""
@@ -30,7 +41,8 @@ class BoxTree:
         self.starts = np.asarray(starts, dtype=np.float64).reshape(-1, 2)
         self.ends = np.asarray(ends, dtype=np.float64).reshape(-1, 2)
         count = len(self.starts)
-        breaks = np.flatnonzero((self.ends[:-1] != self.starts[1:]).any(axis=1)) + 1
+        (x, y), (next_x, next_y) = self.ends[:-1].T, self.starts[1:].T
+        breaks = 1 + np.flatnonzero((x != next_x) | (y != next_y))
         bounds = np.concatenate(([0], breaks, [count])) if count else np.zeros(1, dtype=np.int64)
         sizes = np.diff(bounds)
         if len(sizes) > 1:
@@ -47,41 +59,94 @@ class BoxTree:
         lower = np.minimum(self.starts, self.ends)[self.order]
         upper = np.maximum(self.starts, self.ends)[self.order]
         self.levels = _pyramid(lower, upper)
+        self._oriented: list[OrientedBoxes] = []
 
     def __len__(self) -> int:
         return len(self.starts)
 
     def self_pairs(self) -> tuple[IntArray, IntArray]:
         """Pairs i < j of segments whose boxes overlap or touch, (K,), (K,)."""
-        level = len(self.levels) - 1
-        i, j = np.triu_indices(self.levels[level].shape[1])
-        while True:
-            i, j = _overlapping(self.levels[level], i, self.levels[level], j)
-            if level == 0:
-                break
-            level -= 1
-            i, j = _children_of_both(i, j)
-            ordered = i <= j
-            i, j = i[ordered], j[ordered]
-        i, j = i[i < j], j[i < j]
-        i, j = self.order[i], self.order[j]
-        return np.minimum(i, j), np.maximum(i, j)
+        return _joined(self.blocks())
 
     def pairs(self, other: BoxTree) -> tuple[IntArray, IntArray]:
         """Pairs (i of this tree, j of the other) of segments whose boxes overlap or touch, (K,), (K,)."""
-        a, b = len(self.levels) - 1, len(other.levels) - 1
-        here, there = np.indices((self.levels[a].shape[1], other.levels[b].shape[1]))
-        i, j = here.ravel(), there.ravel()
-        while True:
-            i, j = _overlapping(self.levels[a], i, other.levels[b], j)
+        return _joined(self.blocks(other))
+
+    def blocks(self, other: BoxTree | None = None, *, slim: bool = False) -> Iterator[tuple[IntArray, IntArray]]:
+        """The pairs of `pairs(other)`, or of `self_pairs()`, in blocks of bounded size.
+
+        slim: whether to leave out pairs that turned boxes tell apart, where upright boxes overlap too often. All pairs
+        of segments that share a point are kept.
+        """
+        second = self if other is None else other
+        a, b = len(self.levels) - 1, len(second.levels) - 1
+        here, there = np.indices((self.levels[a].shape[1], second.levels[b].shape[1])).reshape(2, -1)
+        tally: Counter[tuple[int, int]] = Counter()
+        waiting = [(a, b, *self._meeting(a, here, other, b, there, slim, tally))]
+        while waiting:
+            a, b, i, j = waiting.pop()
             if a == 0 and b == 0:
-                return self.order[i], other.order[j]
-            if b == 0 or (a > 0 and _mean_size(self.levels[a]) >= _mean_size(other.levels[b])):
-                a -= 1
-                i, j = _children(i), np.repeat(j, FANOUT)
+                yield self._as_given(i, j, other)
+            elif len(i) > BLOCK:
+                middle = len(i) // 2
+                waiting += [(a, b, i[middle:], j[middle:]), (a, b, i[:middle], j[:middle])]
             else:
-                b -= 1
-                i, j = np.repeat(i, FANOUT), _children(j)
+                if other is None:
+                    a, b, i, j = a - 1, b - 1, *_children_of_both(i, j)
+                elif b == 0 or (a > 0 and self.sizes[a] >= second.sizes[b]):
+                    a, i, j = a - 1, children(i), np.repeat(j, FANOUT)
+                else:
+                    b, i, j = b - 1, np.repeat(i, FANOUT), children(j)
+                waiting.append((a, b, *self._meeting(a, i, other, b, j, slim, tally)))
+
+    def _meeting(
+        self,
+        a: int,
+        i: IntArray,
+        other: BoxTree | None,
+        b: int,
+        j: IntArray,
+        slim: bool,
+        tally: Counter[tuple[int, int]],
+    ) -> tuple[IntArray, IntArray]:
+        """The pairs of boxes i of level a and j of the other tree's level b that overlap; tally counts them."""
+        second = self if other is None else other
+        if other is None:
+            ordered = i <= j
+            i, j = i[ordered], j[ordered]
+        i, j = _overlapping(self.levels[a], i, second.levels[b], j)
+        tally[a, b] += len(i)
+        if slim and tally[a, b] > CROWDED * (self.levels[a].shape[1] + second.levels[b].shape[1]):
+            meet = self.oriented(a).may_meet(i, second.oriented(b), j)
+            i, j = i[meet], j[meet]
+        return i, j
+
+    def _as_given(self, i: IntArray, j: IntArray, other: BoxTree | None) -> tuple[IntArray, IntArray]:
+        """Pairs in the numbering of the input; within one tree i < j."""
+        if other is not None:
+            return self.order[i], other.order[j]
+        i, j = self.order[i[i < j]], self.order[j[i < j]]
+        return np.minimum(i, j), np.maximum(i, j)
+
+    @cached_property
+    def sizes(self) -> list[float]:
+        """Mean extent of the boxes of each level."""
+        return [_mean_size(boxes) for boxes in self.levels]
+
+    def oriented(self, level: int) -> OrientedBoxes:
+        """The turned boxes of a level, made when they are first asked for."""
+        if not self._oriented:
+            self._oriented.append(OrientedBoxes.of_segments(self.starts[self.order], self.ends[self.order]))
+        while len(self._oriented) <= level:
+            self._oriented.append(self._oriented[-1].parents(FANOUT))
+        return self._oriented[level]
+
+
+def _joined(blocks: Iterator[tuple[IntArray, IntArray]]) -> tuple[IntArray, IntArray]:
+    """Blocks of pairs as one."""
+    listed = list(blocks)
+    none = np.zeros(0, dtype=np.int64)
+    return np.concatenate([none, *(i for i, _ in listed)]), np.concatenate([none, *(j for _, j in listed)])
 
 
 def _along_curve(points: FloatArray) -> IntArray:
@@ -120,7 +185,8 @@ def _overlapping(boxes: FloatArray, i: IntArray, others: FloatArray, j: IntArray
     return i, j
 
 
-def _children(nodes: IntArray) -> IntArray:
+def children(nodes: IntArray) -> IntArray:
+    """The boxes, one level down, of boxes (K,) of a level, (K FANOUT,)."""
     return (FANOUT * nodes[:, None] + np.arange(FANOUT)).ravel()
 
 

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .._types import FloatArray, IntArray
-from .box_tree import FANOUT, BoxTree
-from .orientation import orientation
+from .box_tree import CROWDED, FANOUT, BoxTree, children
+from .orientation import Signs, orientation
 
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
+
+
+POINT_BLOCK = 2**17
+"""Points whose rays are followed at once; bounds the memory to about 200 MB."""
 
 
 def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
@@ -19,95 +25,93 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
     """
     points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     crossings = ray_crossings(points, BoxTree(starts, ends))
-    winding = np.zeros(len(points), dtype=np.int64)
-    np.add.at(winding, crossings.point, crossings.value)
+    winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
     winding[crossings.touching] = ON_BOUNDARY
     return winding
 
 
-class RayCrossings:
-    """Signed crossings of the rays from points to the right, summed per chain of a tree.
+class RayCrossings(NamedTuple):
+    """Signed crossings of the rays from points to the right, in parts that add up per point and chain of a tree."""
 
-    point, chain, value: (K,) each; touching: (T,) indices of points that lie on an edge (may repeat).
-    """
-
-    def __init__(self) -> None:
-        self.point = self.chain = self.value = self.touching = np.zeros(0, dtype=np.int64)
-
-    def add(self, point: IntArray, chain: IntArray, value: IntArray) -> None:
-        counts = value != 0
-        self.point = np.concatenate((self.point, point[counts]))
-        self.chain = np.concatenate((self.chain, chain[counts]))
-        self.value = np.concatenate((self.value, value[counts]))
+    point: IntArray
+    """(K,) index of the point."""
+    chain: IntArray
+    """(K,) chain of the tree that is crossed."""
+    value: IntArray
+    """(K,) crossings upwards less crossings downwards."""
+    touching: IntArray
+    """(T,) points that lie on an edge."""
 
 
 def ray_crossings(points: FloatArray, tree: BoxTree) -> RayCrossings:
     """Crossings of the chains of a tree with the rays from points (P, 2) to the right; exact.
 
-    A stretch of a chain outside whose box a point lies counts by its two ends alone: +1 if it ends above and starts
-    not above the ray, -1 for the reverse, 0 left of the point. Only boxes around a point are opened, so the cost is
-    about log E per point. An end on the ray counts as below, so a ray through a vertex is counted once.
+    A stretch of a chain in a convex region without the point is crossed as often as its chord, the segment from its
+    first to its last vertex. So only boxes around a point are opened, and the cost is about log E per point. A vertex
+    on the ray counts as below it, so a ray through a vertex is counted once.
     """
-    crossings = RayCrossings()
-    if len(tree) == 0 or len(points) == 0:
-        return crossings
-    x, y = np.ascontiguousarray(points.T)
-    start_y, end_y = tree.starts[tree.order, 1], tree.ends[tree.order, 1]
-    level = len(tree.levels) - 1
-    top = tree.levels[level].shape[1]
-    p, node = np.repeat(np.arange(len(points)), top), np.tile(np.arange(top), len(points))
-    span = FANOUT**level
-    while True:
-        low_x, low_y, high_x, high_y = tree.levels[level].take(node, axis=1)
-        px, py = x.take(p), y.take(p)
-        relevant = px <= high_x
-        inside = relevant & (low_x <= px) & (low_y <= py) & (py <= high_y)
-        outside = relevant & ~inside & (low_y <= py) & (py <= high_y)
-        first, last = node * span, np.minimum(node * span + span, len(tree)) - 1
-        if not tree.closed:
-            divided = outside.copy()
-            divided[outside] = tree.chain[first[outside]] != tree.chain[last[outside]]
-            inside |= divided
-            outside &= ~divided
-        q, first, last, qy = p[outside], first[outside], last[outside], py[outside]
-        _count_stretches(crossings, tree, q, qy, first, last, start_y, end_y)
-        p, node = p[inside], node[inside]
-        if level == 0:
-            break
-        level, span = level - 1, span // FANOUT
-        p, node = np.repeat(p, FANOUT), (FANOUT * node[:, None] + np.arange(FANOUT)).ravel()
-    _count_edges(crossings, tree, points, p, node)
-    return crossings
+    parts = [(np.zeros(0, dtype=np.int64),) * 3]
+    touching = [np.zeros(0, dtype=np.int64)]
+    for first in range(0, len(points) if len(tree) else 0, POINT_BLOCK):
+        rays = _Rays(points[first : first + POINT_BLOCK], tree)
+        touching.append(rays.follow() + first)
+        parts += [(point + first, chain, value) for point, chain, value in rays.parts]
+    point, chain, value = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return RayCrossings(point, chain, value, np.concatenate(touching))
 
 
-def _count_stretches(
-    crossings: RayCrossings,
-    tree: BoxTree,
-    point: IntArray,
-    y: FloatArray,
-    first: IntArray,
-    last: IntArray,
-    start_y: FloatArray,
-    end_y: FloatArray,
-) -> None:
-    """Count runs of segments first..last to the right of their points; whole closed chains in between add nothing."""
-    begin, finish = tree.chain[first], tree.chain[last]
-    one = begin == finish
-    up_to, down_from = end_y[last] > y, start_y[first] > y
-    crossings.add(point[one], begin[one], up_to[one].astype(np.int64) - down_from[one])
-    many = ~one
-    if many.any():
-        opening, closing = start_y[tree.chain_starts[begin]] > y, start_y[tree.chain_starts[finish]] > y
-        crossings.add(point[many], begin[many], opening[many].astype(np.int64) - down_from[many])
-        crossings.add(point[many], finish[many], up_to[many].astype(np.int64) - closing[many])
+class _Rays:
+    """The rays from points (P, 2) to the right on their way down a tree; parts: (point, chain, value) found so far."""
 
+    def __init__(self, points: FloatArray, tree: BoxTree) -> None:
+        self.points, self.tree = points, tree
+        self.starts, self.ends = tree.starts[tree.order], tree.ends[tree.order]
+        self.parts: list[tuple[IntArray, IntArray, IntArray]] = []
 
-def _count_edges(
-    crossings: RayCrossings, tree: BoxTree, points: FloatArray, point: IntArray, segment: IntArray
-) -> None:
-    """Count single edges whose boxes hold their points: by the side of the edge that the point is on."""
-    a, b, c = tree.starts[tree.order[segment]], tree.ends[tree.order[segment]], points[point]
-    side = orientation(a, b, c)
-    rises = (b[:, 1] > c[:, 1]).astype(np.int64) - (a[:, 1] > c[:, 1])
-    crossings.add(point, tree.chain[segment], np.where(rises == side, rises, 0))
-    crossings.touching = np.unique(point[side == 0])
+    def follow(self) -> IntArray:
+        """Find all parts; the points that lie on an edge, (T,)."""
+        tree, (x, y) = self.tree, np.ascontiguousarray(self.points.T)
+        level = len(tree.levels) - 1
+        top = tree.levels[level].shape[1]
+        p, node = np.repeat(np.arange(len(x)), top), np.tile(np.arange(top), len(x))
+        while True:
+            low_x, low_y, high_x, high_y = tree.levels[level].take(node, axis=1)
+            px, py = x.take(p), y.take(p)
+            beside = (px <= high_x) & (low_y <= py) & (py <= high_y)
+            inside = beside & (low_x <= px)
+            if level == 0:
+                self._cross(p[beside & ~inside], node[beside & ~inside], node[beside & ~inside])
+                return self._touch(p[inside], node[inside])
+            if np.count_nonzero(inside) > CROWDED * len(x):
+                held = np.flatnonzero(inside)
+                inside[held] = tree.oriented(level).may_hold(node[held], self.points[p[held]])
+            span = FANOUT**level
+            first, last = node * span, np.minimum(node * span + span, len(tree)) - 1
+            if not tree.closed:
+                inside |= beside & (tree.chain[np.minimum(first, last)] != tree.chain[last])
+            done = beside & ~inside
+            self._cross(p[done], first[done], last[done])
+            p, node, level = np.repeat(p[inside], FANOUT), children(node[inside]), level - 1
+
+    def _cross(self, point: IntArray, first: IntArray, last: IntArray) -> None:
+        """Count stretches of segments first..last by their chords; whole closed chains in between add nothing."""
+        chain, begin, finish = self.tree.chain, self.tree.chain_starts, self.tree.chain_starts
+        one = chain[first] == chain[last]
+        self._count(point[one], first[one], last[one])
+        point, first, last = point[~one], first[~one], last[~one]
+        self._count(point, first, finish[chain[first] + 1] - 1)
+        self._count(point, begin[chain[last]], last)
+
+    def _touch(self, point: IntArray, segment: IntArray) -> IntArray:
+        """Count single segments; the points that lie on one."""
+        sides = self._count(point, segment, segment)
+        return np.asarray(np.unique(point[sides == 0]))
+
+    def _count(self, point: IntArray, first: IntArray, last: IntArray) -> Signs:
+        """Count the chords from the start of segment first to the end of last; the side each point is on."""
+        a, b, c = self.starts[first], self.ends[last], self.points[point]
+        side = orientation(a, b, c)
+        rises = (b[:, 1] > c[:, 1]).astype(np.int64) - (a[:, 1] > c[:, 1])
+        crossed = (rises == side) & (rises != 0)
+        self.parts.append((point[crossed], self.tree.chain[first[crossed]], rises[crossed]))
+        return side

@@ -48,6 +48,25 @@ def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
     return sign
 
 
+def orientation_sign(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> int:
+    """Exact sign of (b - a) x (c - a) for three points in plain floats: the twin of `orientation` for scalar loops."""
+    left = (ax - cx) * (by - cy)
+    right = (ay - cy) * (bx - cx)
+    determinant = left - right
+    bound = FLOAT_BOUND * (abs(left) + abs(right)) + LEAST_PRODUCT
+    if determinant > bound:
+        return 1
+    if determinant < -bound:
+        return -1
+    if (ax == cx or by == cy) and (ay == cy or bx == cx):
+        return 0
+    ratios = [number.as_integer_ratio() for number in (ax, ay, bx, by, cx, cy)]
+    scale = max(denominator for _, denominator in ratios)  # powers of two, so the others divide it
+    px, py, qx, qy, rx, ry = (numerator * (scale // denominator) for numerator, denominator in ratios)
+    exact = (px - rx) * (qy - ry) - (py - ry) * (qx - rx)
+    return (exact > 0) - (exact < 0)
+
+
 def _sign_by_signs(corners: FloatArray) -> Signs:
     """Sign for corners (6, K) where the signs of the differences decide, which are exact; the rest is handed on."""
     ax, ay, bx, by, cx, cy = corners
@@ -133,7 +152,10 @@ def segments_intersect(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArra
 
 def crossing_pairs(tree: BoxTree, other: BoxTree | None = None) -> tuple[IntArray, IntArray]:
     """Pairs of segments that cross or touch, (K,), (K,): of two trees, or i < j within one (neighbours included)."""
-    i, j = tree.self_pairs() if other is None else tree.pairs(other)
     second = tree if other is None else other
-    hit = segments_intersect(tree.starts[i], tree.ends[i], second.starts[j], second.ends[j])
-    return i[hit], j[hit]
+    found_i, found_j = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    for i, j in tree.blocks(other, slim=True):
+        hit = segments_intersect(tree.starts[i], tree.ends[i], second.starts[j], second.ends[j])
+        found_i.append(i[hit])
+        found_j.append(j[hit])
+    return np.concatenate(found_i), np.concatenate(found_j)

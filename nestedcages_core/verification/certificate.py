@@ -9,9 +9,9 @@ import numpy as np
 from .._types import IntArray
 from ..errors import InvalidMeshError
 from ..mesh import Mesh
-from ..mesh.loops import enclosing_pairs, parents, turning_senses
+from ..mesh.loops import LoopOrder, enclosing_pairs, parents, turning_senses
 from ..mesh.validation import crossing_point, place
-from ..predicates import BoxTree, crossing_pairs
+from ..predicates import BoxTree, segments_intersect
 from .clearance import smallest_gap
 
 CLEARANCE_TOLERANCE = 1e-9
@@ -108,27 +108,28 @@ class _Pair:
 
     def contact(self) -> list[str]:
         """A sentence if the boundaries touch or cross."""
-        i, j = crossing_pairs(self.cage_tree, self.fine_tree)
-        if not len(i):
-            return []
-        first = np.lexsort((j, i))[0]
-        k, m = i[first], j[first]
-        where = crossing_point(
-            self.cage_tree.starts[k], self.cage_tree.ends[k], self.fine_tree.starts[m], self.fine_tree.ends[m]
-        )
-        u, v = self.cage_order[k], self.fine_order[m]
-        return [
-            f"The cage meets the fine mesh at {len(i)} pairs of edges, first near {place(where)}: edge "
-            f"{u}-{self.cage.successor[u]} of the cage and edge {v}-{self.fine.successor[v]} of the fine mesh."
-        ]
+        a, b, c, d = self.cage_tree.starts, self.cage_tree.ends, self.fine_tree.starts, self.fine_tree.ends
+        for i, j in self.cage_tree.blocks(self.fine_tree, slim=True):
+            hits = np.flatnonzero(segments_intersect(a[i], b[i], c[j], d[j]))
+            if len(hits):
+                k, m = i[hits[0]], j[hits[0]]
+                u, v = self.cage_order[k], self.fine_order[m]
+                where = place(crossing_point(a[k], b[k], c[m], d[m]))
+                return [
+                    f"The cage meets the fine mesh near {where}: edge {u}-{self.cage.successor[u]} of the cage touches "
+                    f"edge {v}-{self.fine.successor[v]} of the fine mesh."
+                ]
+        return []
 
     def nested(self) -> tuple[IntArray, IntArray]:
         """Pairs (inner, outer) of loops of both meshes, those of the cage numbered first; the loops must not meet."""
         if self._nested is None:
             points = np.concatenate((self.cage_tree.starts, self.fine_tree.starts))
             ends = np.concatenate((self.cage_tree.ends, self.fine_tree.ends))
-            sizes = np.array([len(loop) for loop in (*self.cage.loops, *self.fine.loops)])
-            self._nested = enclosing_pairs(points, sizes, turning_senses(points, sizes)[1], BoxTree(points, ends))
+            order = LoopOrder(
+                np.arange(len(points)), np.array([len(loop) for loop in (*self.cage.loops, *self.fine.loops)])
+            )
+            self._nested = enclosing_pairs(points, order, turning_senses(points, order)[1], BoxTree(points, ends))
         return self._nested
 
     def outside(self) -> list[str]:
