@@ -14,15 +14,16 @@ from numpy.typing import NDArray
 from .convert import Drawing
 from .refusal import Refusal, load_core, say
 
-# The clearance of the core's default, as a part of the drawing's diagonal.
-AUTOMATIC_CLEARANCE = 1e-5
+# Automatic clearances as parts of the drawing's diagonal: the core's default, and one for drawings whose gaps leave no
+# room for it. Less than that cannot be told from nothing in float32.
+AUTOMATIC_CLEARANCES = (1e-5, 1e-6)
 # Rounding to float32 moves a coordinate by at most this part of it; of a point by sqrt(2) times that.
 FLOAT32_ROUNDING = float(np.finfo(np.float32).eps) / 2.0
 # What is added to the wanted clearance, in roundings of the largest coordinate: twice what one rounded mesh can lose,
 # as the cage reaches further out than the drawing that the coordinate is taken from.
 MARGIN = 2.0 * np.sqrt(2.0)
-# A second try asks for this many times the margin: rounding can also close a gap of the cage with itself.
-SECOND_MARGIN = 64.0
+# How many of these margins to try: rounding can also close a gap that the cage has with itself.
+MARGINS = (1.0, 64.0)
 
 Percent = float
 
@@ -95,7 +96,8 @@ class Progress:
 def parse_levels(text: str) -> tuple[int | Percent, ...]:
     """Counts and percentages from a text such as "64, 24" or "10% 3%". Raises: Refusal."""
     levels: list[int | Percent] = []
-    for word in re.split(r"[\s,;]+", re.sub(r"\s+%", "%", text.strip())):
+    words = re.findall(r"[^\s,;]+", re.sub(r"\s+%", "%", text)) or [text]
+    for word in words:
         if re.fullmatch(r"\d+", word):
             levels.append(int(word))
         elif re.fullmatch(r"\d+(\.\d*)?%|\.\d+%", word):
@@ -103,8 +105,8 @@ def parse_levels(text: str) -> tuple[int | Percent, ...]:
         else:
             raise Refusal(
                 "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas; "
-                "'{text}' is not",
-                text=word or text,
+                "'{text}' is neither",
+                text=word,
             )
     return tuple(levels)
 
@@ -160,68 +162,69 @@ class Generation:
         total = sum(len(levels) for _, _, levels in self._plans)
         done = 0
         for request, fine, levels in self._plans:
-            finished: list[CageLevel] = []
+            clearances = self._clearances(request, fine)
+            inner, finished = fine, []
             for number, wanted in enumerate(levels, 1):
-                label = say("{name}, level {number}", name=request.fine.name, number=number)
-                steps = self._level(request, fine, wanted, number)
-                while True:
-                    try:
-                        progress = next(steps)
-                    except StopIteration as end:
-                        level, fine = end.value
-                        break
-                    yield Progress((done + progress.fraction) / total, f"{label}: {progress.message}")
-                finished.append(level)
+                name = say("{name}, level {number}", name=request.fine.name, number=number)
+                for step in self._level(name, inner, wanted, clearances, number):
+                    if isinstance(step, CageLevel):
+                        finished.append(step)
+                        inner = self.core.Mesh(step.cage.astype(np.float64), step.cage_edges)
+                    else:
+                        yield Progress((done + step.fraction) / total, f"{name}: {say(step.stage)}")
                 done += 1
-                yield Progress(done / total, label)
+                yield Progress(done / total, name)
             self.results.append(Result(request.fine, tuple(finished)))
 
-    def _level(self, request: Request, fine: Any, wanted: Any, number: int) -> Iterator[Any]:
-        """The core's progress of one level; returns (CageLevel, the cage as the next level's fine mesh)."""
-        core, name = self.core, request.fine.name
-        clearance = self.options.clearance / request.fine.frame.scale or AUTOMATIC_CLEARANCE * fine.diagonal
-        margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
-        first, later = DECIMATIONS[self.options.decimation]
-        settings = core.Settings(decimation=(first if number == 1 else later)(core))
-        problems: tuple[str, ...] = ()
-        for ask in (clearance + margin, clearance + SECOND_MARGIN * margin):
-            try:
-                run = core.NestedCagesRun(fine, [wanted], replace(settings, clearance=ask))
-                yield from run
-            except core.NestedCagesError as error:
-                raise Refusal("'{name}', level {number}: {problem}", name=name, number=number, problem=error) from error
-            level = run.hierarchy.levels[0]
-            cage = level.cage.moved(as_stored(level.cage.vertices))
-            certificate = core.verify(cage, fine, clearance)
-            if certificate.holds:
-                return self._stored(fine, level, certificate), core.Mesh(cage.vertices, cage.edges)
-            problems = certificate.problems
-        raise Refusal(
-            "'{name}', level {number}: the cage does not hold in Blender's single precision ({problem}); move the "
-            "drawing closer to its object's origin, or ask for more clearance",
-            name=name,
-            number=number,
-            problem="; ".join(problems),
-        )
+    def _clearances(self, request: Request, fine: Any) -> tuple[float, ...]:
+        """The wanted clearance in the drawing's units, or the automatic ones, to be tried in turn."""
+        if self.options.clearance > 0.0:
+            return (self.options.clearance / request.fine.frame.scale,)
+        return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
 
-    def _stored(self, fine: Any, level: Any, certificate: Any) -> CageLevel:
-        """The core's level as a `CageLevel`: the flow, during which the coarse mesh stands still, and the reinflation
-        in one sequence.
+    def _level(self, name: str, fine: Any, wanted: Any, clearances: Sequence[float], number: int) -> Iterator[Any]:
+        """The core's progress of one level, and at the end its `CageLevel`. Raises: Refusal."""
+        problem = ""
+        margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
+        settings = self.core.Settings(decimation=DECIMATIONS[self.options.decimation][min(number, 2) - 1](self.core))
+        for clearance in clearances:
+            for margins in MARGINS:
+                asked = replace(settings, clearance=clearance + margins * margin)
+                run = self.core.NestedCagesRun(fine, [wanted], asked)
+                try:
+                    yield from run
+                    level = self._stored(fine, run.hierarchy.levels[0], clearance)
+                except self.core.NestedCagesError as error:
+                    problem = problem or str(error)
+                    break
+                finally:
+                    run.close()
+                if level.certificate.holds:
+                    yield level
+                    return
+                problem = say(
+                    "the cage does not hold in Blender's single precision ({problem}); move the drawing closer to its "
+                    "object's origin, or ask for more clearance",
+                    problem="; ".join(level.certificate.problems),
+                )
+        raise Refusal("'{name}': {problem}", name=name, problem=problem)
+
+    def _stored(self, fine: Any, level: Any, clearance: float) -> CageLevel:
+        """The core's level in float32, certified as such: the flow, during which the coarse mesh stands still, and the
+        reinflation in one sequence.
         """
         flow, reinflation = level.flow.steps, level.reinflation
         standing = np.broadcast_to(level.coarse.vertices, (len(flow) - 1, *level.coarse.vertices.shape))
+        cage_steps = np.concatenate([standing, reinflation.cage_steps]).astype(np.float32)
+        same_loops = len(level.coarse.loops) == len(fine.loops)
+        cage = level.cage.moved(cage_steps[-1].astype(np.float64))
         return CageLevel(
             fine_edges=fine.edges,
             cage_edges=level.cage.edges,
             fine_steps=np.concatenate([flow[:-1], reinflation.fine_steps]).astype(np.float32),
-            cage_steps=np.concatenate([standing, reinflation.cage_steps]).astype(np.float32),
+            cage_steps=cage_steps,
             flow_end=len(flow) - 1,
             tightening=len(flow) - 1 + reinflation.tightening_start,
-            certificate=certificate,
+            certificate=self.core.verify(cage, fine, clearance, same_loops=same_loops),
             report=level.report,
         )
-
-
-def as_stored(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points as Blender stores them."""
-    return points.astype(np.float32).astype(np.float64)

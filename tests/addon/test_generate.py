@@ -1,0 +1,111 @@
+"""Levels as the user writes them, and the refusals before anything is computed."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from drawings import circle, poly_curve, star
+
+
+@pytest.mark.parametrize(
+    ("text", "levels"),
+    [
+        ("64, 24", (64, 24)),
+        ("64 24", (64, 24)),
+        (" 64;24 ", (64, 24)),
+        ("10%", (10.0,)),
+        ("12.5 %, 5%", (12.5, 5.0)),
+        ("64, 5%", (64, 5.0)),
+        ("7", (7,)),
+        ("64,, 24,", (64, 24)),
+    ],
+)
+def test_levels_are_counts_or_percentages(addon, text, levels) -> None:
+    assert addon.generate.parse_levels(text) == levels
+
+
+@pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3"])
+def test_other_texts_are_refused(addon, text) -> None:
+    with pytest.raises(addon.refusal.Refusal, match="Levels are vertex counts such as 64, 24"):
+        addon.generate.parse_levels(text)
+
+
+def request(addon, loops, name="Drawing"):
+    return addon.generate.Request(addon.convert.fine_drawing(addon.convert.read(bpy.context, poly_curve(name, loops))))
+
+
+@pytest.mark.parametrize(
+    ("levels", "counts"),
+    [((24, 9), (24, 9)), ((50.0, 10.0), (30, 6)), ((1.0,), (6,)), ((100.0, 60), (60, 60))],
+)
+def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon, levels, counts) -> None:
+    fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh(addon.refusal.load_core())
+    assert addon.generate.counts(levels, fine, "Drawing") == counts
+
+
+@pytest.mark.parametrize(
+    ("levels", "sentence"),
+    [
+        ((61,), "a level of 61 vertices is more than the 60 of the drawing"),
+        ((20, 21), "a level of 21 vertices is more than the 20 of the level before it"),
+        ((5,), "5 vertices are too few for its 2 loops"),
+    ],
+)
+def test_levels_go_down_but_not_below_three_per_loop(addon, levels, sentence) -> None:
+    options = addon.generate.Options(levels=levels)
+    with pytest.raises(addon.refusal.Refusal, match="^'Drawing': " + sentence):
+        addon.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
+
+
+def test_a_drawing_that_crosses_itself_is_refused_by_name(addon) -> None:
+    eight = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
+    with pytest.raises(addon.refusal.Refusal, match=r"^'Eight': "):
+        addon.generate.Generation([request(addon, [eight], "Eight")], addon.generate.Options(levels=(3,)))
+
+
+def test_without_levels_there_is_nothing_to_do(addon) -> None:
+    with pytest.raises(addon.refusal.Refusal, match="vertex count for at least one level"):
+        addon.generate.Generation([request(addon, [circle(48)])], addon.generate.Options())
+
+
+def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
+    requests = [request(addon, [circle(24)], "One"), request(addon, [circle(30)], "Two")]
+    generation = addon.generate.Generation(requests, addon.generate.Options(levels=(8, 4)))
+    fractions, messages = zip(*((p.fraction, p.message) for p in generation), strict=True)
+    assert list(fractions) == sorted(fractions)
+    assert fractions[0] >= 0.0
+    assert fractions[-1] == 1.0
+    assert {message.partition(":")[0] for message in messages} == {
+        "One, level 1",
+        "One, level 2",
+        "Two, level 1",
+        "Two, level 2",
+    }
+    assert [result.drawing.name for result in generation.results] == ["One", "Two"]
+
+
+@pytest.mark.parametrize("decimation", ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"])
+def test_every_way_to_make_coarse_meshes_is_certified_as_stored(addon, core, decimation) -> None:
+    options = addon.generate.Options(levels=(20, 10), decimation=decimation)
+    generation = addon.generate.Generation([request(addon, [star()])], options)
+    for _ in generation:
+        pass
+    (result,) = generation.results
+    inner = result.drawing.mesh(core)
+    clearance = 1e-5 * inner.diagonal
+    for level in result.levels:
+        cage = core.Mesh(level.cage.astype(float), level.cage_edges)
+        assert core.verify(cage, inner, clearance).holds
+        inner = cage
+
+
+def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> None:
+    """At a thousand times its size away, float32 leaves some 1e-4 of the size between two numbers."""
+    generation = addon.generate.Generation([request(addon, [star() + 2000.0])], addon.generate.Options(levels=(16,)))
+    for _ in generation:
+        pass
+    (level,) = generation.results[0].levels
+    fine = generation.results[0].drawing.mesh(core)
+    assert core.verify(core.Mesh(level.cage.astype(float), level.cage_edges), fine, 1e-6 * fine.diagonal).holds

@@ -1,0 +1,370 @@
+"""The operator from end to end: against the core's own result, and as Blender evaluates what it wrote."""
+
+from __future__ import annotations
+
+import itertools
+
+import bpy
+import numpy as np
+import pytest
+import shapely
+from mathutils import Euler, Matrix
+
+from drawings import (
+    add,
+    at_frame,
+    bezier_circle,
+    circle,
+    edges_of,
+    evaluated,
+    in_world,
+    lines,
+    poly_curve,
+    raised,
+    snapshot,
+    solid,
+    star,
+    wire,
+)
+
+LEVELS = "20, 10"
+
+
+def generate(**properties):
+    return bpy.ops.object.nested_cages_generate(**{"levels": LEVELS, **properties})
+
+
+def output(name="Drawing"):
+    """The collection, the fine mesh and the cages."""
+    collection = bpy.data.collections[f"{name} Cages"]
+    fine, *cages = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    return collection, fine, cages
+
+
+def letter():
+    """A square letter with a hole, a second component and an island in the hole."""
+    outer = np.array([(0, 0), (4, 0), (4, 3), (3, 3), (3, 1), (1, 1), (1, 3), (0, 3)], dtype=float)
+    outer = np.concatenate(
+        [np.linspace(a, b, 6, endpoint=False) for a, b in zip(outer, np.roll(outer, -1, 0), strict=True)]
+    )
+    return [outer, circle(12, 0.2, (0.5, 2.0)), star(40) * 0.5 + (5.5, 1.0)]
+
+
+def test_the_operator_gives_what_the_core_gives(addon, core) -> None:
+    poly_curve("Drawing", [star()])
+    assert generate(levels="20", decimation="OUTER_HULL") == {"FINISHED"}
+    _, fine, (cage,) = output()
+    mesh = core.Mesh.from_loops([star().astype(np.float32).astype(float)])
+    margin = addon.generate.MARGIN * addon.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
+    settings = core.Settings(clearance=1e-5 * mesh.diagonal + margin)
+    (level,) = core.nested_cages(mesh, [20], settings).levels
+    np.testing.assert_array_equal(evaluated(cage, at_frame(5000))[:, :2], level.cage.vertices.astype(np.float32))
+    np.testing.assert_array_equal(evaluated(fine)[:, :2], mesh.vertices.astype(np.float32))
+    np.testing.assert_array_equal(edges_of(cage), level.cage.edges)
+    assert cage["nested_cages_excess"] == pytest.approx(level.report.excess, rel=1e-3)
+
+
+@pytest.mark.parametrize("decimation", ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"])
+def test_no_cage_crosses_what_it_encloses_on_any_frame(addon, decimation) -> None:
+    poly_curve("Drawing", letter())
+    generate(levels="48, 20", decimation=decimation, frames_per_step=2)
+    _, fine, cages = output()
+    for inner, cage in itertools.pairwise([fine, *cages]):
+        begin, end = cage["nested_cages_reinflation_start"], cage["nested_cages_end"]
+        for half in range(2 * begin, 2 * end + 1):
+            depsgraph = at_frame(half / 2)
+            assert not lines(inner, depsgraph).intersects(lines(cage, depsgraph)), (cage.name, half / 2)
+        depsgraph = at_frame(end)
+        assert solid(cage, depsgraph).contains(solid(inner, depsgraph))
+        assert lines(inner, depsgraph).distance(lines(cage, depsgraph)) > 0.0
+        assert len(solid(cage, depsgraph).geoms) == 2
+
+
+def test_the_animation_begins_and_ends_with_the_source(addon) -> None:
+    source = bezier_circle("Drawing", radius=2.0, resolution=16)
+    generate()
+    collection, fine, cages = output()
+    first = cages[0]["nested_cages_flow_start"]
+    assert cages[0]["nested_cages_reinflation_start"] > first
+    source.data.dimensions = "3D"
+    expected = evaluated(source)
+    for frame in (first, first - 10, collection["nested_cages_end"], 4000):
+        np.testing.assert_array_equal(evaluated(fine, at_frame(frame)), expected)
+    assert np.abs(evaluated(fine, at_frame(cages[0]["nested_cages_reinflation_start"])) - expected).max() > 1e-3
+    assert fine.matrix_world == source.matrix_world
+
+
+def test_later_cages_appear_when_their_level_begins(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    _, fine, cages = output()
+    for cage in cages:
+        at_frame(cage["nested_cages_flow_start"] - 1)
+        assert cage.hide_viewport and cage.hide_render
+        at_frame(cage["nested_cages_flow_start"])
+        assert not cage.hide_viewport and not cage.hide_render
+    assert not fine.hide_viewport
+    assert cages[1]["nested_cages_flow_start"] > cages[0]["nested_cages_end"]
+
+
+def test_markers_and_the_end_frame_follow_the_animation(addon) -> None:
+    scene = bpy.context.scene
+    scene.frame_end = 10
+    poly_curve("Drawing", [star()])
+    generate(start_frame=101, frames_per_step=3)
+    collection, _, cages = output()
+    assert scene.frame_end == collection["nested_cages_end"] == cages[-1]["nested_cages_end"]
+    markers = {marker.name: marker.frame for marker in scene.timeline_markers}
+    for number, cage in enumerate(cages, 1):
+        assert markers[f"Reinflation {number}"] == cage["nested_cages_reinflation_start"]
+        assert markers[f"Tightening {number}"] == cage["nested_cages_tightening_start"]
+    assert markers["Flow 1"] == 101
+    assert (cages[0]["nested_cages_reinflation_start"] - 101) % 3 == 0
+
+
+def test_without_the_flow_the_drawing_is_inside_from_the_start(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate(levels="20", show_flow=False, decimation="ARC_LENGTH")
+    _, fine, (cage,) = output()
+    assert cage["nested_cages_flow_start"] == cage["nested_cages_reinflation_start"] == 1
+    for half in range(2, 2 * cage["nested_cages_end"] + 1):
+        depsgraph = at_frame(half / 2)
+        assert not lines(fine, depsgraph).intersects(lines(cage, depsgraph))
+    assert not any(marker.name.startswith("Flow") for marker in bpy.context.scene.timeline_markers)
+
+
+@pytest.mark.parametrize("clearance", [0.02, 1e-3])
+def test_the_clearance_is_a_length_of_the_scene(addon, clearance) -> None:
+    obj = poly_curve("Drawing", [star()])
+    obj.scale = (3.0, 3.0, 3.0)
+    generate(clearance=clearance)
+    _, fine, cages = output()
+    depsgraph = at_frame(5000)
+    for inner, cage in itertools.pairwise([fine, *cages]):
+        measured = 3.0 * lines(inner, depsgraph).distance(lines(cage, depsgraph))
+        assert clearance * (1.0 - 1e-9) <= measured <= 1.05 * clearance
+        assert cage["nested_cages_clearance"] == pytest.approx(measured, rel=1e-6)
+
+
+TURN = Euler((0.4, 1.0, -2.0)).to_matrix().to_4x4()
+TRANSFORMS = {
+    "turned": Matrix.Translation((1.0, -2.0, 3.0))
+    @ Euler((0.4, 1.0, -2.0)).to_matrix().to_4x4()
+    @ Matrix.Scale(2.0, 4),
+    "stretched": Euler((0.4, 1.0, -2.0)).to_matrix().to_4x4() @ Matrix.Diagonal((2.0, 0.5, 3.0, 1.0)),
+    "mirrored": Matrix.Translation((0.0, 0.0, 1.0)) @ Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0)),
+}
+
+
+@pytest.mark.parametrize("name", TRANSFORMS)
+def test_the_output_lies_on_the_source(addon, name) -> None:
+    source = wire("Drawing", [star(), circle(12, 0.3)])
+    source.matrix_world = TRANSFORMS[name]
+    bpy.context.view_layer.update()
+    before = source.matrix_world.copy()
+    generate()
+    _, fine, cages = output()
+    depsgraph = at_frame(5000)
+    np.testing.assert_allclose(
+        in_world(fine, evaluated(fine, depsgraph)), in_world(source, evaluated(source, depsgraph)), atol=2e-6
+    )
+    assert source.matrix_world == before
+    if name == "turned":
+        assert fine.matrix_world == source.matrix_world
+    for cage in cages:
+        assert cage.matrix_world == fine.matrix_world
+
+
+def test_selected_objects_become_the_levels(addon) -> None:
+    finer = wire("Finer", [circle(24, 1.4)])
+    coarser = poly_curve("Coarser", [circle(9, 1.5)])
+    source = poly_curve("Drawing", [star()])
+    for obj in (finer, coarser):
+        obj.location = (0.05, 0.0, 0.0)
+        obj.select_set(True)
+    assert generate(use_selected_as_levels=True) == {"FINISHED"}
+    _, fine, cages = output()
+    assert [len(cage.data.vertices) for cage in cages] == [24, 9]
+    assert len(fine.data.vertices) == 60
+    assert bpy.context.view_layer.objects.active is source
+    start = evaluated(cages[0], at_frame(cages[0]["nested_cages_reinflation_start"]))
+    np.testing.assert_allclose(start[:, :2], circle(24, 1.4, (0.05, 0.0)), atol=1e-6)
+    assert len(bpy.data.collections) == 1
+
+
+def test_several_selected_drawings_get_their_own_cages(addon) -> None:
+    poly_curve("One", [star()])
+    wire("Two", [circle(40)])
+    bpy.data.objects["One"].select_set(True)
+    generate()
+    for name in ("One", "Two"):
+        _, fine, cages = output(name)
+        assert len(cages) == 2
+        assert fine["nested_cages_source"] == name
+
+
+def test_a_second_run_replaces_what_the_first_made(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    collection, fine, cages = output()
+    modifier = cages[0].modifiers.new("Mine", "SKIN")
+    generate(frames_per_step=6)
+    once = snapshot()
+    generate(frames_per_step=6)
+    assert snapshot() == once
+    again = output()
+    assert again[0] == collection and again[1] == fine and again[2] == cages
+    assert modifier.name in cages[0].modifiers
+    generate(levels="12")
+    assert len(output()[2]) == 1
+    assert len(bpy.data.objects) == 3 and len(bpy.data.meshes) == 2 and len(bpy.data.shape_keys) == 2
+    assert len({marker.name for marker in bpy.context.scene.timeline_markers}) == len(
+        bpy.context.scene.timeline_markers
+    )
+
+
+def test_the_source_stays_selected_active_and_as_it_was(addon) -> None:
+    source = poly_curve("Drawing", [star()])
+    source.data.bevel_depth = 0.1
+    before = (
+        source.data.bevel_depth,
+        source.data.dimensions,
+        source.matrix_world.copy(),
+        set(source.keys()),
+        source.users,
+    )
+    generate()
+    assert (
+        source.data.bevel_depth,
+        source.data.dimensions,
+        source.matrix_world,
+        set(source.keys()),
+        source.users,
+    ) == before
+    assert bpy.context.selected_objects == [source]
+    assert bpy.context.view_layer.objects.active is source
+
+
+def test_the_frame_jumps_to_the_result_or_stays(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate(show_result=False)
+    assert bpy.context.scene.frame_current == 1
+    generate()
+    assert bpy.context.scene.frame_current == output()[0]["nested_cages_end"]
+
+
+def test_what_is_known_of_a_cage_is_stored_with_it(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    _, _, cages = output()
+    for number, cage in enumerate(cages, 1):
+        assert cage["nested_cages_level"] == number
+        assert cage["nested_cages_vertices"] == len(cage.data.vertices)
+        assert cage["nested_cages_certificate"].startswith("Certified as stored")
+        assert cage["nested_cages_seconds"] > 0.0
+
+
+def eight():
+    return poly_curve("Eight", [np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])])
+
+
+def bent():
+    loop = raised(star())
+    loop[3, 2] = 0.25
+    return wire("Bent", [loop])
+
+
+def good_and_bad():
+    poly_curve("Good", [star()])
+    poly_curve("Open", [star()], cyclic=False)
+    bpy.data.objects["Good"].select_set(True)
+
+
+def levels_out_of_plane():
+    wire("Tilted", [circle(12, 1.5)]).rotation_euler = (0.3, 0.0, 0.0)
+    poly_curve("Drawing", [star()])
+    bpy.data.objects["Tilted"].select_set(True)
+
+
+REFUSALS = {
+    "open spline": (lambda: poly_curve("Open", [star()], cyclic=False), {}, "'Open' is open"),
+    "crosses itself": (eight, {"levels": "3"}, "'Eight': "),
+    "not planar": (bent, {}, "'Bent' does not lie in one plane"),
+    "no edges": (lambda: add("Empty", bpy.data.meshes.new("Empty")), {}, "'Empty' has no outline"),
+    "closed surface": (lambda: bpy.ops.mesh.primitive_cube_add(), {}, "'Cube' has no outline"),
+    "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "'Two': "),
+    "too many vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "100"}, "more than the 60 of"),
+    "rising levels": (lambda: poly_curve("Drawing", [star()]), {"levels": "10, 20"}, "more than the 10"),
+    "too few vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "2"}, "too few"),
+    "no number": (lambda: poly_curve("Drawing", [star()]), {"levels": "many"}, "Levels are vertex counts"),
+    "no levels selected": (
+        lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Levels' needs"
+    ),
+    "level out of plane": (levels_out_of_plane, {"use_selected_as_levels": True}, "'Tilted' does not lie in one plane"),
+    "one of two": (good_and_bad, {}, "'Open' is open"),
+    "impossible clearance": (
+        lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]), {"clearance": 5.0}, "'Drawing, level 1': "
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_a_refusal_is_a_sentence_and_changes_nothing(addon, name) -> None:
+    make, properties, sentence = REFUSALS[name]
+    make()
+    bpy.context.view_layer.update()
+    before = snapshot()
+    with pytest.raises(RuntimeError) as caught:
+        generate(**properties)
+    assert sentence in str(caught.value)
+    assert snapshot() == before
+
+
+def test_an_empty_selection_is_said_before_anything_runs(addon) -> None:
+    poly_curve("Drawing", [star()]).select_set(False)
+    with pytest.raises(RuntimeError, match="Select a closed curve, a text or a mesh made of edge loops"):
+        generate()
+
+
+def test_a_refused_second_run_keeps_the_first(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    before = snapshot()
+    with pytest.raises(RuntimeError):
+        generate(levels="many")
+    assert snapshot() == before
+
+
+def test_undo_and_redo(addon) -> None:
+    poly_curve("Drawing", [star()])
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="before")
+    before = snapshot()
+    generate()
+    bpy.ops.ed.undo_push(message="after")
+    after = snapshot()
+    bpy.ops.ed.undo()
+    assert snapshot() == before
+    bpy.ops.ed.redo()
+    assert snapshot() == after
+
+
+def test_the_file_can_be_saved_and_loaded(addon, tmp_path) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    _, fine, cages = output()
+    frame = cages[0]["nested_cages_tightening_start"] + 1.5
+    expected = [evaluated(obj, at_frame(frame)) for obj in (fine, *cages)]
+    path = str(tmp_path / "cages.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    _, fine, cages = output()
+    for obj, points in zip((fine, *cages), expected, strict=True):
+        np.testing.assert_array_equal(evaluated(obj, at_frame(frame)), points)
+
+
+def test_lines_are_checked_by_a_test_that_can_fail(addon) -> None:
+    """The oracle itself: two drawings that cross are seen to cross."""
+    one, two = wire("One", [circle(20)]), wire("Two", [circle(20, 1.0, (0.5, 0.0))])
+    assert lines(one).intersects(lines(two))
+    assert isinstance(solid(one), shapely.Polygon)
