@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .._types import FloatArray
 from ..contact.pairs import Bodies
-from ..decimation import Decimation
+from ..decimation import Candidates, Count, Decimation
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..flow.matching import match_loops
@@ -31,33 +31,55 @@ class LevelBuilder:
     def build(self, wanted: int | Mesh) -> Level:
         """The level for a vertex count or a coarse mesh, by the flow or, where that fails, from the fallback."""
         settings = self.settings
-        if isinstance(wanted, Mesh):
-            coarse = wanted
-        else:
-            self.report.begin("decimation")
-            coarse = settings.decimation.decimate(self.fine, wanted, clearance=self.clearance.length)
         generated = not isinstance(wanted, Mesh)
+        self.report.begin("decimation")
         try:
-            return self._nest(coarse, generated, ())
+            if isinstance(wanted, Mesh):
+                return self._nest(wanted, False, ())
+            return self._best(self._starts(settings.decimation, wanted), ())
         except (FlowError, ReinflationError, NestingError) as error:
             if settings.fallback is None or (generated and settings.fallback == settings.decimation):
                 raise
-            self.report.begin("decimation")
-            hull = self._fallback(settings.fallback, coarse)
-            note = f"Started from the outer hull with {len(hull.vertices)} vertices instead of the coarse mesh: {error}"
-            return self._nest(hull, True, (note,))
+            note = f"Started from the outer hull instead of the coarse mesh: {error}"
+        self.report.begin("decimation")
+        return self._best(self._starts(settings.fallback, self._counts(wanted)), (note,))
 
-    def _fallback(self, decimation: Decimation, coarse: Mesh) -> Mesh:
-        """A coarse mesh by ``decimation`` with the same number of vertices per loop as ``coarse``, or in total where
-        loops differ."""
-        if len(coarse.loops) != len(self.fine.loops):
-            return decimation.decimate(self.fine, len(coarse.vertices), clearance=self.clearance.length)
+    def _starts(self, decimation: Decimation, count: Count) -> list[Mesh]:
+        """Coarse meshes to begin with: several where the decimation offers them, since they end in different optima."""
+        clearance = self.clearance.length
+        if isinstance(decimation, Candidates) and self.settings.starts > 1:
+            return decimation.candidates(self.fine, count, clearance=clearance, keep=self.settings.starts)
+        return [decimation.decimate(self.fine, count, clearance=clearance)]
+
+    def _counts(self, wanted: int | Mesh) -> Count:
+        """For the fallback: the vertices of each loop of the coarse mesh, or their total where its loops are others."""
+        if not isinstance(wanted, Mesh):
+            return wanted
+        total = max(len(wanted.vertices), 3 * len(self.fine.loops))
+        if len(wanted.loops) != len(self.fine.loops):
+            return total
         try:
-            partner = match_loops(self.fine, coarse).partner
-            counts = [len(coarse.loops[k]) for k in partner]
-            return decimation.decimate(self.fine, counts, clearance=self.clearance.length)
-        except NestedCagesError:
-            return decimation.decimate(self.fine, len(coarse.vertices), clearance=self.clearance.length)
+            return [len(wanted.loops[k]) for k in match_loops(self.fine, wanted).partner]
+        except FlowError:
+            return total
+
+    def _best(self, starts: list[Mesh], notes: tuple[str, ...]) -> Level:
+        """The tightest cage from any of the starts; the first error when there is none."""
+        best: Level | None = None
+        first_error: NestedCagesError | None = None
+        for number, coarse in enumerate(starts):
+            self.report.start(number, len(starts))
+            try:
+                level = self._nest(coarse, True, notes)
+            except (FlowError, ReinflationError, NestingError) as error:
+                first_error = first_error or error
+                continue
+            if best is None or level.report.excess < best.report.excess:
+                best = level
+        if best is not None:
+            return best
+        assert first_error is not None
+        raise first_error
 
     def _nest(self, coarse: Mesh, generated: bool, notes: tuple[str, ...]) -> Level:
         settings, frame, report = self.settings, self.frame, self.report

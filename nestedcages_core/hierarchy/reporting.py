@@ -7,20 +7,29 @@ from time import perf_counter
 
 from .results import Progress
 
-SHARES = {"decimation": 0.15, "flow": 0.1, "reinflation": 0.25, "tightening": 0.4, "verification": 0.1}
-"""Fraction of a level's time that each stage takes, roughly: only for the progress bar."""
+DECIMATION_SHARE = 0.2
+"""Fraction of a level's time that decimation takes, roughly: only for the progress bar."""
+
+STAGES = {"decimation": 0.0, "flow": 0.0, "reinflation": 0.15, "tightening": 0.4, "verification": 0.95}
+"""Where each stage begins within one start, from 0 to 1, roughly."""
 
 
 class Reporter:
     """Places the progress of one stage within the whole run, and times the stages."""
 
     def __init__(self, level: int, levels: int, progress: Callable[[Progress], None] | None) -> None:
-        self.seconds = dict.fromkeys(SHARES, 0.0)
+        self.seconds = dict.fromkeys(STAGES, 0.0)
         self._level = level
         self._levels = levels
         self._progress = progress
         self._stage = "decimation"
         self._began = perf_counter()
+        self._start, self._starts = 0, 1
+        self._furthest = 0.0
+
+    def start(self, number: int, of: int) -> None:
+        """The next coarse mesh begins, number 0 being the first."""
+        self._start, self._starts = number, of
 
     def begin(self, stage: str) -> None:
         """The next stage starts now."""
@@ -39,8 +48,17 @@ class Reporter:
         if self._progress is None:
             return
         self.pause()
-        before = sum(share for stage, share in list(SHARES.items())[: list(SHARES).index(self._stage)])
-        inside = before + SHARES[self._stage] * min(max(fraction, 0.0), 1.0)
+        # what starts anew, for instance from the fallback, does not take the bar back
+        self._furthest = max(self._furthest, self._within_level(min(max(fraction, 0.0), 1.0)))
         text = f"Level {self._level + 1} of {self._levels}: {message}"
-        self._progress(Progress(self._level, self._stage, (self._level + inside) / self._levels, text))
+        self._progress(Progress(self._level, self._stage, (self._level + self._furthest) / self._levels, text))
         self._began = perf_counter()
+
+    def _within_level(self, fraction: float) -> float:
+        """From 0 to 1 within the level."""
+        if self._stage == "decimation":
+            return DECIMATION_SHARE * fraction
+        begins = STAGES[self._stage]
+        ends = min((other for other in STAGES.values() if other > begins), default=1.0)
+        within_start = begins + fraction * (ends - begins)
+        return DECIMATION_SHARE + (1.0 - DECIMATION_SHARE) * (self._start + within_start) / self._starts

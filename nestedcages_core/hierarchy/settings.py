@@ -28,6 +28,8 @@ class Settings:
     or as much of it as the gaps of the fine mesh leave room for."""
     decimation: Decimation = field(default_factory=OuterHull)
     """How a vertex count becomes a coarse mesh."""
+    starts: int = 3
+    """From how many coarse meshes the cage is tightened, to keep the tightest, where the decimation offers several."""
     fallback: Decimation | None = field(default_factory=OuterHull)
     """Where to start instead when the flow does not get inside a coarse mesh or the way back is blocked; None makes
     that an error."""
@@ -48,3 +50,5 @@ class Settings:
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
                 f"default."
             )
+        if self.starts < 1:
+            raise NestedCagesError(f"The number of starts must be at least 1, not {self.starts!r}.")
