@@ -11,6 +11,10 @@ FOUND := $(shell for name in python3.11 python3.13 python3 python; do \
 	if $$name -c '$(USABLE)' >/dev/null 2>&1; then echo $$name; break; fi; done)
 PYTHON ?= $(FOUND)
 
+# The matrices here are small: threads of the linear algebra would only wait for each other where cores are few.
+export OPENBLAS_NUM_THREADS ?= 1
+export OMP_NUM_THREADS ?= 1
+
 # A run that hangs is ended from outside too, where the system has the command for it.
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 

@@ -188,6 +188,8 @@ def set_up(scene: bpy.types.Scene, path: Path, width: float, height: float) -> N
     scene.render.resolution_y = round(PANEL_PIXELS * height)
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
+    scene.render.image_settings.compression = 100
+    scene.render.dither_intensity = 0.0
     scene.render.filepath = str(path)
 
 

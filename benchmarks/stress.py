@@ -1,0 +1,143 @@
+"""Random valid shapes, every one of which must get certified cages.
+
+    python benchmarks/stress.py --count 10000 --seed 0 --jobs 2
+
+Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull or
+from coarse meshes on the
+curve. Prints each failure with its seed (repeat it with --seed SEED --count 1) and a table at the end. A sample is
+checked by shapely as well.
+Exit status 1 when anything failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter, defaultdict
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, OuterHull, Settings, nested_cages, verify
+from random_shapes import random_shape
+
+SHAPELY_SAMPLE = 10
+"""Every tenth case is checked by shapely too."""
+
+LARGEST = 1500
+"""Shapes with more vertices are left out: growth has its own benchmark."""
+
+START_RESTARTS = 8
+"""Restarts of the outer hull: fewer than by default, since the number of cases matters here, not the last per cent."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What became of one seed."""
+
+    seed: int
+    kind: str
+    vertices: int = 0
+    levels: tuple[int, ...] = ()
+    start: str = ""
+    excess: float = float("nan")
+    seconds: float = 0.0
+    failure: str = ""
+
+
+def run_case(seed: int) -> Case | None:
+    """Cages for one seed; None where the seed draws no valid shape or one that is too large."""
+    drawn = random_shape(seed)
+    if drawn is None or len(drawn[1].vertices) > LARGEST:
+        return None
+    kind, fine = drawn
+    random = np.random.default_rng([seed, 1])
+    fewest, most = 3 * len(fine.loops), len(fine.vertices)
+    counts = sorted({int(c) for c in random.integers(fewest, max(fewest, min(most, 100)) + 1, random.integers(1, 4))})
+    hull = OuterHull(restarts=START_RESTARTS)
+    decimation = (hull, OnCurve(hull), ArcLength())[random.integers(3)]
+    settings = Settings(decimation=decimation, fallback=hull, starts=1)
+    begin = time.perf_counter()
+    wanted = tuple(reversed(counts))
+    try:
+        hierarchy = nested_cages(fine, wanted, settings)
+    except NestedCagesError as error:
+        failure = f"{type(error).__name__}: {error}"
+        return Case(seed, kind, most, wanted, type(decimation).__name__, failure=failure)
+    except Exception as error:  # a crash is a failure of its own kind, and the seed must be printed
+        return Case(seed, kind, most, wanted, type(decimation).__name__, failure=f"CRASH {error!r}")
+    seconds = time.perf_counter() - begin
+    failure = ""
+    for level in hierarchy.levels:
+        certificate = verify(level.cage, level.fine)
+        if not certificate.holds:
+            failure = " ".join(certificate.problems)
+        if seed % SHAPELY_SAMPLE == 0 and not nested_by_shapely(level.cage, level.fine):
+            failure = "shapely disagrees"
+    first = hierarchy.levels[0].report
+    return Case(seed, kind, most, wanted, first.start, first.excess, seconds, failure)
+
+
+def nested_by_shapely(cage: Mesh, fine: Mesh) -> bool:
+    """Whether shapely, in coordinates of the shape's own size, finds the cage around the fine mesh."""
+    outside, inside = (solid(mesh, fine) for mesh in (cage, fine))
+    return bool(outside.is_valid and outside.covers(inside) and outside.boundary.distance(inside.boundary) > 0.0)
+
+
+def solid(mesh: Mesh, frame: Mesh) -> shapely.Geometry:
+    """The mesh as a shapely geometry in units of the frame's diagonal, centred."""
+    unit = (mesh.vertices - frame.vertices.mean(axis=0)) / frame.diagonal
+    shape: shapely.Geometry = shapely.MultiPolygon()
+    for loop in sorted(mesh.loops, key=lambda loop: -shapely.Polygon(unit[loop]).area):
+        shape = shape.symmetric_difference(shapely.Polygon(unit[loop]))
+    return shape
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=1000, help="valid shapes to try")
+    parser.add_argument("--seed", type=int, default=0, help="the first seed")
+    parser.add_argument("--jobs", type=int, default=2, help="processes")
+    options = parser.parse_args()
+
+    cases: list[Case] = []
+    seed = options.seed
+    with ProcessPoolExecutor(options.jobs) as pool:
+        while len(cases) < options.count:
+            wanted = options.count - len(cases)
+            for case in pool.map(run_case, range(seed, seed + wanted), chunksize=8):
+                seed += 1
+                if case is None:
+                    continue
+                cases.append(case)
+                if case.failure:
+                    print(f"seed {case.seed} {case.kind} n={case.vertices} {case.levels} {case.start}: {case.failure}")
+                    sys.stdout.flush()
+    report(cases, options.seed, seed)
+    return 1 if any(case.failure for case in cases) else 0
+
+
+def report(cases: list[Case], first: int, last: int) -> None:
+    """The table, by kind."""
+    by_kind: dict[str, list[Case]] = defaultdict(list)
+    for case in cases:
+        by_kind[case.kind].append(case)
+    print(f"\nseeds {first} to {last - 1}")
+    columns = ("cases", "certified", "flow", "hull", "median s", "slowest s", "excess %")
+    print(f"{'kind':8}" + "".join(f"{name:>10}" for name in columns))
+    for kind, of_kind in [*sorted(by_kind.items()), ("all", cases)]:
+        good = [case for case in of_kind if not case.failure]
+        starts = Counter(case.start for case in good)
+        seconds = [case.seconds for case in good] or [0.0]
+        excess = [100.0 * case.excess for case in good] or [0.0]
+        print(
+            f"{kind:8}{len(of_kind):10d}{len(good):10d}{starts['flow']:10d}{starts['outer hull']:10d}"
+            f"{np.median(seconds):10.3f}{max(seconds):10.2f}{np.median(excess):10.2f}"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
