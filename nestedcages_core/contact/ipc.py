@@ -12,8 +12,8 @@ from .._types import FloatArray
 from ..energies import CageEnergy
 from ..energies.restoring import Restoring
 from ..solver import Solver
-from .base import ContactOutcome
 from .barrier_ranges import BarrierRanges
+from .base import ContactOutcome
 from .incremental_potential import IncrementalPotential, Weights
 from .pairs import Bodies, CandidateList
 
@@ -73,10 +73,11 @@ class IPC:
         for target in _waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
             stiffness, shortening = self.restoring / base, 1.0
             stiffenings = shortenings = 0
+            step_energy = energy.after(x[:m])
             while True:
                 objective = IncrementalPotential(
                     bodies,
-                    energy,
+                    step_energy,
                     Restoring(target, bodies.fine_weight),
                     Weights(stiffness, self.cages, self.barrier),
                     local.scaled(shortening),

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from .area import Area, signed_area
-from .base import Blocks, CageEnergy
+from .base import Blocks, CageEnergy, Energy
 
-__all__ = ["Area", "Blocks", "CageEnergy", "signed_area"]
+__all__ = ["Area", "Blocks", "CageEnergy", "Energy", "signed_area"]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._types import FloatArray, IntArray
+from ..mesh import Mesh
 from .base import Blocks
 
 
@@ -16,6 +17,14 @@ class Area:
 
     Holes run clockwise, so their area counts negatively, and the sum is the area between the loops.
     """
+
+    def at(self, coarse: Mesh) -> Area:
+        """Itself: area needs no state of rest."""
+        return self
+
+    def after(self, cage: FloatArray) -> Area:
+        """Itself: area does not remember steps."""
+        return self
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """The enclosed area (unit: length²); infinite when negative."""

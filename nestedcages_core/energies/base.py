@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .._types import FloatArray, IntArray
+from ..mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,4 +62,17 @@ class CageEnergy(Protocol):
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Positive semi-definite second derivative: each element's Hessian without its negative eigenvalues."""
+        ...
+
+    def after(self, cage: FloatArray) -> CageEnergy:
+        """The energy of the next step, which starts with the cage's vertices (m, 2); itself if the past does not
+        matter."""
+        ...
+
+
+class Energy(Protocol):
+    """A choice of energy before the level is known that it is for. Unit of all energies: length², as the area's."""
+
+    def at(self, coarse: Mesh) -> CageEnergy:
+        """The energy of a cage that starts as the coarse mesh, its state of rest; itself if it needs none."""
         ...

@@ -5,6 +5,7 @@ from __future__ import annotations
 from .._types import FloatArray
 from ..contact.pairs import Bodies
 from ..decimation import Candidates, Count, Decimation
+from ..energies import CageEnergy
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..flow.matching import match_loops
@@ -88,19 +89,21 @@ class LevelBuilder:
         unit_flow = self._flow(unit_coarse)
         report.begin("reinflation")
         wanted = self.clearance.length
+        energy = settings.energy.at(unit_coarse)
+        expansion = energy if settings.expansion_energy is None else settings.expansion_energy.at(unit_coarse)
         way_home = reinflate(
             self.unit_fine,
             unit_coarse,
             unit_flow.steps,
             contact=settings.contact,
-            energy=settings.energy,
+            energy=expansion,
             solver=settings.solver,
             clearance=frame.length(wanted),
             progress=report,
         )
         for length in self.clearance.options():
             report.begin("tightening")
-            tightened, counts = self._tighten(unit_coarse, way_home, length)
+            tightened, counts = self._tighten(unit_coarse, way_home, length, energy)
             report.begin("verification")
             flow, reinflation = self._in_input_units(coarse, unit_flow, tightened)
             cage = coarse.moved(reinflation.cage_steps[-1])
@@ -136,7 +139,7 @@ class LevelBuilder:
             raise
 
     def _tighten(
-        self, unit_coarse: Mesh, way_home: Reinflation, clearance: float
+        self, unit_coarse: Mesh, way_home: Reinflation, clearance: float, energy: CageEnergy
     ) -> tuple[Reinflation, dict[str, int]]:
         cages: list[FloatArray] = []
 
@@ -149,7 +152,7 @@ class LevelBuilder:
             way_home.cage_steps[-1],
             self.unit_fine.vertices,
             clearance=self.frame.length(clearance),
-            energy=self.settings.energy,
+            energy=energy,
             on_step=on_step,
         )
         counts = {"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs}

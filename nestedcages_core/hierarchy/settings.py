@@ -8,7 +8,7 @@ import numpy as np
 
 from ..contact import IPC, Contact
 from ..decimation import Decimation, OuterHull
-from ..energies import Area, CageEnergy
+from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..solver import ProjectedNewton, Solver
@@ -35,8 +35,10 @@ class Settings:
     that an error."""
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
     """How the fine mesh is brought inside the coarse one."""
-    energy: CageEnergy = field(default_factory=Area)
-    """What the cage minimises."""
+    energy: Energy = field(default_factory=Area)
+    """What the cage minimises, on the way of the fine mesh home and once it is there."""
+    expansion_energy: Energy | None = None
+    """What it minimises on the way home instead, for contacts that minimise; None: the same."""
     contact: Contact = field(default_factory=IPC)
     """How contact is resolved on the way home."""
     solver: Solver = field(default_factory=ProjectedNewton)

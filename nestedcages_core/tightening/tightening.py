@@ -23,7 +23,7 @@ from .._types import FloatArray
 from ..contact.ccd import impacts
 from ..contact.linearisation import Contacts, constraint_rows, measure, not_implied, relevant, select
 from ..contact.pairs import Bodies, CandidateList, Pairs
-from ..energies import Blocks, CageEnergy
+from ..energies import Blocks, CageEnergy, signed_area
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
 from .curvature import EdgeLoads, contact_curvature
 from .restoration import restore
@@ -74,7 +74,7 @@ class Tightening:
     largest_radius: float = 0.1
     """Largest Δ: steps of a whole L converge in fewer iterations, but to worse optima."""
     tolerance: float = 1e-6
-    """Stop when the predicted decrease stays below this fraction of the energy ..."""
+    """Stop when the predicted decrease stays below this fraction of the cage's area ..."""
     share: float = 2e-4
     """... or below this fraction of all decrease so far."""
     patience: int = 3
@@ -97,7 +97,7 @@ class Tightening:
         ``on_step`` gets the cage of every accepted step; the linear motion from the one before is free of collisions.
         It may raise to cancel.
         """
-        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy, on_step).minimise()
+        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy.after(cage), on_step).minimise()
 
 
 class _Run:
@@ -127,13 +127,17 @@ class _Run:
         settings, energy, successor = self.settings, self.energy, self.bodies.cage_successor
         region = TrustRegion.start(self.m, settings, self.bodies.cage_edge_length)
         value = first_value = energy.value(self.x[: self.m], successor)
+        negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
+        slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
+        if slope * region.largest <= negligible:
+            return self._outcome(0, True, "The cage is at a minimum of its energy.")
         small = 0
         for iteration in range(1, settings.iterations + 1):
-            threshold = max(settings.tolerance * abs(value), settings.share * (first_value - value))
+            threshold = max(negligible, settings.share * (first_value - value))
             longest = LONGEST_MOTION * float(region.radius.max())
             pairs = self.candidates.within(self.x, self.clearance + 2.0 * longest, 2.0 * longest)
             contacts = measure(pairs, self.x)
-            solution = self._solve(pairs, contacts, region, COMPLEMENTARITY * settings.tolerance * abs(value))
+            solution = self._solve(pairs, contacts, region, COMPLEMENTARITY * negligible)
             trial = find_trial(
                 self.bodies, pairs, contacts, self.x, solution.step,
                 required=self._required(pairs), longest=longest, value=value, decrease=solution.decrease, energy=energy,
