@@ -4,8 +4,7 @@ in.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -16,11 +15,8 @@ from numpy.typing import NDArray
 
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform
+from .reading import READERS, lines_of
 from .refusal import Refusal
-
-# Kinds of objects whose outline can be read.
-CURVES = ("CURVE", "FONT")
-READABLE = (*CURVES, "MESH")
 
 
 @dataclass(frozen=True)
@@ -70,16 +66,13 @@ class Drawing:
 
 def readable(obj: bpy.types.Object) -> bool:
     """Whether `read` knows this kind of object."""
-    return obj.type in READABLE
+    return obj.type in READERS
 
 
 def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions = ReadingOptions()) -> Outline:
     """The outline of an object as it is evaluated now. Raises: Refusal."""
-    if not readable(obj):
-        raise Refusal("'{name}' is of a kind without an outline: select a curve, a text or a mesh", name=obj.name)
-    source = _plain_copy(context, obj, options.resolution) if obj.type in CURVES else _as_it_is(obj)
-    with source as subject:
-        vertices, edges = _evaluated_edges(context, subject)
+    context.evaluated_depsgraph_get()  # brings the object's matrix up to date
+    vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
     return Outline(name=obj.name, loops=loops, matrix=np.array(obj.matrix_world, dtype=np.float64))
 
@@ -108,59 +101,6 @@ def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = Reading
             off=off,
         )
     return Drawing(outline.name, frame, tuple(loops))
-
-
-@contextmanager
-def _as_it_is(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
-    yield obj
-
-
-@contextmanager
-def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
-    """A copy of a curve or text for a moment, in the scene so that its modifiers count, without fill, bevel and
-    extrusion.
-    """
-    copy, data = obj.copy(), obj.data.copy()
-    try:
-        copy.data = data
-        data.bevel_mode = "ROUND"
-        data.bevel_depth = data.extrude = 0.0
-        data.bevel_object = data.taper_object = None
-        if obj.type == "FONT":
-            data.fill_mode = "NONE"
-        else:
-            data.dimensions = "3D"
-        if resolution:
-            data.resolution_u = resolution
-            for spline in getattr(data, "splines", ()):
-                spline.resolution_u = resolution
-        context.scene.collection.objects.link(copy)
-        copy.hide_viewport = False
-        yield copy
-    finally:
-        bpy.data.objects.remove(copy)
-        bpy.data.curves.remove(data)
-
-
-def _evaluated_edges(
-    context: bpy.types.Context, obj: bpy.types.Object
-) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Vertices (n, 3) of the evaluated object, and its edges (m, 2) with no face (wire) or one face (boundary)."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    if mesh is None:
-        return np.empty((0, 3), np.float32), np.empty((0, 2), np.int64)
-    try:
-        vertices = np.empty((len(mesh.vertices), 3), np.float32)
-        edges = np.empty((len(mesh.edges), 2), np.int32)
-        corners = np.empty(len(mesh.loops), np.int32)
-        mesh.vertices.foreach_get("co", vertices.ravel())
-        mesh.edges.foreach_get("vertices", edges.ravel())
-        mesh.loops.foreach_get("edge_index", corners)
-    finally:
-        evaluated.to_mesh_clear()
-    faces = np.bincount(corners, minlength=len(edges))
-    return vertices, edges[faces <= 1].astype(np.int64)
 
 
 def _closed_loops(

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 
 from .generate import Generation, Progress
+from .refusal import say
 
 # Seconds of work per tick of the timer, and seconds between ticks: some ten redraws a second, with most of the time
 # spent working.
@@ -19,7 +20,7 @@ class Job:
     def __init__(self, generation: Generation) -> None:
         self.generation = generation
         self.fraction = 0.0
-        self.message = ""
+        self.message = say("Starting")
         self.cancelled = False
         self._work: Iterator[Progress] = iter(generation)
 

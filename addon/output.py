@@ -24,15 +24,15 @@ LEVEL = "nested_cages_level"
 MARKERS = "nested_cages_markers"
 FRAME_END = "nested_cages_frame_end"
 
-# Linear colours: the fine mesh nearly white, the cages from warm to cool, easy to tell apart also for the colour-blind
-# (after Okabe & Ito).
-FINE_COLOUR = (0.9, 0.9, 0.9, 1.0)
+# The fine mesh nearly white, the cages in colours that are easy to tell apart, also for the colour-blind (after Okabe and
+# Ito), bright enough for thin lines on a dark background.
+FINE_COLOUR = (0.95, 0.95, 0.95, 1.0)
 CAGE_COLOURS = (
-    (0.80, 0.35, 0.00, 1.0),
-    (0.10, 0.46, 0.80, 1.0),
-    (0.00, 0.34, 0.17, 1.0),
-    (0.60, 0.19, 0.38, 1.0),
-    (0.86, 0.75, 0.05, 1.0),
+    (1.00, 0.45, 0.00, 1.0),
+    (0.25, 0.75, 1.00, 1.0),
+    (0.00, 0.80, 0.45, 1.0),
+    (0.95, 0.50, 0.80, 1.0),
+    (1.00, 0.90, 0.15, 1.0),
 )
 
 

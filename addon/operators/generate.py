@@ -28,10 +28,10 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     def poll(cls, context: bpy.types.Context) -> bool:
         if running() is not None:
             cls.poll_message_set("Cages are being generated: wait, or press Escape")
-        elif context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-        elif not any(convert.readable(obj) for obj in context.selected_objects):
-            cls.poll_message_set("Select a closed curve, a text or a mesh made of edge loops")
+        elif context.mode not in {"OBJECT", "EDIT_MESH"}:
+            cls.poll_message_set("Switch to Object Mode, or select edge loops of a mesh in Edit Mode")
+        elif not sources(context):
+            cls.poll_message_set("Select a closed curve, a text, a Grease Pencil or a mesh made of edge loops")
         else:
             return True
         return False
@@ -80,7 +80,9 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             scene = bpy.data.scenes.get(self._scene_name)
             if scene is None:
                 raise Refusal("The scene of the drawing is gone, so its cages were dropped")
-            return self._write(scene, job)
+            outcome = self._write(scene, job)
+            _show_colours(context)
+            return outcome
         except Refusal as refusal:
             self.cancel(context)
             return self._refuse(refusal)
@@ -107,6 +109,9 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:
         """Puts the results into the scene. Raises: Refusal."""
         results = job.generation.results
+        if bpy.context.mode == "EDIT_MESH":
+            # Undo in Edit Mode knows of that mesh only.
+            bpy.ops.object.mode_set(mode="OBJECT")
         collections = output.write(scene, results, properties.timing(self))
         if self.show_result:
             scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
@@ -149,12 +154,19 @@ class NESTEDCAGES_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode."""
+    if context.mode == "EDIT_MESH":
+        return list(context.objects_in_mode_unique_data)
+    return [obj for obj in context.selected_objects if convert.readable(obj)]
+
+
 def requests(context: bpy.types.Context, values: GenerationProperties) -> list[Request]:
     """What the selection asks for: each drawing with its own cages, or the active one with the others as its levels.
     Raises: Refusal.
     """
     reading = properties.reading_options(values)
-    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
+    selected = sources(context)
     if not values.use_selected_as_levels:
         return [Request(convert.fine_drawing(convert.read(context, obj, reading), reading)) for obj in selected]
     active = context.view_layer.objects.active
@@ -170,6 +182,13 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
         if obj is not active
     ]
     return [Request(fine, tuple(sorted(coarse, key=lambda drawing: -sum(map(len, drawing.loops)))))]
+
+
+def _show_colours(context: bpy.types.Context) -> None:
+    """Lets the 3D view that the user works in show wires in the colours of their objects, unless that was chosen."""
+    space = context.space_data
+    if space is not None and space.type == "VIEW_3D" and space.shading.wireframe_color_type == "THEME":
+        space.shading.wireframe_color_type = "OBJECT"
 
 
 def _redraw(context: bpy.types.Context) -> None:

@@ -101,6 +101,29 @@ def grid_face(name: str, cells: int = 4) -> Any:
     return add(name, mesh)
 
 
+def hair(name: str, loops: Sequence[Loop], cyclic: bool = True, kind: str = "POLY") -> Any:
+    """A Curves object with one curve per loop."""
+    data = bpy.data.hair_curves.new(name)
+    data.add_curves([len(loop) for loop in loops])
+    points = np.concatenate([raised(loop) for loop in loops]).astype(np.float32)
+    data.attributes["position"].data.foreach_set("vector", points.ravel())
+    data.attributes.new("cyclic", "BOOLEAN", "CURVE").data.foreach_set("value", [cyclic] * len(loops))
+    data.set_types(type=kind)
+    return add(name, data)
+
+
+def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
+    """A Grease Pencil object of version 3 with one stroke per loop."""
+    data = bpy.data.grease_pencils.new(name)
+    drawing = data.layers.new("Lines").frames.new(1).drawing
+    drawing.add_strokes([len(loop) for loop in loops])
+    for stroke, loop in zip(drawing.strokes, loops, strict=True):
+        stroke.cyclic = cyclic
+        for point, place in zip(stroke.points, raised(loop), strict=True):
+            point.position = place
+    return add(name, data)
+
+
 def snapshot() -> dict[str, Any]:
     """Everything that a refused operator must leave as it was."""
     data = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ from drawings import (
     bezier_circle,
     circle,
     evaluated,
+    grease_pencil,
     grid_face,
+    hair,
     nurbs_circle,
     poly_curve,
     raised,
@@ -132,6 +135,93 @@ def test_a_text_is_read_without_its_fill(addon) -> None:
     drawing = read(addon, add("Text", data))
     assert len(drawing.loops) == 4
     assert area(drawing) > 0.1
+
+
+@pytest.mark.parametrize("make", [hair, grease_pencil])
+def test_curves_without_a_mesh_of_their_own_are_read(addon, make) -> None:
+    obj = make("Strokes", [star(), circle(12, 0.3)])
+    obj.location = (1.0, 2.0, 3.0)
+    bpy.context.view_layer.update()
+    before = snapshot()
+    drawing = read(addon, obj)
+    assert snapshot() == before
+    np.testing.assert_array_equal(drawing.loops[0], star().astype(np.float32))
+    np.testing.assert_array_equal(drawing.loops[1], circle(12, 0.3).astype(np.float32))
+    assert drawing.frame.own and tuple(drawing.frame.matrix[:3, 3]) == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("make", [hair, grease_pencil])
+def test_open_strokes_are_refused_or_closed(addon, make) -> None:
+    obj = make("Strokes", [star()], cyclic=False)
+    with pytest.raises(addon.refusal.Refusal, match="'Strokes' is open: join the ends"):
+        read(addon, obj)
+    assert len(read(addon, obj, close_open=True).loops[0]) == 60
+
+
+def test_layers_of_a_grease_pencil_count_where_they_are(addon) -> None:
+    obj = grease_pencil("Strokes", [star()])
+    obj.data.layers[0].translation = (2.0, 0.0, 0.5)
+    np.testing.assert_allclose(world(read(addon, obj)), raised(star() + np.array([2.0, 0.0]), 0.5), atol=1e-6)
+
+
+def test_smooth_hair_has_the_points_that_blender_shows(addon) -> None:
+    obj = hair("Hair", [circle(8)], kind="CATMULL_ROM")
+    drawing = read(addon, obj)
+    assert len(drawing.loops[0]) > 8
+    assert area(drawing) == pytest.approx(math.pi, rel=1e-2)
+    assert len(read(addon, obj, resolution=20).loops[0]) == 160
+
+
+def in_edit_mode(obj, select):
+    """Goes to Edit Mode with exactly the faces selected for whose middle `select` is true."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    mesh = bmesh.from_edit_mesh(obj.data)
+    mesh.select_mode = {"FACE"}
+    for face in mesh.faces:
+        face.select_set(select(face.calc_center_median()))
+    mesh.select_flush_mode()
+    bmesh.update_edit_mesh(obj.data)
+
+
+def test_in_edit_mode_the_border_of_the_selected_faces_is_read(addon) -> None:
+    obj = grid_face("Grid", cells=4)
+    in_edit_mode(obj, lambda middle: 0.25 < middle.x < 0.75 and middle.y < 0.75)
+    drawing = read(addon, obj)
+    assert [len(loop) for loop in drawing.loops] == [10]
+    assert area(drawing) == pytest.approx(0.5 * 0.75)
+
+
+def test_in_edit_mode_selected_loops_are_read(addon) -> None:
+    obj = wire("Wire", [circle(10), circle(6, 0.2)])
+    bpy.ops.object.mode_set(mode="EDIT")
+    mesh = bmesh.from_edit_mesh(obj.data)
+    for edge in mesh.edges:
+        edge.select_set(edge.index < 10)
+    assert [len(loop) for loop in read(addon, obj).loops] == [10]
+    for edge in mesh.edges:
+        edge.select_set(False)
+    with pytest.raises(addon.refusal.Refusal, match="'Wire' is in Edit Mode without selected edges"):
+        read(addon, obj)
+
+
+def test_objects_that_share_data_and_linked_objects_are_read(addon, tmp_path) -> None:
+    first = poly_curve("First", [circle(20)])
+    second = add("Second", first.data)
+    second.location = (3.0, 0.0, 0.0)
+    np.testing.assert_allclose(world(read(addon, second)), raised(circle(20, 1.0, (3.0, 0.0))), atol=1e-6)
+    path = str(tmp_path / "library.blend")
+    wire("Mesh", [circle(7)])
+    bpy.data.libraries.write(path, set(bpy.data.objects))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (available, wanted):
+        wanted.objects = available.objects
+    for obj in wanted.objects:
+        bpy.context.scene.collection.objects.link(obj)
+        assert obj.library
+    bpy.context.view_layer.update()
+    before = snapshot()
+    assert [len(read(addon, obj).loops[0]) for obj in sorted(wanted.objects, key=lambda o: o.name)] == [20, 7, 20]
+    assert snapshot() == before
 
 
 def test_doubled_points_are_merged(addon) -> None:
