@@ -1,0 +1,9 @@
+"""Flow: brings the fine mesh strictly inside the coarse one (Algorithms 1 and 2), one algorithm per file."""
+
+from __future__ import annotations
+
+from .base import FlowMethod, FlowResult, Obstacle
+from .signed_distance_flow import SignedDistanceFlow
+from .two_sided import TwoSidedFlow
+
+__all__ = ["FlowMethod", "FlowResult", "Obstacle", "SignedDistanceFlow", "TwoSidedFlow"]

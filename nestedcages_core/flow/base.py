@@ -1,0 +1,64 @@
+"""What every flow takes and gives, and how it says what is in its way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+import numpy as np
+
+from .._types import FloatArray
+from ..errors import FlowError
+from ..mesh import Mesh
+
+ProgressCallback: TypeAlias = Callable[[float, str], None]
+"""Called with the fraction of the flow in [0, 1] and a sentence."""
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Why the fine mesh is not inside the coarse one, in parts of a sentence; the place in the units of the mesh."""
+
+    cause: str
+    place: tuple[float, float] | None = None
+    remedy: str = "change the coarse mesh there or let it be generated"
+
+    def sentence(self, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> str:
+        """The whole sentence, with scale · place + shift, for callers that work in units of their own."""
+        if self.place is None:
+            return f"{self.cause}; {self.remedy}."
+        x, y = (scale * coordinate + offset for coordinate, offset in zip(self.place, shift, strict=True))
+        return f"{self.cause} near ({x:.6g}, {y:.6g}); {self.remedy}."
+
+
+@dataclass(frozen=True, eq=False)
+class FlowResult:
+    """The way of the fine mesh into the coarse one."""
+
+    steps: FloatArray
+    """(J + 1, n, 2) positions; step 0 is the fine mesh, step J is certified inside unless there is an obstacle."""
+    iterations: int
+    """Iterations over all stages, those whose step was rejected included."""
+    stage: str
+    """The stage that succeeded, or the last one tried."""
+    reason: str = ""
+    """Empty, or the sentence that says why the last step is not inside."""
+    obstacle: Obstacle | None = None
+    """The same in parts, or None."""
+
+
+class FlowMethod(Protocol):
+    """A way to bring the fine mesh strictly inside the coarse one, which stands still."""
+
+    def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
+        """All steps from the fine mesh to a certified position inside.
+
+        Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
+        """
+
+
+def stuck(obstacle: Obstacle, steps: Sequence[FloatArray], iterations: int, stage: str) -> FlowError:
+    """The error of a flow that did not get inside, with what it did as `partial`."""
+    sentence = obstacle.sentence()
+    return FlowError(sentence, partial=FlowResult(np.array(steps), iterations, stage, sentence, obstacle))

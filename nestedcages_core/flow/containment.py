@@ -1,0 +1,108 @@
+"""The certificate of the flow: is the moved fine mesh strictly inside the coarse one, every loop on the right side?
+
+On its way the fine mesh may cross itself, so winding numbers say what "inside" means: motion without contact keeps
+them all, and with these, once the fine mesh is home, it lies strictly inside the coarse mesh, component by component.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._types import BoolArray, FloatArray, IntArray
+from ..predicates import crossing_pairs
+from .base import Obstacle
+from .matching import Matching, loop_tree, windings
+
+
+class Containment:
+    """Exact test of positions of the fine mesh against one coarse mesh; what does not move is prepared once."""
+
+    def __init__(self, matching: Matching) -> None:
+        self.matching = matching
+        fine, coarse = matching.fine, matching.coarse
+        self._fine_probe: IntArray = np.array([loop[0] for loop in fine.loops])
+        self._coarse_probe: FloatArray = coarse.vertices[[loop[0] for loop in coarse.loops]]
+        self._tree, self._order = loop_tree(coarse, coarse.vertices)
+        same = matching.component[fine.component_of_loop][:, None] == coarse.component_of_loop[None, :]
+        # around a fine loop: once the outer loop of its component, no hole of it; other components are not prescribed
+        self._around_fine: IntArray = np.where(coarse.loop_signs > 0, 1, 0)[None, :] * same
+        self._same = same
+        self._around_coarse, self._prescribed = _windings_around_coarse(matching)
+
+    def boxes_nested(self, vertices: FloatArray) -> bool:
+        """Whether the bounding boxes allow that the fine mesh with vertices (n, 2) is inside: a cheap first look."""
+        coarse = self.matching.coarse.vertices
+        low, high = coarse.min(axis=0), coarse.max(axis=0)
+        return bool((low < vertices.min(axis=0)).all() and (vertices.max(axis=0) < high).all())
+
+    def crossing_starts(self, vertices: FloatArray) -> IntArray:
+        """Start vertices of the fine edges that cross or touch the coarse mesh, repeated for every crossing."""
+        tree, order = loop_tree(self.matching.fine, vertices)
+        return order[crossing_pairs(tree, self._tree)[0]]
+
+    def obstacle(self, vertices: FloatArray) -> Obstacle | None:
+        """None if the fine mesh with vertices (n, 2) is certified inside, else the first thing that is in the way."""
+        fine, coarse = self.matching.fine, self.matching.coarse
+        tree, order = loop_tree(fine, vertices)
+        i, j = crossing_pairs(tree, self._tree)
+        if len(i):
+            vertex, edge = order[i[0]], self._order[j[0]]
+            x, y = vertices[vertex].tolist()
+            cause = (
+                f"Fine loop {fine.loop_of_vertex[vertex]} still crosses coarse loop {coarse.loop_of_vertex[edge]}"
+                f" ({len(i)} crossing edges), at fine vertex {vertex}"
+            )
+            return Obstacle(cause, (x, y))
+        if len(tree.chain_starts) - 1 != len(fine.loops):
+            return Obstacle("Two fine loops have collapsed onto each other")
+        return self._wrong_side_of_fine(vertices) or self._wrong_side_of_coarse(vertices)
+
+    def _wrong_side_of_fine(self, vertices: FloatArray) -> Obstacle | None:
+        fine, coarse = self.matching.fine, self.matching.coarse
+        around = windings(vertices[self._fine_probe], coarse, coarse.vertices)
+        wrong = self._same & (around != self._around_fine)
+        if not wrong.any():
+            return None
+        k, loop = np.argwhere(wrong)[0]
+        x, y = vertices[self._fine_probe[k]].tolist()
+        kind = "outside" if coarse.loop_signs[loop] > 0 else "inside hole"
+        name = _kind(fine.loop_signs[k])
+        return Obstacle(f"{name} {k} of the fine mesh lies {kind} loop {loop} of the coarse mesh", (x, y))
+
+    def _wrong_side_of_coarse(self, vertices: FloatArray) -> Obstacle | None:
+        fine, coarse = self.matching.fine, self.matching.coarse
+        around = windings(self._coarse_probe, fine, vertices)
+        component_sum = np.zeros((len(coarse.loops), len(self.matching.component)), np.int64)
+        np.add.at(component_sum.T, fine.component_of_loop, around.T)
+        wrong = (self._prescribed & (around != self._around_coarse)).any(axis=1) | (component_sum != 0).any(axis=1)
+        if not wrong.any():
+            return None
+        loop = int(np.nonzero(wrong)[0][0])
+        x, y = self._coarse_probe[loop].tolist()
+        return Obstacle(f"{_kind(coarse.loop_signs[loop])} {loop} of the coarse mesh lies inside the fine mesh", (x, y))
+
+
+def _kind(sign: int) -> str:
+    return "Outer loop" if sign > 0 else "Hole"
+
+
+def _windings_around_coarse(matching: Matching) -> tuple[IntArray, BoolArray]:
+    """(coarse loops, fine loops) wanted winding of the fine loop around the coarse one, and whether it is prescribed.
+
+    Around a coarse hole run its fine hole (-1) and the outer loop of that component (1); around a coarse outer loop no
+    fine loop of its own component.
+    """
+    fine, coarse = matching.fine, matching.coarse
+    inside = matching.component[fine.component_of_loop]
+    wanted = np.zeros((len(coarse.loops), len(fine.loops)), np.int64)
+    prescribed = np.zeros(wanted.shape, bool)
+    for loop in range(len(coarse.loops)):
+        if coarse.loop_signs[loop] > 0:
+            prescribed[loop] = inside == coarse.component_of_loop[loop]
+            continue
+        for hole in np.nonzero(matching.partner == loop)[0]:
+            own = fine.component_of_loop == fine.component_of_loop[hole]
+            prescribed[loop] |= own
+            wanted[loop, own & (fine.loop_signs > 0)] = 1
+            wanted[loop, hole] = -1
+    return wanted, prescribed

@@ -1,0 +1,185 @@
+"""The energy of the flow: how far the two boundaries are on the wrong side of each other, measured from both.
+
+    E(F) = ½ Σ w z²,   z = max(0, d_C(f) + μ) at samples f of the fine mesh,
+                       z = max(0, μ - d_F(c)) at samples c of the coarse mesh,
+
+with the signed distances d (negative inside), the margin μ of the coarse edge and the length w that a sample stands
+for. Each coarse loop has a signed distance of its own, and acts on the fine loops of its component only: with the least
+distance over all loops, a hole caught on a coarse corner would be pushed the wrong way. A coarse sample acts on the
+closest point of the fine edge, so it moves edges that have no sample near it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._types import FloatArray, IntArray
+from ..signed_distance import SignedDistance
+from .matching import Matching
+from .samples import Samples, Spacing, coarse_samples, fine_samples, local_margins
+
+COMFORT = 0.5
+"""Share of the margin from which the flow is content."""
+
+
+class Penetration(NamedTuple):
+    """The samples that are on the wrong side or too close, K of them, and what they say together."""
+
+    energy: float
+    """E, a length cubed."""
+    overlap: float
+    """How far the worst sample is on the wrong side, negative if none is; minus infinity if all keep their margin."""
+    comfortable: bool
+    """Whether all samples keep at least COMFORT of their margin."""
+    edge: IntArray
+    """(K,) start vertex of the fine edge that has to move."""
+    parameter: FloatArray
+    """(K,) where on that edge, in [0, 1]."""
+    weight: FloatArray
+    """(K,) length of boundary."""
+    direction: FloatArray
+    """(K, 2) unit vector that points out of the coarse solid: the edge must move against it."""
+    depth: FloatArray
+    """(K,) z > 0, how far it must move."""
+
+
+class PenetrationEnergy:
+    """E for positions of the fine mesh; the samples are chosen once."""
+
+    def __init__(self, matching: Matching, margin: float, spacing: Spacing) -> None:
+        """margin: wanted distance between the meshes, a length."""
+        self.matching = matching
+        fine, coarse = matching.fine, matching.coarse
+        self.margins = local_margins(coarse, margin)
+        self.samples = fine_samples(fine, spacing)
+        self._target = fine.successor[self.samples.edge]
+        self._push_fine = [_FinePush(matching, self.samples, loop) for loop in range(len(coarse.loops))]
+        on_coarse = coarse_samples(coarse, spacing)
+        at = coarse.vertices[on_coarse.edge]
+        points = at + on_coarse.parameter[:, None] * (coarse.vertices[coarse.successor[on_coarse.edge]] - at)
+        self._push_coarse = [
+            _CoarsePush(matching, on_coarse, points, fine_loop, coarse_loop)
+            for fine_loop, coarse_loop in _facing_loops(matching)
+        ]
+
+    def at(self, vertices: FloatArray) -> Penetration:
+        """The penetration of the fine mesh with vertices (n, 2)."""
+        samples = self.samples
+        at = vertices[samples.edge]
+        points = at + samples.parameter[:, None] * (vertices[self._target] - at)
+        found = [push.find(points, self.margins) for push in self._push_fine]
+        found += [push.find(vertices, self.margins) for push in self._push_coarse]
+        edge, parameter, weight, depth, margin = (np.concatenate([part[k] for part in found]) for k in range(5))
+        direction = np.concatenate([part.direction for part in found])
+        return Penetration(
+            energy=0.5 * float(weight @ (depth * depth)),
+            overlap=float((depth - margin).max(initial=-np.inf)),
+            comfortable=bool((depth <= (1.0 - COMFORT) * margin).all()),
+            edge=edge,
+            parameter=parameter,
+            weight=weight,
+            direction=direction,
+            depth=depth,
+        )
+
+
+class _Pushed(NamedTuple):
+    edge: IntArray
+    parameter: FloatArray
+    weight: FloatArray
+    depth: FloatArray
+    margin: FloatArray
+    direction: FloatArray
+
+
+class _FinePush:
+    """One coarse loop pushes samples of the fine mesh."""
+
+    def __init__(self, matching: Matching, samples: Samples, loop: int) -> None:
+        coarse = matching.coarse
+        self.samples = samples
+        self.start = coarse.loops[loop]
+        self.field = _field(coarse.vertices[self.start], int(coarse.loop_signs[loop]))
+        fine_loops = matching.fine_loops_in(int(coarse.component_of_loop[loop]))
+        loop_of_sample = matching.fine.loop_of_vertex[samples.edge]
+        self.subject = np.nonzero(np.isin(loop_of_sample, fine_loops))[0]
+        # a distance changes no faster than its point moves, so points that were deep inside need not be measured again
+        self._known: FloatArray = np.full(len(self.subject), np.inf)
+        self._known_at: FloatArray = np.zeros((len(self.subject), 2))
+
+    def find(self, points: FloatArray, margins: FloatArray) -> _Pushed:
+        here = points[self.subject]
+        motion = here - self._known_at
+        k = np.nonzero(self._known + np.hypot(motion[:, 0], motion[:, 1]) + self._widest(margins) > 0.0)[0]
+        sample = self.field.at(here[k])
+        self._known[k], self._known_at[k] = sample.distance, here[k]
+        margin = margins[self.start[sample.edge]]
+        depth = sample.distance + margin
+        pushed = np.nonzero(depth > 0.0)[0]
+        who = self.subject[k[pushed]]
+        return _Pushed(
+            self.samples.edge[who],
+            self.samples.parameter[who],
+            self.samples.weight[who],
+            depth[pushed],
+            margin[pushed],
+            sample.gradient[pushed],
+        )
+
+    def _widest(self, margins: FloatArray) -> float:
+        return float(margins[self.start].max())
+
+
+class _CoarsePush:
+    """Samples of one coarse loop push one fine loop."""
+
+    def __init__(
+        self, matching: Matching, samples: Samples, points: FloatArray, fine_loop: int, coarse_loop: int
+    ) -> None:
+        of_loop = np.nonzero(matching.coarse.loop_of_vertex[samples.edge] == coarse_loop)[0]
+        self.points = points[of_loop]
+        self.weight = samples.weight[of_loop]
+        self.coarse_edge = samples.edge[of_loop]
+        self.start = matching.fine.loops[fine_loop]
+        self.sign = int(matching.fine.loop_signs[fine_loop])
+
+    def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
+        sample = _field(vertices[self.start], self.sign).at(self.points)
+        margin = margins[self.coarse_edge]
+        depth = margin - sample.distance
+        k = np.nonzero(depth > 0.0)[0]
+        return _Pushed(
+            self.start[sample.edge[k]],
+            sample.parameter[k],
+            self.weight[k],
+            depth[k],
+            margin[k],
+            sample.gradient[k],
+        )
+
+
+def _field(loop: FloatArray, sign: int) -> SignedDistance:
+    """Signed distance to the solid side of one oriented loop (k, 2); sign +1 for an outer loop, -1 for a hole."""
+    return SignedDistance(loop, np.concatenate([loop[1:], loop[:1]]), outside=0 if sign > 0 else -1)
+
+
+def _facing_loops(matching: Matching) -> list[tuple[int, int]]:
+    """Pairs (fine loop, coarse loop) whose coarse side pushes: partners, and holes beside other components."""
+    fine, coarse = matching.fine, matching.coarse
+    pairs = [(k, int(loop)) for k, loop in enumerate(matching.partner) if loop >= 0]
+    for loop in np.nonzero(coarse.loop_signs < 0)[0].tolist():
+        owners = fine.component_of_loop[matching.partner == loop]
+        for k in matching.fine_loops_in(int(coarse.component_of_loop[loop])).tolist():
+            beside = fine.loop_signs[k] > 0 and fine.component_of_loop[k] not in owners
+            if beside and not _around(matching, k, loop):
+                pairs.append((k, loop))
+    return pairs
+
+
+def _around(matching: Matching, fine_loop: int, coarse_loop: int) -> bool:
+    """Whether most of a coarse loop lies inside an outer fine loop: in one of its covered holes, not beside it."""
+    field = _field(matching.fine.vertices[matching.fine.loops[fine_loop]], 1)
+    inside = field.at(matching.coarse.vertices[matching.coarse.loops[coarse_loop]]).distance < 0.0
+    return bool(2 * np.count_nonzero(inside) > len(inside))

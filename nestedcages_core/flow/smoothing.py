@@ -1,0 +1,89 @@
+"""The linear system of a flow step: a smoothed Gauss-Newton direction along closed loops.
+
+    (Jᵀ W J + ℓ² L + ε I) δ = -Jᵀ W z
+
+L is the stiffness matrix of the loops (Sobolev smoothing over the length ℓ), so neighbours move together and the mesh
+does not tangle. Each sample moves the two ends of one edge, so the matrix couples neighbours along loops only. Numbered
+from both sides of a loop at once, 0, 1, k-1, 2, k-2, …, neighbours are at most two apart, and a banded Cholesky
+factorisation solves it in linear time.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from .._types import FloatArray, IntArray
+from ..mesh import Mesh
+from .penetration import Penetration
+
+BAND = 5
+"""Subdiagonals of the matrix: two vertices apart with two coordinates each."""
+
+SHORTEST_EDGE = 0.02
+"""Edges shorter than this share of the sample spacing count as that long in the stiffness."""
+
+DAMPING = 1e-4
+"""ε as a share of the sample spacing: keeps the matrix definite where nothing pushes."""
+
+
+class StepSystem:
+    """Gauss-Newton directions for the vertices of one mesh."""
+
+    def __init__(self, mesh: Mesh, unit: float) -> None:
+        """unit: the length that a sample stands for."""
+        self._successor = mesh.successor
+        self._stiffness: FloatArray = 1.0 / np.maximum(mesh.edge_lengths, SHORTEST_EDGE * unit)
+        self._damping = DAMPING * unit
+        self._row = 2 * _folded_numbering(mesh)
+        high = np.maximum(self._row, self._row[mesh.successor])
+        low = np.minimum(self._row, self._row[mesh.successor])
+        size = 2 * len(mesh.vertices)
+        self._below = [(high - low + r - c) * size + low + c for r, c in ((0, 0), (0, 1), (1, 0), (1, 1))]
+
+    def direction(self, penetration: Penetration, smoothing: float) -> FloatArray:
+        """(n, 2) step δ; smoothing: the length ℓ."""
+        n = len(self._row)
+        edge, (x, y) = penetration.edge, penetration.direction.T
+        other = self._successor[edge]
+        there = penetration.parameter
+        here = 1.0 - there
+        weight = penetration.weight
+        diagonal = np.empty((3, n))
+        coupling = np.empty((3, n))
+        for k, product in enumerate((x * x, x * y, y * y)):
+            product *= weight
+            diagonal[k] = np.bincount(edge, here * here * product, n) + np.bincount(other, there * there * product, n)
+            coupling[k] = np.bincount(edge, here * there * product, n)
+        stiffness = smoothing * smoothing * self._stiffness
+        both = stiffness + np.bincount(self._successor, stiffness, n) + self._damping
+        diagonal[0] += both
+        diagonal[2] += both
+        coupling[0] -= stiffness
+        coupling[2] -= stiffness
+
+        matrix = np.zeros((BAND + 1, 2 * n))
+        matrix[0, self._row], matrix[1, self._row], matrix[0, self._row + 1] = diagonal
+        flat = matrix.reshape(-1)
+        for place, k in zip(self._below, (0, 1, 1, 2), strict=True):
+            flat[place] += coupling[k]
+        force = np.empty(2 * n)
+        pull = -weight * penetration.depth
+        for offset, component in ((0, x), (1, y)):
+            product = pull * component
+            force[self._row + offset] = np.bincount(edge, here * product, n) + np.bincount(other, there * product, n)
+        solution = solveh_banded(matrix, force, lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
+        return np.stack([solution[self._row], solution[self._row + 1]], axis=1)
+
+
+def _folded_numbering(mesh: Mesh) -> IntArray:
+    """(n,) number of each vertex such that neighbours on a loop are at most two apart."""
+    number = np.empty(len(mesh.vertices), np.int64)
+    offset = 0
+    for loop in mesh.loops:
+        place = np.arange(len(loop))
+        folded = np.where(2 * place <= len(loop), 2 * place - 1, 2 * (len(loop) - place))
+        folded[0] = 0
+        number[loop] = offset + folded
+        offset += len(loop)
+    return number
