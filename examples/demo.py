@@ -94,7 +94,11 @@ def main(arguments: list[str]) -> int:
     blend, picture = output / "letter_a.blend", output / "letter_a.png"
     drawing = import_drawing()
     with registered():
-        bpy.ops.object.nested_cages_generate(levels=LEVELS, clearance=CLEARANCE)
+        try:
+            bpy.ops.object.nested_cages_generate(levels=LEVELS, clearance=CLEARANCE)
+        except RuntimeError as error:  # how a script sees what the operator reports as an error
+            print(f"There are no cages: {error}", file=sys.stderr)
+            return 1
         collection = next(item for item in bpy.data.collections if "nested_cages_source" in item)
         fine, *cages = sorted(collection.objects, key=lambda item: item["nested_cages_level"])
         bpy.context.scene.frame_set(bpy.context.scene.frame_start)
