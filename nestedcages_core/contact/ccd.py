@@ -32,10 +32,13 @@ NEGATIVE_DISCRIMINANT = 1e-10
 """Relative size of a negative discriminant that rounding explains: the line is touched, not missed."""
 
 
-def impacts(pairs: Pairs, x: FloatArray, v: FloatArray, distance: FloatArray) -> tuple[IntArray, FloatArray]:
+def impacts(
+    pairs: Pairs, x: FloatArray, v: FloatArray, distance: FloatArray, clearance: float = np.inf
+) -> tuple[IntArray, FloatArray]:
     """Pairs that meet during the motion x + s v, 0 ≤ s ≤ 1, and when.
 
-    x, v: (m + n, 2) positions and displacements; distance: (K,) distances of the pairs at x.
+    x, v: (m + n, 2) positions and displacements; distance: (K,) distances of the pairs at x; clearance: distance at which
+    a point may pass the end of an edge.
     Returns the (H,) indices of the pairs that meet and the (H,) times s of their first impact.
     """
     speed = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1])
@@ -46,14 +49,16 @@ def impacts(pairs: Pairs, x: FloatArray, v: FloatArray, distance: FloatArray) ->
     p, a, b = pairs.point[candidate], pairs.start[candidate], pairs.end[candidate]
     edge, edge_v = x[b] - x[a], v[b] - v[a]
     to, to_v = x[p] - x[a], v[p] - v[a]
-    time = _first_impact(edge, edge_v, to, to_v, TOUCH * distance[candidate])
+    time = _first_impact(edge, edge_v, to, to_v, TOUCH * np.minimum(distance[candidate], clearance))
     hit = np.isfinite(time)
     return candidate[hit], time[hit]
 
 
-def largest_safe_step(pairs: Pairs, x: FloatArray, v: FloatArray, distance: FloatArray) -> float:
-    """Fraction of the motion v, at most 1, that is free of impacts with a safety margin."""
-    _, time = impacts(pairs, x, v, distance)
+def largest_safe_step(
+    pairs: Pairs, x: FloatArray, v: FloatArray, distance: FloatArray, clearance: float = np.inf
+) -> float:
+    """Fraction of the motion v, at most 1, that is free of impacts with a safety margin; see :func:`impacts`."""
+    _, time = impacts(pairs, x, v, distance, clearance)
     return min(1.0, SAFETY * float(time.min())) if len(time) else 1.0
 
 

@@ -56,6 +56,16 @@ class Bodies:
         return len(self.fine_successor)
 
     @cached_property
+    def successor(self) -> IntArray:
+        """(m + n,) next vertex of all, as indices into x = (C; F)."""
+        return np.concatenate([self.cage_successor, self.fine_successor + self.m])
+
+    @cached_property
+    def predecessor(self) -> IntArray:
+        """(m + n,) previous vertex of all, as indices into x = (C; F)."""
+        return np.concatenate([self.cage_predecessor, self.fine_predecessor + self.m])
+
+    @cached_property
     def cage_predecessor(self) -> IntArray:
         """(m,) previous vertex along the cage."""
         predecessor = np.empty(self.m, np.int64)

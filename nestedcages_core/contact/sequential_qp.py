@@ -23,11 +23,13 @@ import numpy as np
 from .._types import BoolArray, FloatArray
 from ..energies import Blocks, CageEnergy
 from ..solver import Solver
+from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .base import ContactOutcome
 from .ccd import impacts, largest_safe_step
-from .linearisation import Contacts, constraint_rows, measure, not_implied, relevant, select
+from .linearisation import Contacts, change, constraint_rows, measure, resolve_corners
 from .pairs import Bodies, CandidateList, Pairs
+from .pruning import not_implied
 
 logger = logging.getLogger(__name__)
 
@@ -135,6 +137,7 @@ class _Way:
         self.candidates = CandidateList(bodies)
         self.systems = 0
         still = np.arange(self.m)
+        self.order = BandOrder.of(self.m, still, bodies.cage_successor)
         self.proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (self.m, 2, 2)))
 
     def towards(self, target: FloatArray) -> bool:
@@ -194,14 +197,16 @@ class _Way:
         reach = 2.0 * np.sqrt(2.0) * radius + longest
         all_pairs = self.candidates.within(self.x, self.clearance + self.gap + reach, 0.3 * reach)
         all_contacts = measure(all_pairs, self.x)
-        pairs, contacts = all_pairs, all_contacts
-        change = _dot(pairs, contacts, motion)
-        wanted = np.minimum(0.5 * (contacts.distance + self.clearance), self.clearance + self.gap)
-        room = contacts.distance + change - wanted
-        able = np.zeros(len(self.x))
+        able = np.hypot(motion[:, 0], motion[:, 1])
         able[: self.m] = np.sqrt(2.0) * radius
-        pairs, contacts, room = select(pairs, contacts, room, relevant(pairs, contacts, room, able))
-        pairs, contacts, room = select(pairs, contacts, room, not_implied(pairs, contacts, room, 0.0))
+        keep = all_contacts.distance - self.clearance - self.gap < _approach(all_pairs, able)
+        pairs, contacts = all_pairs.subset(keep), all_contacts.where(keep)
+        pairs, contacts = resolve_corners(self.bodies, pairs, contacts, self.x, 0.0)
+        wanted = np.minimum(0.5 * (contacts.distance + self.clearance), self.clearance + self.gap)
+        room = contacts.distance + change(pairs, contacts, motion) - wanted
+        able[self.m :] = 0.0
+        keep = (room < _approach(pairs, able)) & not_implied(pairs, contacts, room, 0.0)
+        pairs, contacts, room = pairs.subset(keep), contacts.where(keep), room[keep]
         program = QuadraticProgram(
             np.zeros((self.m, 2)),
             self.proximal,
@@ -209,6 +214,7 @@ class _Way:
             room,
             np.full(self.m, radius),
             softness=self.settings.softness,
+            order=self.order,
             scale=max(longest, 0.1 * self.gap),
         )
         solution = self.settings.solver.solve(program, ABSOLUTE_TOLERANCE * self.gap**2)
@@ -227,7 +233,7 @@ class _Way:
         """Fraction of the motion that meets nothing and leaves the least distances; at most ``SHORT_STEP`` if there is
         none."""
         least = self._least(contacts)
-        fraction = largest_safe_step(pairs, self.x, motion, contacts.distance)
+        fraction = largest_safe_step(pairs, self.x, motion, contacts.distance, self.clearance)
         while fraction > SHORT_STEP:
             if bool((measure(pairs, self.x + fraction * motion).distance > least).all()):
                 break
@@ -240,7 +246,7 @@ class _Way:
         kept = np.ones(len(self.x))
         for halving in range(HALVINGS):
             moved = kept[:, None] * motion
-            hit, _ = impacts(pairs, self.x, moved, contacts.distance)
+            hit, _ = impacts(pairs, self.x, moved, contacts.distance, self.clearance)
             close = np.flatnonzero(measure(pairs, self.x + moved).distance < least)
             failing = np.concatenate([hit, close])
             if len(failing) == 0:
@@ -258,10 +264,7 @@ class _Way:
         return f"the cage holds up fine vertex {worst}"
 
 
-def _dot(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> FloatArray:
-    """(K,) first-order change of the distances by the motion (m + n, 2)."""
-    t = contacts.parameter[:, None]
-    relative = motion.take(pairs.point, axis=0) - (1.0 - t) * motion.take(pairs.start, axis=0)
-    relative -= t * motion.take(pairs.end, axis=0)
-    change: FloatArray = (contacts.normal * relative).sum(axis=1)
-    return change
+def _approach(pairs: Pairs, able: FloatArray) -> FloatArray:
+    """(K,) how much closer each pair can come when every vertex can move as far as ``able`` (m + n,)."""
+    approach: FloatArray = able.take(pairs.point) + np.maximum(able.take(pairs.start), able.take(pairs.end))
+    return approach

@@ -17,7 +17,7 @@ import numpy as np
 
 from .._types import FloatArray
 from ..energies import Blocks
-from .normal_equations import NormalEquations, Rows, normal_equations
+from .banded import BandedSystem, BandOrder, Rows
 
 START_MULTIPLIER = 0.1
 """Multipliers start at this fraction of the largest entry of the gradient, slacks at least at this fraction of the
@@ -62,6 +62,8 @@ class QuadraticProgram:
     """ε ≥ 0; 0 makes the constraints hard."""
     scale: float | None = None
     """Size that the multipliers are expected to have; None: the largest entry of G."""
+    order: BandOrder | None = None
+    """A numbering of the vertices that will do unless the rows couple distant ones; None: one is made."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,107 +100,124 @@ class InteriorPoint:
 
     def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> Solution:
         """Solve; ``absolute`` is a complementarity, in units of the energy, that is small enough in any case."""
-        equations = normal_equations(program.hessian, program.rows, len(program.radius))
-        return _Iteration(self, program, equations).run(absolute)
+        return _Iteration(self, program).run(absolute)
 
 
 class _Iteration:
-    """State of one solve. Slacks and multipliers are ordered: K rows, then the 2m lower, then the 2m upper bounds."""
+    """State of one solve, the unknowns in the band's order.
 
-    def __init__(self, method: InteriorPoint, program: QuadraticProgram, equations: NormalEquations) -> None:
-        self.method, self.equations = method, equations
-        self.G = program.gradient.ravel()
-        self.K, self.N = len(program.offset), len(self.G)
-        radius = np.repeat(program.radius, 2)
-        self.offset = np.concatenate([program.offset, radius, radius])
-        self.softness = np.zeros(self.K + 2 * self.N)
-        self.softness[: self.K] = program.softness
+    Slacks and multipliers are ordered: K rows, then the 2m lower, then the 2m upper bounds. With one step length for
+    primal and dual variables the residuals of feasibility and stationarity shrink by the same factor, so they need not
+    be computed anew, and the predicted decrease follows from them without a product with W.
+    """
+
+    def __init__(self, method: InteriorPoint, program: QuadraticProgram) -> None:
+        self.method = method
+        m, self.K = len(program.radius), len(program.offset)
+        order = program.order or BandOrder.of(m, program.hessian.row, program.hessian.column)
+        order = order.including(program.hessian, program.rows)
+        self.system = BandedSystem(order, program.hessian, program.rows)
+        self.unknowns = 2 * order.position[:, None] + np.arange(2)
+        self.N = 2 * m
+        self.G, radius = np.empty(self.N), np.empty(self.N)
+        self.G[self.unknowns] = program.gradient
+        radius[self.unknowns] = program.radius[:, None]
+        self.softness = program.softness
         self.shift = program.shift
-        self.length = float(np.median(program.radius))
+        self.length = float(np.median(radius))
         self.scale = program.scale or max(float(np.abs(self.G).max()), TINY)
         self.first_shift = FIRST_SHIFT * float(np.abs(program.hessian.value).max(initial=0.0)) or FIRST_SHIFT
+
         # start: slacks at least a little inside, multipliers so that no product is larger than the others
-        multiplier, length = START_MULTIPLIER * self.scale, START_MULTIPLIER * self.length
+        K = self.K
         self.D = np.zeros(self.N)
-        self.s = self.offset.copy()
-        np.maximum(self.s[: self.K], length, out=self.s[: self.K])
-        self.z = np.full(len(self.s), multiplier)
-        self.z[: self.K] *= np.minimum(1.0, self.length / self.s[: self.K])
+        self.spread = np.zeros(K + 2 * self.N)
+        self.s = np.concatenate([program.offset, radius, radius])
+        np.maximum(self.s[:K], START_MULTIPLIER * self.length, out=self.s[:K])
+        self.z = np.full(len(self.s), START_MULTIPLIER * self.scale)
+        self.z[:K] *= np.minimum(1.0, self.length / self.s[:K])
+        self.primal = np.zeros(len(self.s))
+        self.primal[:K] = program.offset - self.s[:K] + self.softness * self.z[:K]
+        self.dual = self.G - self._gather(self.z)
 
     def run(self, absolute: float) -> Solution:
-        method, equations = self.method, self.equations
+        method, K = self.method, self.K
+        allowed = method.primal * self.length, method.dual * self.scale
+        worst = np.array([np.abs(self.primal[:K]).max(initial=0.0), np.abs(self.dual).max()])
         converged = False
         for iteration in range(method.iterations + 1):
-            primal = self.offset + self._spread(self.D) + self.softness * self.z - self.s
-            curved = equations.hessian_times(self.D)
-            lagrangian = curved + self.G - self._gather(self.z)
             complementarity = float(self.z @ self.s)
-            squared = float(self.D @ self.D)
-            decrease = -float(self.G @ self.D + 0.5 * (curved @ self.D)) - 0.5 * self.shift * squared
-            dual = lagrangian + self.shift * self.D
-            converged = (
-                complementarity <= method.complementarity * abs(decrease) + absolute
-                and (self.K == 0 or float(np.abs(primal[: self.K]).max()) <= method.primal * self.length)
-                and float(np.abs(dual).max()) <= method.dual * self.scale
-            )
+            decrease = -0.5 * float(self.D @ (self.G + self.dual) + self.spread @ self.z)
+            small = complementarity <= method.complementarity * abs(decrease) + absolute
+            converged = small and bool((worst <= allowed).all())
             if converged or iteration == method.iterations:
                 break
             self._factorise()
-            self._step(primal, lagrangian + self.shift * self.D, complementarity / len(self.s))
+            step = self._step(complementarity / len(self.s))
+            worst *= 1.0 - step
         return Solution(
-            self.D.reshape(-1, 2), self.z[: self.K].copy(), self.shift, decrease, iteration, converged
+            self.D[self.unknowns], self.z[:K].copy(), self.shift, decrease, iteration, converged
         )  # fmt: skip
 
     def _factorise(self) -> None:
         """Factorise the Newton system, with a larger shift where it is not positive definite."""
-        self.denominator = self.s + self.softness * self.z
+        K, N = self.K, self.N
+        self.denominator = self.s.copy()
+        if self.softness > 0.0:
+            self.denominator[:K] += self.softness * self.z[:K]
         self.h = self.z / self.denominator
-        self.equations.set_matrix(
-            self.h[: self.K], self.h[self.K : self.K + self.N] + self.h[self.K + self.N :]
-        )  # fmt: skip
-        while not self.equations.factorise(self.shift):
-            self.shift = max(SHIFT_GROWTH * self.shift, self.first_shift)
+        self.system.set_matrix(self.h[:K], self.h[K : K + N] + self.h[K + N :])
+        while not self.system.factorise(self.shift):
+            larger = max(SHIFT_GROWTH * self.shift, self.first_shift)
+            self.dual = self.dual + (larger - self.shift) * self.D  # the shift is part of the objective
+            self.shift = larger
 
-    def _step(self, primal: FloatArray, dual: FloatArray, mean: float) -> None:
-        """One predictor-corrector step from the residuals of feasibility and stationarity and the mean
-        complementarity."""
+    def _step(self, mean: float) -> float:
+        """One predictor-corrector step from the mean complementarity; its length."""
         s, z = self.s, self.z
-        affine = -z * (s + primal)
-        d, ds, dz = self._direction(affine, primal, dual)
+        affine = -z * (s + self.primal)
+        d, spread, ds, dz = self._direction(affine)
         after = float((z + min(1.0, _reach(z, dz)) * dz) @ (s + min(1.0, _reach(s, ds)) * ds)) / len(s)
         centring = min(max((after / mean) ** 3, SMALLEST_CENTRING), 1.0)
-        d, ds, dz = self._direction(affine + (centring * mean - ds * dz), primal, dual)
-        step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
-        if step < FAILED_CORRECTOR and dual_step < FAILED_CORRECTOR:
-            d, ds, dz = self._direction(affine + mean, primal, dual)
-            step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
-        step, dual_step = min(step, 1.0), min(dual_step, 1.0)
+        d, spread, ds, dz = self._direction(affine + (centring * mean - ds * dz))
+        step = STEP_TO_BOUNDARY * min(_reach(s, ds), _reach(z, dz))
+        if step < FAILED_CORRECTOR:
+            d, spread, ds, dz = self._direction(affine + mean)
+            step = STEP_TO_BOUNDARY * min(_reach(s, ds), _reach(z, dz))
+        step = min(step, 1.0)
         self.D = self.D + step * d
+        self.spread = self.spread + step * spread
         self.s = s + step * ds
-        self.z = z + dual_step * dz
+        self.z = z + step * dz
+        self.primal = (1.0 - step) * self.primal
+        self.dual = (1.0 - step) * self.dual
+        return step
 
-    def _direction(
-        self, products: FloatArray, primal: FloatArray, dual: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Newton direction (d, ds, dz) towards z s + z ds + s dz = products + z (s + primal), feasible and
-        stationary."""
+    def _direction(self, products: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Newton direction d with its changes of the rows, of the slacks and of the multipliers.
+
+        It makes z ds + s dz = products + z primal, and feasible and stationary what is linear.
+        """
         y = products / self.denominator
-        d = self.equations.solve(self._gather(y) - dual)
+        d = self.system.solve(self._gather(y) - self.dual)
         spread = self._spread(d)
         dz = y - self.h * spread
-        return d, spread + primal + self.softness * dz, dz
+        ds = spread + self.primal
+        if self.softness > 0.0:
+            ds[: self.K] += self.softness * dz[: self.K]
+        return d, spread, ds, dz
 
     def _spread(self, d: FloatArray) -> FloatArray:
-        """(K + 4m,) change of all slacks by the step d."""
+        """(K + 4m,) change of all constraints by the step d."""
         out = np.empty(self.K + 2 * self.N)
-        out[: self.K] = self.equations.rows_times(d)
+        out[: self.K] = self.system.rows_times(d)
         out[self.K : self.K + self.N] = d
         np.negative(d, out=out[self.K + self.N :])
         return out
 
     def _gather(self, z: FloatArray) -> FloatArray:
         """(2m,) transpose of :meth:`_spread`."""
-        out = self.equations.transposed_times(z[: self.K])
+        out = self.system.transposed_times(z[: self.K])
         out += z[self.K : self.K + self.N]
         out -= z[self.K + self.N :]
         return out

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._types import FloatArray
-from ..contact.linearisation import Contacts, inside
+from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import Blocks
 
@@ -40,7 +40,7 @@ class EdgeLoads:
     def of(cls, pairs: Pairs, contacts: Contacts, multipliers: FloatArray, m: int) -> EdgeLoads:
         family = pairs.fine_cage
         t = contacts.parameter[family]
-        z = np.where(inside(t) & (contacts.side[family] > 0.0), multipliers[family], 0.0)
+        z = np.where(contacts.on_line[family] & (contacts.side[family] > 0.0), multipliers[family], 0.0)
         edge = pairs.start[family]
         loads = (np.bincount(edge, weight, m) for weight in (z, z * t, z * contacts.distance[family]))
         return cls(*(load.astype(np.float64, copy=False) for load in loads))  # integers when there are no contacts

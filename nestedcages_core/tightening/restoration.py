@@ -20,7 +20,7 @@ PASSES = 6
 OVERSHOOT = 1.02
 """Factor of every shift, so that rounds end."""
 
-NUDGE = 1e-3
+NUDGE = 1e-6
 """Smallest extra shift, as a fraction of the wanted distance, for the same reason."""
 
 NEARLY_STRAIGHT = 0.98

@@ -21,9 +21,11 @@ import numpy as np
 
 from .._types import FloatArray
 from ..contact.ccd import impacts
-from ..contact.linearisation import Contacts, constraint_rows, measure, not_implied, relevant, select
+from ..contact.linearisation import Contacts, constraint_rows, measure, resolve_corners
 from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy, signed_area
+from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
 from .curvature import EdgeLoads, contact_curvature
 from .restoration import restore
@@ -38,6 +40,10 @@ INSIDE = 1e-7
 THINNING = 0.02
 """Contacts whose constraints others imply up to this fraction of the clearance are left out; restoration makes up for
 them."""
+
+STILL = 1e-2
+"""Fraction of the tolerance below which one predicted decrease is enough: further steps would not change the
+outline."""
 
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step with its restoration, in radii; √2 without it. Pairs are looked for so far."""
@@ -120,6 +126,7 @@ class _Run:
         self.candidates = CandidateList(bodies)
         self.systems = 0
         self.loads = EdgeLoads.none(bodies.m)
+        self.order = BandOrder.of(bodies.m, np.arange(bodies.m), bodies.cage_successor)
 
     def minimise(self) -> TighteningOutcome:
         if not self._reach_clearance():
@@ -131,7 +138,7 @@ class _Run:
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
         if slope * region.largest <= negligible:
             return self._outcome(0, True, "The cage is at a minimum of its energy.")
-        small = 0
+        quiet = 0
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
             longest = LONGEST_MOTION * float(region.radius.max())
@@ -149,15 +156,14 @@ class _Run:
                 solution.iterations, "" if solution.converged else "!", solution.shift, float(np.median(region.radius)),
                 int((trial.fraction < 1.0).sum()),
             )  # fmt: skip
-            converging = solution.converged and solution.decrease < threshold
+            gain = value - trial.value
+            quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
+            still = quiet > 0 and solution.decrease < STILL * threshold
             region.update(solution, trial, value, self.clearance, self.x[: self.m])
             if trial.accepted:
                 self.x, value = trial.x, trial.value
                 self.on_step(self.x[: self.m].copy())
-                small = small + 1 if converging and trial.mostly_whole else 0
-            elif converging:
-                small += 1
-            if small >= settings.patience:
+            if still or quiet >= settings.patience:
                 return self._outcome(iteration, True, "The predicted decrease of the energy is below the tolerance.")
             if region.collapsed:
                 return self._outcome(iteration, False, "No step, however short, lowers the energy.")
@@ -183,12 +189,15 @@ class _Run:
     def _solve(self, pairs: Pairs, contacts: Contacts, region: TrustRegion, absolute: float) -> Solution:
         """The quadratic program at the current cage; keeps the loads of the edges for the next one."""
         cage, successor = self.x[: self.m], self.bodies.cage_successor
-        room = contacts.distance - self._required(pairs)
         reach = np.zeros(len(self.x))
         reach[: self.m] = region.radius * np.sqrt(2.0)
-        pairs, contacts, room = select(pairs, contacts, room, relevant(pairs, contacts, room, reach))
+        approach = reach.take(pairs.point) + np.maximum(reach.take(pairs.start), reach.take(pairs.end))
+        near = contacts.distance - self._required(pairs) < approach
+        pairs, contacts = pairs.subset(near), contacts.where(near)
+        pairs, contacts = resolve_corners(self.bodies, pairs, contacts, self.x, self.clearance)
+        room = contacts.distance - self._required(pairs)
         keep = not_implied(pairs, contacts, room, THINNING * self.clearance)
-        pairs, contacts, room = select(pairs, contacts, room, keep)
+        pairs, contacts, room = pairs.subset(keep), contacts.where(keep), room[keep]
         program = QuadraticProgram(
             self.energy.gradient(cage, successor),
             _sum(self.energy.hessian(cage, successor), contact_curvature(self.bodies, cage, self.loads)),
@@ -196,6 +205,7 @@ class _Run:
             np.maximum(room, 0.0),
             region.radius,
             shift=region.shift,
+            order=self.order,
         )
         solution = self.settings.solver.solve(program, absolute)
         self.systems += solution.iterations

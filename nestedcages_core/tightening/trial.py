@@ -28,9 +28,6 @@ GIVE_UP = 7
 SUFFICIENT_DECREASE = 1e-4
 """Fraction of the predicted decrease that an accepted step must reach (Armijo's rule)."""
 
-MOSTLY = 0.02
-"""Fraction of vertices that may have been shortened in a step that still counts as whole."""
-
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -43,11 +40,6 @@ class Trial:
     value: float
     """Energy after it."""
     accepted: bool
-
-    @property
-    def mostly_whole(self) -> bool:
-        """Whether nearly all vertices made their whole step."""
-        return float((self.fraction < 1.0).mean()) < MOSTLY
 
 
 def find_trial(
@@ -72,6 +64,7 @@ def find_trial(
     m = bodies.m
     fraction = np.ones(m)
     motion = np.zeros_like(x)
+    closest = float(required.min(initial=np.inf))
     for attempt in range(ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
@@ -80,7 +73,7 @@ def find_trial(
         if float(np.hypot(motion[:m, 0], motion[:m, 1]).max()) > longest:
             fraction *= SHORTEN
             continue
-        hit, _ = impacts(pairs, x, motion, contacts.distance)
+        hit, _ = impacts(pairs, x, motion, contacts.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < required)])
         if len(failing) == 0:
             tried_value = energy.value(tried[:m], bodies.cage_successor)
