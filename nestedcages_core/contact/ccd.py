@@ -37,8 +37,9 @@ def impacts(
 ) -> tuple[IntArray, FloatArray]:
     """Pairs that meet during the motion x + s v, 0 ≤ s ≤ 1, and when.
 
-    x, v: (m + n, 2) positions and displacements; distance: (K,) distances of the pairs at x; clearance: distance at which
-    a point may pass the end of an edge.
+    x, v: (m + n, 2) positions and displacements; distance: (K,) distances of the pairs at x; clearance: distance at
+    which
+    which a point may pass the end of an edge.
     Returns the (H,) indices of the pairs that meet and the (H,) times s of their first impact.
     """
     speed = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1])

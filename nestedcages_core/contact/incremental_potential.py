@@ -9,10 +9,11 @@ the direction a descent direction), and what is left is a system in the 2 m unkn
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
+import scipy.linalg.lapack
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
@@ -44,6 +45,16 @@ SKIN = 0.5
 REGULARISATION = 1e-6
 """Added to the diagonal of the cage's system: keeps it definite when an energy leaves a motion free (area has curvature
 of order 1)."""
+
+
+SMALLEST_SHIFT = 1e-14
+"""First shift of a system's unit diagonal that rounding has made indefinite."""
+
+SHIFT_GROWTH = 100.0
+"""Factor on a shift that was too small."""
+
+MAX_SHIFTS = 10
+"""Cap on the shifts tried: the last is 1e4 times the diagonal."""
 
 
 @dataclass(frozen=True)
@@ -207,15 +218,35 @@ class IncrementalPotential:
         """Solve for the cage with the projected Hessian of its energy added."""
         m = self.bodies.m
         blocks = self.energy.projected_hessian(cage, self.bodies.cage_successor)
-        if m <= DENSE_LIMIT:
-            matrix = system.toarray() + self.weights.cages * blocks.dense(m)
-            matrix[np.diag_indices(2 * m)] += REGULARISATION
-            return np.asarray(scipy.linalg.solve(matrix, right, assume_a="pos", check_finite=False))
         matrix = system + self.weights.cages * blocks.sparse(m) + REGULARISATION * sp.identity(2 * m)
-        factorised = scipy.sparse.linalg.splu(
-            matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-        return np.asarray(factorised.solve(right))
+        # pressures across a gap of 1e-6 are 1e12 times those of the area: equal diagonals keep both
+        diagonal = matrix.diagonal()
+        scale = 1.0 / np.sqrt(np.maximum(diagonal, SMALLEST_SHIFT * diagonal.max()))
+        scaled = sp.diags(scale) @ matrix @ sp.diags(scale)
+        solve = _dense_solver(scaled.toarray()) if m <= DENSE_LIMIT else _sparse_solver(scaled.tocsc())
+        return np.asarray(scale * solve(scale * right))
+
+
+def _dense_solver(matrix: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Solver of a system with a unit diagonal by Cholesky factorisation, shifted until rounding leaves it definite."""
+    shift = 0.0
+    for _ in range(MAX_SHIFTS):
+        factor, failed = scipy.linalg.lapack.dpotrf(matrix, lower=1)
+        if not failed:
+            return lambda right: np.asarray(scipy.linalg.lapack.dpotrs(factor, right, lower=1)[0])
+        grown = max(SHIFT_GROWTH * shift, SMALLEST_SHIFT)
+        matrix[np.diag_indices(len(matrix))] += grown - shift
+        shift = grown
+    return np.copy  # the diagonal alone: a descent direction whatever the rest is
+
+
+def _sparse_solver(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
+    """The same for a sparse matrix, by LU factorisation, which needs the shift only to stay away from zero pivots."""
+    definite = matrix + SMALLEST_SHIFT * sp.identity(matrix.shape[0], format="csc")
+    factor = scipy.sparse.linalg.splu(
+        definite, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    return lambda right: np.asarray(factor.solve(right))
 
 
 def _inverse_2x2(blocks: FloatArray) -> FloatArray:

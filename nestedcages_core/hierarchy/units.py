@@ -21,7 +21,7 @@ ROUNDING_ULPS = 8.0
 SMALLER_CLEARANCE = 0.1
 """Factor on the default clearance where the gaps of the fine mesh leave no room for it."""
 
-SMALLEST_DEFAULT_CLEARANCE = 1e-9
+SMALLEST_DEFAULT_CLEARANCE = 1e-12
 """Fraction of the diagonal below which the default clearance is not lowered any more."""
 
 
