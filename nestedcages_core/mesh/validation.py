@@ -68,9 +68,9 @@ def as_edges(data: Any, count: int) -> IntArray:
         given = numbers
     outside = np.flatnonzero(((given < 0) | (given >= count)).any(axis=1))
     if len(outside):
-        i, j = given[outside[0]]
+        i, j = (f"{k:.17g}" if given.dtype.kind == "f" else str(k) for k in given[outside[0]].tolist())
         raise InvalidMeshError(
-            f"Edge {outside[0]} joins vertices {i:.0f} and {j:.0f}, but the {count} vertices are numbered from 0 to "
+            f"Edge {outside[0]} joins vertices {i} and {j}, but the {count} vertices are numbered from 0 to "
             f"{count - 1}; correct the index."
         )
     edges: IntArray = given.astype(np.int64)
@@ -123,7 +123,7 @@ def _check_degrees(edges: IntArray, count: int) -> None:
     if found == 1:
         raise InvalidMeshError(f"The loop is open at vertex {vertex}, where only one edge ends; close it with an edge.")
     raise InvalidMeshError(
-        f"{found} edges meet at vertex {vertex}, but loops pass each vertex once; split the vertex or remove an edge."
+        f"At vertex {vertex} meet {found} edges, but loops pass each vertex once; split the vertex or remove an edge."
     )
 
 

@@ -8,11 +8,10 @@ import numpy as np
 
 from .._types import FloatArray, IntArray
 from .box_tree import CROWDED, FANOUT, BoxTree, children
-from .orientation import Signs, orientation
+from .orientation import orientation
 
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
-
 
 POINT_BLOCK = 2**17
 """Points whose rays are followed at once; bounds the memory to about 200 MB."""
@@ -80,38 +79,42 @@ class _Rays:
             beside = (px <= high_x) & (low_y <= py) & (py <= high_y)
             inside = beside & (low_x <= px)
             if level == 0:
-                self._cross(p[beside & ~inside], node[beside & ~inside], node[beside & ~inside])
+                right = beside & ~inside
+                self._count(p[right], node[right], node[right])
                 return self._touch(p[inside], node[inside])
             if np.count_nonzero(inside) > CROWDED * len(x):
                 held = np.flatnonzero(inside)
                 inside[held] = tree.oriented(level).may_hold(node[held], self.points[p[held]])
+            done = np.flatnonzero(beside & ~inside)
             span = FANOUT**level
-            first, last = node * span, np.minimum(node * span + span, len(tree)) - 1
+            first, last = node[done] * span, np.minimum(node[done] * span + span, len(tree)) - 1
             if not tree.closed:
-                inside |= beside & (tree.chain[np.minimum(first, last)] != tree.chain[last])
-            done = beside & ~inside
-            self._cross(p[done], first[done], last[done])
+                whole = tree.chain[first] == tree.chain[last]
+                inside[done[~whole]] = True
+                done, first, last = done[whole], first[whole], last[whole]
+            self._cross(p[done], first, last)
             p, node, level = np.repeat(p[inside], FANOUT), children(node[inside]), level - 1
 
     def _cross(self, point: IntArray, first: IntArray, last: IntArray) -> None:
         """Count stretches of segments first..last by their chords; whole closed chains in between add nothing."""
-        chain, begin, finish = self.tree.chain, self.tree.chain_starts, self.tree.chain_starts
+        chain, bounds = self.tree.chain, self.tree.chain_starts
         one = chain[first] == chain[last]
         self._count(point[one], first[one], last[one])
         point, first, last = point[~one], first[~one], last[~one]
-        self._count(point, first, finish[chain[first] + 1] - 1)
-        self._count(point, begin[chain[last]], last)
+        self._count(point, first, bounds[chain[first] + 1] - 1)
+        self._count(point, bounds[chain[last]], last)
 
     def _touch(self, point: IntArray, segment: IntArray) -> IntArray:
-        """Count single segments; the points that lie on one."""
-        sides = self._count(point, segment, segment)
+        """Count single segments; the points that lie on one, (T,)."""
+        self._count(point, segment, segment)
+        sides = orientation(self.starts[segment], self.ends[segment], self.points[point])
         return np.asarray(np.unique(point[sides == 0]))
 
-    def _count(self, point: IntArray, first: IntArray, last: IntArray) -> Signs:
-        """Count the chords from the start of segment first to the end of last; the side each point is on."""
-        a, b, c = self.starts[first], self.ends[last], self.points[point]
-        side = orientation(a, b, c)
-        rises = (b[:, 1] > c[:, 1]).astype(np.int64) - (a[:, 1] > c[:, 1])
-        crossed = (rises == side) & (rises != 0)
-        self.parts.append((point[crossed], self.tree.chain[first[crossed]], rises[crossed]))
-        return side
+    def _count(self, point: IntArray, first: IntArray, last: IntArray) -> None:
+        """Count the chords from the start of segment first to the end of last, where they pass right of the point."""
+        y = self.points[point, 1]
+        rises = (self.ends[last, 1] > y).astype(np.int64) - (self.starts[first, 1] > y)
+        k = np.flatnonzero(rises)
+        side = orientation(self.starts[first[k]], self.ends[last[k]], self.points[point[k]])
+        k = k[side == rises[k]]
+        self.parts.append((point[k], self.tree.chain[first[k]], rises[k]))

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
+
 import numpy as np
 
 from .._types import BoolArray, FloatArray, IntArray
 
-ROUNDING = 1e-14
-"""Share of the largest coordinate that a separation must exceed to be believed; about 45 roundings of a double."""
+ROUNDING = 1e-13
+"""Share of the largest coordinate that a separation must exceed to be believed; some 900 roundings of a double."""
+
+LEAST_SEPARATION = 1e-290
+"""Separation, in input units, below which underflow could pretend it."""
 
 
 class OrientedBoxes:
@@ -18,37 +23,39 @@ class OrientedBoxes:
 
     def __init__(self, middle: FloatArray, axis: FloatArray, half: FloatArray, longest: FloatArray) -> None:
         self.middle, self.axis, self.half, self.longest = middle, axis, half, longest
-        self.slack = ROUNDING * float(np.abs(middle).max(initial=0.0) + half.max(initial=0.0))
+        self.slack = ROUNDING * float(np.abs(middle).max(initial=0.0) + half.max(initial=0.0)) + LEAST_SEPARATION
 
     @classmethod
     def of_segments(cls, starts: FloatArray, ends: FloatArray) -> OrientedBoxes:
         """The flat box of each segment (E, 2) -> (E, 2)."""
-        along = 0.5 * ends - 0.5 * starts
-        half_length = np.hypot(*along.T)
-        axis = along / np.where(half_length > 0.0, half_length, 1.0)[:, None]
-        axis[~np.isfinite(axis).all(axis=1) | ~axis.any(axis=1)] = (1.0, 0.0)
-        half = np.stack((half_length, np.zeros(len(starts))), axis=1)
-        return cls(0.5 * starts + 0.5 * ends, axis, half, half_length)
+        with _beyond_range():
+            along = 0.5 * ends - 0.5 * starts
+            half_length = np.hypot(*along.T)
+            axis = along / np.where(half_length > 0.0, half_length, 1.0)[:, None]
+            axis[~np.isfinite(axis).all(axis=1) | ~axis.any(axis=1)] = (1.0, 0.0)
+            half = np.stack((half_length, np.zeros(len(starts))), axis=1)
+            return cls(0.5 * starts + 0.5 * ends, axis, half, half_length)
 
     def parents(self, fanout: int) -> OrientedBoxes:
         """The boxes around `fanout` consecutive boxes each."""
-        begins = np.arange(0, len(self.longest), fanout)
-        missing = -len(self.longest) % fanout
-        longest = np.concatenate((self.longest, np.full(missing, -1.0))).reshape(-1, fanout)
-        lead = begins + longest.argmax(axis=1)
-        axis = self.axis[lead]
-        owner = np.arange(len(self.longest)) // fanout
-        offset = self.middle - self.middle[lead][owner]
-        low, high = [], []
-        for direction in (axis[owner], _across(axis)[owner]):
-            place = (offset * direction).sum(axis=1)
-            reach = self.reach(np.arange(len(owner)), direction)
-            low.append(np.minimum.reduceat(place - reach, begins))
-            high.append(np.maximum.reduceat(place + reach, begins))
-        centre = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
-        middle = self.middle[lead] + centre[0][:, None] * axis + centre[1][:, None] * _across(axis)
-        half = np.stack([0.5 * (b - a) for a, b in zip(low, high, strict=True)], axis=1)
-        return OrientedBoxes(middle, axis, half, longest.max(axis=1))
+        with _beyond_range():
+            begins = np.arange(0, len(self.longest), fanout)
+            missing = -len(self.longest) % fanout
+            longest = np.concatenate((self.longest, np.full(missing, -1.0))).reshape(-1, fanout)
+            lead = begins + longest.argmax(axis=1)
+            axis = self.axis[lead]
+            owner = np.arange(len(self.longest)) // fanout
+            offset = self.middle - self.middle[lead][owner]
+            low, high = [], []
+            for direction in (axis[owner], _across(axis)[owner]):
+                place = (offset * direction).sum(axis=1)
+                reach = self.reach(np.arange(len(owner)), direction)
+                low.append(np.minimum.reduceat(place - reach, begins))
+                high.append(np.maximum.reduceat(place + reach, begins))
+            centre = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
+            middle = self.middle[lead] + centre[0][:, None] * axis + centre[1][:, None] * _across(axis)
+            half = np.stack([0.5 * (b - a) for a, b in zip(low, high, strict=True)], axis=1)
+            return OrientedBoxes(middle, axis, half, longest.max(axis=1))
 
     def reach(self, nodes: IntArray, direction: FloatArray) -> FloatArray:
         """Half the extent of boxes (K,) along unit directions (K, 2)."""
@@ -59,22 +66,29 @@ class OrientedBoxes:
 
     def may_meet(self, i: IntArray, other: OrientedBoxes, j: IntArray) -> BoolArray:
         """Whether the boxes i of this level and j of the other overlap across both their axes, (K,)."""
-        offset = other.middle[j] - self.middle[i]
-        meet = np.ones(len(i), dtype=np.bool_)
-        for boxes, nodes in ((self, i), (other, j)):
-            direction = _across(boxes.axis[nodes])
-            gap = np.abs((offset * direction).sum(axis=1)) - self.reach(i, direction) - other.reach(j, direction)
-            meet &= ~(gap > self.slack + other.slack)
-        return meet
+        with _beyond_range():
+            offset = other.middle[j] - self.middle[i]
+            meet = np.ones(len(i), dtype=np.bool_)
+            for boxes, nodes in ((self, i), (other, j)):
+                direction = _across(boxes.axis[nodes])
+                gap = np.abs((offset * direction).sum(axis=1)) - self.reach(i, direction) - other.reach(j, direction)
+                meet &= ~(gap > self.slack + other.slack)
+            return meet
 
     def may_hold(self, nodes: IntArray, points: FloatArray) -> BoolArray:
         """Whether boxes (K,) hold points (K, 2), across both their axes, (K,)."""
-        offset = points - self.middle[nodes]
-        axis, half = self.axis[nodes], self.half[nodes]
-        slack = self.slack + ROUNDING * np.abs(points).max(axis=1)
-        outside = np.abs((offset * axis).sum(axis=1)) - half[:, 0] > slack
-        outside |= np.abs((offset * _across(axis)).sum(axis=1)) - half[:, 1] > slack
-        return np.asarray(~outside)
+        with _beyond_range():
+            offset = points - self.middle[nodes]
+            axis, half = self.axis[nodes], self.half[nodes]
+            slack = self.slack + ROUNDING * np.abs(points).max(axis=1)
+            outside = np.abs((offset * axis).sum(axis=1)) - half[:, 0] > slack
+            outside |= np.abs((offset * _across(axis)).sum(axis=1)) - half[:, 1] > slack
+            return np.asarray(~outside)
+
+
+def _beyond_range() -> AbstractContextManager[None]:
+    """Beyond the range of a double nothing is told apart, which is safe, so numpy need not warn."""
+    return np.errstate(over="ignore", under="ignore", invalid="ignore")
 
 
 def _across(axis: FloatArray) -> FloatArray:
