@@ -1,0 +1,92 @@
+"""What every decimation shares: the interface, and the count it is asked for."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
+
+from ..errors import NestingError
+from ..mesh import Mesh
+
+Count: TypeAlias = int | Sequence[int]
+"""Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""
+
+LEAST_PER_LOOP = 3
+"""Vertices of the smallest polygon."""
+
+
+class Decimation(Protocol):
+    """A way to make a coarse mesh with a wanted number of vertices."""
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """A coarse mesh of the fine one whose loop k stands for loop k of the fine mesh.
+
+        count: the total number of vertices, shared out between the loops, or one number per loop.
+        clearance: the distance to the fine mesh that the cage will have to keep, in input units.
+
+        Raises NestingError.
+        """
+        ...
+
+
+@runtime_checkable
+class Candidates(Protocol):
+    """A decimation that offers several coarse meshes."""
+
+    def candidates(self, fine: Mesh, count: Count, *, clearance: float = 0.0, keep: int = 3) -> list[Mesh]:
+        """Up to ``keep`` different coarse meshes, the most promising first; otherwise like `Decimation.decimate`."""
+        ...
+
+
+@dataclass(frozen=True)
+class Budget:
+    """A checked count: `total` vertices; `per_loop` in the order of `fine.loops`, or None to be shared out freely."""
+
+    total: int
+    per_loop: tuple[int, ...] | None
+
+
+def checked_budget(fine: Mesh, count: Count) -> Budget:
+    """The count as a Budget. Raises NestingError unless every loop gets 3 and the total is at most that of `fine`.
+
+    Numbers per loop may exceed those of the fine mesh: they are what a given coarse mesh has.
+    """
+    loops, available = len(fine.loops), len(fine.vertices)
+    try:
+        if isinstance(count, Sequence | np.ndarray):
+            per_loop = tuple(operator.index(k) for k in count)
+            total = sum(per_loop)
+        else:
+            per_loop = None
+            total = operator.index(count)
+    except TypeError:
+        raise NestingError(
+            f"A level needs a whole number of vertices, or one per loop, not {count!r}."
+        ) from None
+    if per_loop is not None:
+        if len(per_loop) != loops:
+            raise NestingError(
+                f"The level lists vertices for {len(per_loop)} loops, but the mesh inside it has {loops}; give one "
+                "number per loop, or only their sum."
+            )
+        if min(per_loop) < LEAST_PER_LOOP:
+            k = int(np.argmin(per_loop))
+            raise NestingError(
+                f"The level gives {per_loop[k]} vertices to loop {k}, but a loop needs at least {LEAST_PER_LOOP}."
+            )
+    elif total < LEAST_PER_LOOP * loops:
+        raise NestingError(
+            f"A level of {total} vertices is too small: the mesh inside it has {loops} "
+            f"loop{'s' if loops > 1 else ''} and each needs at least {LEAST_PER_LOOP}, so ask for at least "
+            f"{LEAST_PER_LOOP * loops}."
+        )
+    elif total > available:
+        raise NestingError(
+            f"A level of {total} vertices has more than the {available} of the mesh inside it; ask for at most "
+            f"{available}."
+        )
+    return Budget(total, per_loop)

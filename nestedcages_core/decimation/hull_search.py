@@ -1,0 +1,109 @@
+"""Several hulls of one outline: greedy runs down to a middling size, then restarts with varied weights from there."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import cycle
+from math import exp
+
+from .outline import Outline
+from .progressive_hull import ProgressiveHull, Weights
+
+EVEN = Weights()
+"""Every area costs the same: best on smooth shapes with few features."""
+
+ROUGH = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
+"""Filling notches is cheap: best on rough shapes, whose bumps must not be built upon before the notches are gone."""
+
+STAGE_LEAST, STAGE_FACTOR = 150, 4
+"""Restarts begin at so many vertices, or so many times the wanted number: until there, little is lost for good."""
+
+STAGE_TWICE = 4_000
+"""Size up to which both weights lead down to where the restarts begin; larger outlines go there once."""
+
+RESTART_MOVES = 12_000
+"""Moves that all restarts together may take, about half a second: large counts get fewer restarts."""
+
+FEWEST_RESTARTS = 4
+"""Restarts that large counts get nevertheless."""
+
+SPIKE_VARIATIONS = (0.0, 0.1, 0.3)
+"""Weights against spikes that early restarts try, all else even."""
+
+RESCUES = 60
+"""Further restarts, with wilder weights, while no run has come down to the wanted number."""
+
+RESCUE_WHOLE = 600
+"""Size up to which every second rescue begins at the outline itself."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Ranges that random weights are drawn from, each as natural logarithms, evenly; the noise as it is."""
+
+    drop: tuple[float, float]
+    extend: tuple[float, float]
+    slide: tuple[float, float]
+    spike: tuple[float, float]
+    noise: tuple[float, float]
+    reach: tuple[float, float] = (0.4, 0.4)
+    loops: float = 0.0
+    """Standard deviation of the logarithm of a factor per loop."""
+
+    def draw(self, rng: random.Random, loops: int) -> Weights:
+        """Random weights; pivots vary like extensions."""
+        return Weights(
+            drop=exp(rng.uniform(*self.drop)),
+            extend=exp(rng.uniform(*self.extend)),
+            slide=exp(rng.uniform(*self.slide)),
+            pivot=exp(rng.uniform(*self.extend)),
+            spike=exp(rng.uniform(*self.spike)),
+            noise=rng.uniform(*self.noise),
+            reach=exp(rng.uniform(*self.reach)),
+            loops=tuple(exp(rng.gauss(0.0, self.loops)) for _ in range(loops)) if self.loops else (),
+            seed=rng.getrandbits(32),
+        )
+
+
+RESTART = Variation(drop=(-1.2, 0.2), extend=(-0.4, 0.6), slide=(-0.6, 0.3), spike=(-5.8, -1.2), noise=(0.0, 0.4))
+"""Between smooth and rough: tried on glyphs, blobs and a snowflake, by the area that is left after tightening."""
+
+RESCUE = Variation(
+    drop=(-1.0, 1.0),
+    extend=(-1.0, 1.0),
+    slide=(-1.0, 1.0),
+    spike=(-7.0, 0.0),
+    noise=(0.0, 1.5),
+    reach=(-1.0, 3.5),
+    loops=2.0,
+)
+"""For loops that are in each other's way: anything that may lead elsewhere."""
+
+
+def search_hulls(outline: Outline, count: int, minimum: Sequence[int], restarts: int, seed: int) -> list[Outline]:
+    """Hulls of an outline with `count` vertices, least area first; fewest vertices first if none comes down to it.
+
+    minimum: vertices that each loop keeps. Deterministic for a seed.
+    """
+    both = len(outline.vertices) <= STAGE_TWICE
+    size = max(STAGE_LEAST, STAGE_FACTOR * count)
+    # until there, pivots are dearer than anything else, and looking for them would cost a third of the time
+    bulk = [replace(weights, pivot=None) for weights in ((EVEN, ROUGH) if both else (ROUGH,))]
+    stages = [ProgressiveHull(outline, weights, minimum).run(size) for weights in bulk]
+    moves = max(1, len(stages[0].vertices) - count)
+    runs = max(1, min(restarts, max(FEWEST_RESTARTS, RESTART_MOVES // moves)))
+    rng = random.Random(seed)
+    weights = [EVEN, ROUGH, *(replace(EVEN, spike=spike) for spike in SPIKE_VARIATIONS)][:runs]
+    weights += [RESTART.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
+    hulls = []
+    for stage, chosen in zip(cycle(stages), weights, strict=False):
+        hulls.append(ProgressiveHull(stage, chosen, minimum).run(count))
+    for rescue in range(RESCUES):
+        if min(len(hull.vertices) for hull in hulls) <= count:
+            break
+        whole = rescue % 2 == 1 and len(outline.vertices) <= RESCUE_WHOLE
+        chosen = RESCUE.draw(rng, len(outline.sizes))
+        hulls.append(ProgressiveHull(outline if whole else stages[0], chosen, minimum).run(count))
+    return sorted(hulls, key=lambda hull: (len(hull.vertices), hull.area))

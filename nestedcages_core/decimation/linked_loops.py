@@ -1,0 +1,137 @@
+"""Loops whose vertices come and go, with an index of their edges: what the progressive hull works on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .edge_grid import EdgeGrid
+from .outline import Outline
+
+MARGIN_ULPS = 64.0
+"""Units in the last place of the largest coordinate that stay free around an added triangle: room for nudges."""
+
+
+class LinkedLoops:
+    """Doubly linked loops with their edges in a grid. A vertex keeps its number; an edge has that of its start."""
+
+    def __init__(self, outline: Outline, reach: float) -> None:
+        """reach: largest distance from the centre, in diagonals, that vertices are expected to have."""
+        vertices = outline.vertices
+        self.sizes = list(outline.sizes)
+        self.total = total = len(vertices)
+        self.x: list[float] = vertices[:, 0].tolist()
+        self.y: list[float] = vertices[:, 1].tolist()
+        self.first: list[int] = outline.spans[:, 0].tolist()
+        self.last: list[int] = outline.spans[:, 1].tolist()
+        self.loop_of: list[int] = np.repeat(np.arange(len(self.sizes)), self.sizes).tolist()
+        self.entrance: list[int] = outline.begins.tolist()
+        self.next: list[int] = outline.successor.tolist()
+        self.previous: list[int] = outline.predecessor.tolist()
+        self.alive = [True] * total
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        self.diagonal = float(np.hypot(*(high - low)))
+        self.centre: tuple[float, float] = tuple((0.5 * (low + high)).tolist())
+        self.ulp = float(np.spacing(max(np.abs(vertices).max(), reach * self.diagonal)))
+        self.margin = MARGIN_ULPS * self.ulp
+        origin = self.centre[0] - reach * self.diagonal, self.centre[1] - reach * self.diagonal
+        self.grid = EdgeGrid(total, origin)
+        for edge in range(total):
+            self._insert_edge(edge)
+
+    def outline(self) -> Outline:
+        """The loops as they are now."""
+        ring = [vertex for entrance in self.entrance for vertex in self.walk(entrance)]
+        vertices = np.array([(self.x[v], self.y[v]) for v in ring])
+        return Outline(vertices, tuple(self.sizes), np.array([(self.first[v], self.last[v]) for v in ring]))
+
+    def walk(self, start: int) -> Iterator[int]:
+        """The vertices of a loop from one of them on."""
+        vertex = start
+        while True:
+            yield vertex
+            vertex = self.next[vertex]
+            if vertex == start:
+                return
+
+    def _insert_edge(self, edge: int) -> None:
+        end = self.next[edge]
+        self.grid.insert(edge, self.x[edge], self.y[edge], self.x[end], self.y[end])
+
+    def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
+        """Take a vertex out, and give those right before it, in the order of the loop, another place (vertex, x, y)."""
+        before, after = self.previous[vertex], self.next[vertex]
+        changed = [self.previous[moved[0][0]], *(v for v, _, _ in moved)] if moved else [before]
+        self.grid.remove(vertex)
+        for edge in changed:
+            self.grid.remove(edge)
+        self.next[before], self.previous[after] = after, before
+        self.alive[vertex] = False
+        loop = self.loop_of[vertex]
+        if self.entrance[loop] == vertex:
+            self.entrance[loop] = after
+        self.sizes[loop] -= 1
+        self.total -= 1
+        for v, x, y in moved:
+            self.x[v], self.y[v] = x, y
+        for edge in changed:
+            self._insert_edge(edge)
+
+    # What lies in the way: closed counter-clockwise triangles, widened by the margin; doubtful cases count as hits
+
+    def vertex_in_triangle(
+        self, ax: float, ay: float, bx: float, by: float, cx: float, cy: float, *, own: tuple[int, ...]
+    ) -> bool:
+        """Whether a vertex other than the triangle's `own` lies in it."""
+        X, Y, margin = self.x, self.y, self.margin
+        low_x, high_x, low_y, high_y = min(ax, bx, cx), max(ax, bx, cx), min(ay, by, cy), max(ay, by, cy)
+        low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
+        ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
+        u, v, w = -margin * (abs(ux) + abs(uy)), -margin * (abs(vx) + abs(vy)), -margin * (abs(wx) + abs(wy))
+        for vertex in self.grid.near(low_x, low_y, high_x, high_y):
+            x, y = X[vertex], Y[vertex]
+            if (
+                low_x <= x <= high_x
+                and low_y <= y <= high_y
+                and ux * (y - ay) - uy * (x - ax) >= u
+                and vx * (y - by) - vy * (x - bx) >= v
+                and wx * (y - cy) - wy * (x - cx) >= w
+                and vertex not in own
+            ):
+                return True
+        return False
+
+    def edge_in_triangle(
+        self, ax: float, ay: float, bx: float, by: float, cx: float, cy: float, *, own: tuple[int, ...]
+    ) -> bool:
+        """Whether an edge other than the triangle's `own` touches it: no line separates them (separating axes)."""
+        X, Y, margin, following = self.x, self.y, self.margin, self.next
+        low_x, high_x, low_y, high_y = min(ax, bx, cx), max(ax, bx, cx), min(ay, by, cy), max(ay, by, cy)
+        low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
+        ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
+        u, v, w = -margin * (abs(ux) + abs(uy)), -margin * (abs(vx) + abs(vy)), -margin * (abs(wx) + abs(wy))
+        for edge in self.grid.near(low_x, low_y, high_x, high_y):
+            end = following[edge]
+            px, py, qx, qy = X[edge], Y[edge], X[end], Y[end]
+            if (
+                (px < low_x and qx < low_x)
+                or (px > high_x and qx > high_x)
+                or (py < low_y and qy < low_y)
+                or (py > high_y and qy > high_y)
+                or (ux * (py - ay) - uy * (px - ax) < u and ux * (qy - ay) - uy * (qx - ax) < u)
+                or (vx * (py - by) - vy * (px - bx) < v and vx * (qy - by) - vy * (qx - bx) < v)
+                or (wx * (py - cy) - wy * (px - cx) < w and wx * (qy - cy) - wy * (qx - cx) < w)
+                or edge in own
+            ):
+                continue
+            ex, ey = qx - px, qy - py
+            beside = margin * (abs(ex) + abs(ey))
+            sides = (
+                ex * (ay - py) - ey * (ax - px),
+                ex * (by - py) - ey * (bx - px),
+                ex * (cy - py) - ey * (cx - px),
+            )
+            if min(sides) <= beside and max(sides) >= -beside:
+                return True
+        return False

@@ -1,0 +1,77 @@
+"""Outline: the loops that a decimation works on, before they become a mesh again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .._types import FloatArray, IntArray
+from ..predicates import BoxTree
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Closed loops with the solid on their left, one behind the other, and what each vertex stands for.
+
+    vertices: (n, 2). sizes: vertices per loop.
+    spans: (n, 2) the first and the last vertex of the fine loop that a vertex replaces, as places in that loop.
+    """
+
+    vertices: FloatArray
+    sizes: tuple[int, ...]
+    spans: IntArray
+
+    @cached_property
+    def begins(self) -> IntArray:
+        """(L,) the first vertex of each loop."""
+        return np.cumsum([0, *self.sizes[:-1]], dtype=np.int64)
+
+    @cached_property
+    def successor(self) -> IntArray:
+        """(n,) the vertex after each vertex."""
+        following = np.arange(1, len(self.vertices) + 1)
+        following[self.begins + self.sizes - 1] = self.begins
+        return following
+
+    @cached_property
+    def predecessor(self) -> IntArray:
+        """(n,) the vertex before each vertex."""
+        before = np.arange(-1, len(self.vertices) - 1)
+        before[self.begins] = self.begins + self.sizes - 1
+        return before
+
+    @property
+    def loops(self) -> list[FloatArray]:
+        """The vertices of each loop, (k, 2)."""
+        return np.split(self.vertices, self.begins[1:])
+
+    @property
+    def tree(self) -> BoxTree:
+        """The edges, each by its start."""
+        return BoxTree(self.vertices, self.vertices[self.successor])
+
+    @property
+    def area(self) -> float:
+        """Area of the solid: loops that run clockwise count negative."""
+        here = self.vertices - self.vertices[0]
+        there = here[self.successor]
+        return 0.5 * float((here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]).sum())
+
+    def moved(self, vertices: FloatArray) -> Outline:
+        """The same loops with other vertices (n, 2)."""
+        return Outline(vertices, self.sizes, self.spans)
+
+
+def padded(loops: Sequence[FloatArray], sizes: IntArray) -> list[FloatArray]:
+    """Loops (k, 2) with their longest edges halved until each has at least the wanted number of vertices."""
+    result = []
+    for loop, size in zip(loops, sizes.tolist(), strict=True):
+        while len(loop) < size:
+            following = np.roll(loop, -1, axis=0)
+            k = int(np.argmax(np.hypot(*(following - loop).T)))
+            loop = np.insert(loop, k + 1, 0.5 * (loop[k] + following[k]), axis=0)
+        result.append(loop)
+    return result

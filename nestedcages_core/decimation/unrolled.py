@@ -1,0 +1,65 @@
+"""From a mesh to loops in an order that does not depend on the numbering of its vertices, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._types import FloatArray, IntArray
+from ..mesh import Mesh
+from .base import LEAST_PER_LOOP, Budget
+from .outline import Outline
+
+TIE = 1e-9
+"""Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unrolled:
+    """A mesh as loops in an order, and from a start each, that do not depend on how its vertices are numbered.
+
+    loop_order: (L,) for each loop of the outline its number in the mesh. rings: its vertices in the mesh.
+    """
+
+    outline: Outline
+    loop_order: IntArray
+    rings: tuple[IntArray, ...]
+
+    def wanted(self, budget: Budget) -> IntArray:
+        """(L,) the least number of vertices that a budget gives to each loop, in the order of the outline."""
+        if budget.per_loop is None:
+            return np.full(len(self.rings), LEAST_PER_LOOP)
+        return np.array(budget.per_loop)[self.loop_order]
+
+    def rolled_up(self, loops: Sequence[FloatArray]) -> Mesh:
+        """A mesh from new loops (k, 2) in the order of the outline; its loop k stands for loop k of the mesh.
+
+        Raises InvalidMeshError where they cross.
+        """
+        return Mesh.from_loops([loops[k] for k in np.argsort(self.loop_order)])
+
+
+def unroll(fine: Mesh) -> Unrolled:
+    """The loops of a mesh, largest first, each from the vertex farthest from its centre on."""
+    tie = TIE * fine.diagonal
+    rings, keys = [], []
+    for loop, area in zip(fine.loops, fine.loop_areas, strict=True):
+        points = fine.vertices[loop]
+        lengths = fine.edge_lengths[loop]
+        middles = 0.5 * (points + np.roll(points, -1, axis=0))
+        offsets = points - (lengths[:, None] * (middles - points[0])).sum(axis=0) / lengths.sum() - points[0]
+        distance = np.hypot(*offsets.T)
+        farthest = np.flatnonzero(distance >= distance.max() - tie)
+        cells = np.round(offsets[farthest] / tie)
+        start = farthest[np.lexsort((cells[:, 1], cells[:, 0]))[0]]
+        rings.append(np.roll(loop, -start))
+        keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - fine.vertices[0]) / tie)))
+    order = np.array(sorted(range(len(rings)), key=keys.__getitem__), dtype=np.int64)
+    ordered = tuple(rings[k] for k in order)
+    places = np.concatenate([np.arange(len(ring)) for ring in ordered])
+    outline = Outline(
+        fine.vertices[np.concatenate(ordered)], tuple(len(ring) for ring in ordered), np.stack((places, places), axis=1)
+    )
+    return Unrolled(outline, order, ordered)
