@@ -160,7 +160,7 @@ class Generation:
 
     def __iter__(self) -> Iterator[Progress]:
         total = sum(len(levels) for _, _, levels in self._plans)
-        done = 0
+        done, reached = 0, 0.0
         for request, fine, levels in self._plans:
             clearances = self._clearances(request, fine)
             inner, finished = fine, []
@@ -171,7 +171,9 @@ class Generation:
                         finished.append(step)
                         inner = self.core.Mesh(step.cage.astype(np.float64), step.cage_edges)
                     else:
-                        yield Progress((done + step.fraction) / total, f"{name}: {say(step.stage)}")
+                        # A level that starts anew, from another coarse mesh, goes back; what is shown does not.
+                        reached = max(reached, (done + step.fraction) / total)
+                        yield Progress(reached, f"{name}: {say(step.stage)}")
                 done += 1
                 yield Progress(done / total, name)
             self.results.append(Result(request.fine, tuple(finished)))

@@ -24,8 +24,8 @@ LEVEL = "nested_cages_level"
 MARKERS = "nested_cages_markers"
 FRAME_END = "nested_cages_frame_end"
 
-# The fine mesh nearly white, the cages in colours that are easy to tell apart, also for the colour-blind (after Okabe and
-# Ito), bright enough for thin lines on a dark background.
+# The fine mesh nearly white, the cages in colours that are easy to tell apart, also for the colour-blind (after Okabe
+# and Ito), bright enough for thin lines on a dark background.
 FINE_COLOUR = (0.95, 0.95, 0.95, 1.0)
 CAGE_COLOURS = (
     (1.00, 0.45, 0.00, 1.0),

@@ -322,7 +322,7 @@ def test_a_refusal_is_a_sentence_and_changes_nothing(addon, name) -> None:
 
 def test_an_empty_selection_is_said_before_anything_runs(addon) -> None:
     poly_curve("Drawing", [star()]).select_set(False)
-    with pytest.raises(RuntimeError, match="Select a closed curve, a text or a mesh made of edge loops"):
+    with pytest.raises(RuntimeError, match="Select a closed curve, a text, a Grease Pencil or a mesh"):
         generate()
 
 
