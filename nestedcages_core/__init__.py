@@ -7,7 +7,17 @@ from __future__ import annotations
 
 from .contact import IPC
 from .decimation import ArcLength, OnCurve, OuterHull
-from .energies import Area
+from .energies import (
+    Area,
+    BoundaryARAP,
+    ElementEnergy,
+    InitialDisplacement,
+    InteriorARAP,
+    NoEnergy,
+    ShapeKeeping,
+    StepDisplacement,
+    WeightedSum,
+)
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult, TwoSidedFlow
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
@@ -23,10 +33,14 @@ __all__ = [
     "IPC",
     "ArcLength",
     "Area",
+    "BoundaryARAP",
     "Certificate",
+    "ElementEnergy",
     "FlowError",
     "FlowResult",
     "Hierarchy",
+    "InitialDisplacement",
+    "InteriorARAP",
     "InvalidMeshError",
     "Level",
     "Mesh",
@@ -34,6 +48,7 @@ __all__ = [
     "NestedCagesRun",
     "NestingError",
     "NestingReport",
+    "NoEnergy",
     "OnCurve",
     "OuterHull",
     "Progress",
@@ -41,8 +56,11 @@ __all__ = [
     "Reinflation",
     "ReinflationError",
     "Settings",
+    "ShapeKeeping",
+    "StepDisplacement",
     "Tightening",
     "TwoSidedFlow",
+    "WeightedSum",
     "nested_cages",
     "verify",
 ]

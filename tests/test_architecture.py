@@ -24,6 +24,7 @@ ROOMS = (
     "distance",
     "broad_phase",
     "signed_distance",
+    "triangulation",
     "decimation",
     "quadrature",
     "flow",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -25,6 +26,17 @@ class Blocks:
     """(B,) vertex of the block's column."""
     value: FloatArray
     """(B, 2, 2)."""
+
+    @classmethod
+    def sum(cls, terms: Iterable[tuple[float, Blocks]]) -> Blocks:
+        """Σ w B over pairs of a weight and a matrix."""
+        listed = list(terms)
+        nothing = cls(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 2, 2)))
+        return cls(
+            np.concatenate([nothing.row, *(blocks.row for _, blocks in listed)]),
+            np.concatenate([nothing.column, *(blocks.column for _, blocks in listed)]),
+            np.concatenate([nothing.value, *(weight * blocks.value for weight, blocks in listed)]),
+        )
 
     def dense(self, count: int) -> FloatArray:
         """The (2 count, 2 count) matrix."""

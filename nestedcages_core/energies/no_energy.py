@@ -1,0 +1,40 @@
+"""No energy: the cage moves only where contact moves it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._types import FloatArray, IntArray
+from ..mesh import Mesh
+from .base import Blocks
+
+
+@dataclass(frozen=True)
+class NoEnergy:
+    """Zero everywhere (the choice "None" of Sacht et al. 2015, section 4.3)."""
+
+    def at(self, coarse: Mesh) -> NoEnergy:
+        """Itself."""
+        return self
+
+    def after(self, cage: FloatArray) -> NoEnergy:
+        """Itself."""
+        return self
+
+    def value(self, vertices: FloatArray, successor: IntArray) -> float:
+        """0."""
+        return 0.0
+
+    def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
+        """(m, 2) zeros."""
+        return np.zeros_like(vertices)
+
+    def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
+        """No blocks."""
+        return Blocks.sum(())
+
+    def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
+        """No blocks."""
+        return Blocks.sum(())

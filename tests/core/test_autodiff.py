@@ -1,0 +1,232 @@
+"""Automatic differentiation: its rules against central differences, and against it the closed forms of all energies."""
+
+from __future__ import annotations
+
+import doctest
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nestedcages_core import (
+    Area,
+    BoundaryARAP,
+    ElementEnergy,
+    InitialDisplacement,
+    InteriorARAP,
+    Mesh,
+    ShapeKeeping,
+    StepDisplacement,
+    WeightedSum,
+)
+from nestedcages_core.energies import Blocks, Energy, autodiff, element_energy
+from nestedcages_core.energies.assembly import blocks_of, positive_part
+from nestedcages_core.energies.autodiff import Jet, plain_points_of, points_of
+from nestedcages_core.triangulation import triangulate
+from shapes import ring
+
+STEP = 1e-5  # of central differences; coordinates are of order 1
+
+FORMULAS: dict[str, Callable] = {
+    "+": lambda u, v: u + v + 1.5,
+    "-": lambda u, v: 2.0 - (u - v) - 0.5,
+    "*": lambda u, v: 3.0 * u * v * u,
+    "/": lambda u, v: u / v + 1.0 / v + v / 7.0,
+    "-u": lambda u, v: -u * +v,
+    "u ** 3": lambda u, v: u**3 * v**-1.5,
+    "u ** v": lambda u, v: u**v + 2.0**v,
+    "square": lambda u, v: np.square(u) * np.reciprocal(v),
+    "sqrt": lambda u, v: np.sqrt(u * v),
+    "exp": lambda u, v: np.exp(u - v),
+    "log": lambda u, v: np.log(u + 2.0 * v),
+    "sin": lambda u, v: np.sin(u * v),
+    "cos": lambda u, v: np.cos(u) * v,
+    "arctan": lambda u, v: np.arctan(u / v),
+    "arctan2": lambda u, v: np.arctan2(u - 1.4, v - 1.0) + np.arctan2(u, 2.0) + np.arctan2(-1.0, v),
+    "hypot": lambda u, v: np.hypot(u, v) + np.hypot(u, 1.0),
+    "abs": lambda u, v: np.abs(u - 1.5) * v,
+    "max": lambda u, v: np.maximum(u, v) * np.maximum(u, 1.2),
+    "min": lambda u, v: np.minimum(u, v) * np.minimum(1.2, v),
+}
+
+
+@pytest.mark.parametrize("formula", FORMULAS.values(), ids=FORMULAS.keys())
+def test_every_rule_agrees_with_differences(formula: Callable) -> None:
+    x = np.random.default_rng(5).uniform(0.6, 2.0, size=(20, 2))
+    jet = formula(*Jet.unknowns(x))
+    assert jet.value == pytest.approx(formula(*x.T), rel=1e-14)
+    for axis in (0, 1):
+        step = STEP * np.eye(2)[axis]
+        ahead, behind = x + step, x - step
+        slope = (formula(*ahead.T) - formula(*behind.T)) / (2 * STEP)
+        assert jet.gradient[:, axis] == pytest.approx(slope, rel=1e-6, abs=1e-8)
+        slopes = formula(*Jet.unknowns(ahead)).gradient - formula(*Jet.unknowns(behind)).gradient
+        assert jet.hessian[:, axis] == pytest.approx(slopes / (2 * STEP), rel=1e-5, abs=1e-7)
+    assert jet.hessian == pytest.approx(jet.hessian.transpose(0, 2, 1), abs=1e-14)
+
+
+@pytest.mark.parametrize("power", [0, 1, 2, 3])
+def test_small_powers_have_derivatives_at_zero(power: int) -> None:
+    (u,) = Jet.unknowns(np.zeros((1, 1)))
+    jet = u**power
+    assert (jet.value[0], jet.gradient[0, 0], jet.hessian[0, 0, 0]) == (0.0**power, power == 1, 2.0 * (power == 2))
+
+
+@pytest.mark.parametrize("place", [(1.0, 0.1), (0.1, 1.0), (-1.0, 0.1), (-1.0, -0.1), (-0.1, -1.0), (0.0, 1.0)])
+def test_angles_are_right_all_around(place: tuple[float, float]) -> None:
+    x, y = Jet.unknowns(np.array([place]))
+    angle, squared = np.arctan2(y, x), place[0] ** 2 + place[1] ** 2
+    assert angle.value[0] == np.arctan2(place[1], place[0])
+    assert angle.gradient[0] == pytest.approx(np.array([-place[1], place[0]]) / squared)
+    assert np.trace(angle.hessian[0]) == pytest.approx(0.0, abs=1e-14)  # angles are harmonic
+
+
+def test_a_function_without_a_rule_is_refused_with_those_that_have_one() -> None:
+    (u,) = Jet.unknowns(np.ones((1, 1)))
+    with pytest.raises(TypeError, match=r"np\.tanh has no derivative rule; write the energy with np\.absolute"):
+        np.tanh(u)
+    with pytest.raises(TypeError, match="no derivative rule"):
+        u < 1.0  # noqa: B015
+
+
+def test_points_calculate_with_jets_and_numbers_alike() -> None:
+    corners = np.random.default_rng(6).normal(size=(5, 2, 2))
+    for a, b in (points_of(corners), plain_points_of(corners)):
+        c = 2.0 * (a + b) / 4.0 - b * 0.5
+        x, y = (part.value if isinstance(part, Jet) else part for part in (c.x, c.y))
+        assert np.stack([x, y], axis=1) == pytest.approx(0.5 * corners[:, 0])
+
+
+def test_elements_may_meet_themselves() -> None:
+    """A cell whose first and last corner are one vertex: its Hessian is that of the function of three vertices."""
+    hessian = positive_part(np.random.default_rng(7).normal(size=(1, 8, 8)))
+    corners = np.array([[0, 1, 2, 0]])
+    gather = np.zeros((8, 6))
+    for corner, vertex in enumerate(corners[0]):
+        gather[2 * corner : 2 * corner + 2, 2 * vertex : 2 * vertex + 2] = np.eye(2)
+    assert blocks_of(corners, hessian).dense(3) == pytest.approx(gather.T @ hessian[0] @ gather, abs=1e-13)
+
+
+def test_the_positive_part_has_no_negative_eigenvalues_and_keeps_the_others() -> None:
+    random = np.random.default_rng(8)
+    frame = np.linalg.qr(random.normal(size=(4, 4)))[0]
+    part = positive_part((frame * [-2.0, -1e-3, 1.0, 3.0] @ frame.T)[None])[0]
+    assert part == pytest.approx(frame * [0.0, 0.0, 1.0, 3.0] @ frame.T, abs=1e-14)
+
+
+# The closed forms
+
+
+@pytest.fixture
+def plate() -> Mesh:
+    wobble = np.random.default_rng(2).normal(scale=0.02, size=(19, 2))
+    return Mesh.from_loops([ring(10, 1.0) + wobble[:10], ring(6, 0.5) + wobble[10:16], ring(3, 0.2) + wobble[16:]])
+
+
+def area(plate: Mesh) -> ElementEnergy:
+    return ElementEnergy.per_edge(lambda now, rest: 0.5 * now[0].cross(now[1]))
+
+
+def displacement(plate: Mesh) -> ElementEnergy:
+    share = 0.5 * (plate.edge_lengths + plate.edge_lengths[plate.predecessor]) / plate.edge_lengths.mean()
+
+    def squared(now: tuple, rest: tuple) -> Jet:
+        away = now[0] - rest[0]
+        return 0.5 * share * away.dot(away)
+
+    return ElementEnergy.per_vertex(squared)
+
+
+def boundary(plate: Mesh, *, similar: bool) -> ElementEnergy:
+    """½ Σ w |e'|² + ½ Σ w |e|² - |s|, or ½ Σ w |e'|² - ½ |s|² / Σ w |e|², with s = Σ w ē e'."""
+
+    def cells(mesh: Mesh) -> np.ndarray:
+        before, after = mesh.predecessor, mesh.successor
+        return np.stack([before[before], before, np.arange(len(after)), after, after[after]], axis=1)
+
+    def cell(now: tuple, rest: tuple) -> Jet:
+        strained, moment, real, imaginary = 0.0, 0.0, 0.0, 0.0
+        for k in range(4):
+            edge, before = now[k + 1] - now[k], rest[k + 1] - rest[k]
+            weight = 0.25 * plate.edge_lengths.mean() / before.length()
+            strained = strained + weight * edge.dot(edge)
+            moment = moment + weight * before.dot(before)
+            real = real + weight * before.dot(edge)
+            imaginary = imaginary + weight * before.cross(edge)
+        if similar:
+            return 0.5 * strained - 0.5 * (real**2 + imaginary**2) / moment
+        return 0.5 * strained + 0.5 * moment - np.hypot(real, imaginary)
+
+    return ElementEnergy(cells, cell)
+
+
+def interior(plate: Mesh) -> ElementEnergy:
+    """½ A |J - R|² with J from two edges of a triangle; the nearest rotation has tr(Rᵀ J)² = (a + d)² + (b - c)²."""
+
+    def triangle(now: tuple, rest: tuple) -> Jet:
+        u, v = now[1] - now[0], now[2] - now[0]
+        p, q = rest[1] - rest[0], rest[2] - rest[0]
+        twice = p.cross(q)
+        a, b = (u.x * q.y - v.x * p.y) / twice, (v.x * p.x - u.x * q.x) / twice
+        c, d = (u.y * q.y - v.y * p.y) / twice, (v.y * p.x - u.y * q.x) / twice
+        return 0.25 * twice * (a * a + b * b + c * c + d * d + 2.0 - 2.0 * np.hypot(a + d, b - c))
+
+    return ElementEnergy(lambda mesh: triangulate(mesh).triangles, triangle)
+
+
+CLOSED_FORMS: list[tuple[Energy, Callable[[Mesh], Energy]]] = [
+    (Area(), area),
+    (InitialDisplacement(), displacement),
+    (StepDisplacement(), displacement),
+    (BoundaryARAP(), lambda plate: boundary(plate, similar=False)),
+    (InteriorARAP(), interior),
+    (ShapeKeeping(0.6), lambda plate: WeightedSum(((1.0, area(plate)), (0.6, boundary(plate, similar=True))))),
+]
+
+
+@pytest.mark.parametrize(("energy", "by_jets"), CLOSED_FORMS, ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("squeeze", [(0.8, 1.3), (0.6, 0.7), (1.2, 1.4)])
+def test_closed_forms_agree_with_automatic_differentiation(
+    energy: Energy, by_jets: Callable[[Mesh], Energy], squeeze: tuple[float, float], plate: Mesh
+) -> None:
+    x = plate.vertices * squeeze + np.random.default_rng(3).normal(scale=0.04, size=plate.vertices.shape)
+    closed, jets, successor = energy.at(plate), by_jets(plate).at(plate), plate.successor
+    assert closed.value(x, successor) == pytest.approx(jets.value(x, successor), rel=1e-12, abs=1e-12)
+    assert np.abs(closed.gradient(x, successor) - jets.gradient(x, successor)).max() < 1e-8
+    exact = closed.hessian(x, successor).dense(len(x)) - jets.hessian(x, successor).dense(len(x))
+    assert np.abs(exact).max() < 1e-8
+    for blocks in (closed.projected_hessian(x, successor), jets.projected_hessian(x, successor)):
+        assert isinstance(blocks, Blocks)
+        difference = blocks.dense(len(x)) - closed.hessian(x, successor).dense(len(x))
+        assert np.linalg.eigvalsh(difference)[0] > -1e-10
+
+
+@pytest.mark.parametrize("energy", [Area(), InitialDisplacement()], ids=lambda energy: type(energy).__name__)
+def test_projections_without_a_metric_of_their_own_are_the_same(energy: Energy, plate: Mesh) -> None:
+    """Area drops negative eigenvalues in closed form; automatic differentiation by an eigenvalue decomposition."""
+    by_jets = area(plate) if isinstance(energy, Area) else displacement(plate)
+    closed = energy.at(plate).projected_hessian(plate.vertices, plate.successor).dense(19)
+    jets = by_jets.at(plate).projected_hessian(plate.vertices, plate.successor).dense(19)
+    assert np.abs(closed - jets).max() < 1e-12
+
+
+# Energies of one's own
+
+
+@pytest.mark.parametrize("module", [autodiff, element_energy], ids=lambda module: module.__name__)
+def test_the_examples_in_the_text_run(module: object) -> None:
+    outcome = doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE)
+    assert outcome.attempted > 0
+    assert outcome.failed == 0
+
+
+def test_a_formula_without_a_value_is_infinite(plate: Mesh) -> None:
+    inside = ElementEnergy.per_vertex(lambda now, rest: -np.log(2.0 - now[0].dot(now[0]))).at(plate)
+    assert np.isfinite(inside.value(plate.vertices, plate.successor))
+    assert inside.value(3.0 * plate.vertices, plate.successor) == np.inf
+
+
+def test_a_formula_must_depend_on_the_corners_as_they_are(plate: Mesh) -> None:
+    constant = ElementEnergy.per_vertex(lambda now, rest: rest[0].dot(rest[0])).at(plate)
+    with pytest.raises(TypeError, match="must depend on the corners"):
+        constant.gradient(plate.vertices, plate.successor)
