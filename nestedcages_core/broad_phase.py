@@ -17,6 +17,9 @@ from .distance import point_edge
 ALL_PAIRS_LIMIT = 60_000
 """Number of pairs up to which measuring all of them is faster than any structure (measured)."""
 
+ALL_BOXES_LIMIT = 200_000
+"""Number of pairs up to which a test of all points against the boxes of all edges is faster than cells (measured)."""
+
 FINEST_GRID = 1000
 """Cells along the longer side of the bounding box, at the most: bounds the number of pieces of long edges."""
 
@@ -37,10 +40,8 @@ def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius:
     """
     if len(points) == 0 or len(starts) == 0:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    if len(points) * len(starts) <= ALL_PAIRS_LIMIT:
-        close = point_edge(points[:, None], starts[None], ends[None]).distance < radius
-        i, j = np.nonzero(close)
-        return i, j
+    if len(points) * len(starts) <= ALL_BOXES_LIMIT:
+        return _near_pairs_by_boxes(points, starts, ends, radius)
     return _near_pairs_by_cells(points, starts, ends, radius)
 
 
@@ -61,6 +62,21 @@ def smallest_distance(points: FloatArray, starts: FloatArray, ends: FloatArray) 
         radius *= SEARCH_GROWTH
     i, j = near_pairs(points, starts, ends, 2.0 * extent)
     return float(point_edge(points[i], starts[j], ends[j]).distance.min())
+
+
+def _near_pairs_by_boxes(
+    points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
+) -> tuple[IntArray, IntArray]:
+    low = np.minimum(starts, ends) - radius
+    high = np.maximum(starts, ends) + radius
+    x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    inside = x >= low[:, :1]
+    inside &= x <= high[:, :1]
+    inside &= y >= low[:, 1:]
+    inside &= y <= high[:, 1:]
+    j, i = np.divmod(np.flatnonzero(inside), len(points))
+    close = point_edge(points[i], starts[j], ends[j]).distance < radius
+    return i[close], j[close]
 
 
 def _near_pairs_by_cells(

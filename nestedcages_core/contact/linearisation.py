@@ -62,16 +62,19 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
     return Contacts(distance, parameter, normal, left, on_line)
 
 
-def constraint_rows(pairs: Pairs, contacts: Contacts, m: int) -> Rows:
-    """The gradients of the distances with respect to the m cage vertices."""
-    t = contacts.parameter
-    point, start, end = pairs.point, pairs.start, pairs.end
-    vertex = np.stack([np.where(point < m, point, start), np.where(start < m, start, point), end], axis=1)
-    vertex[:, 2] = np.where(end < m, end, vertex[:, 1])
-    weight = np.stack([np.ones(len(t)), t - 1.0, -t], axis=1)
-    weight[pairs.fine_cage, 0] = 0.0
-    weight[pairs.cage_fine, 1:] = 0.0
-    return Rows(vertex, weight, contacts.normal)
+def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]:
+    """The gradients of the distances with respect to the cage vertices, family by family."""
+    t, normal = contacts.parameter, contacts.normal.T
+    fc, cf, cc = pairs.fine_cage, pairs.cage_fine, pairs.cage_cage
+    return (
+        Rows(np.stack([pairs.start[fc], pairs.end[fc]]), np.stack([t[fc] - 1.0, -t[fc]]), normal[:, fc]),
+        Rows(pairs.point[None, cf], np.ones((1, cf.stop - cf.start)), normal[:, cf]),
+        Rows(
+            np.stack([pairs.point[cc], pairs.start[cc], pairs.end[cc]]),
+            np.stack([np.ones(cc.stop - cc.start), t[cc] - 1.0, -t[cc]]),
+            normal[:, cc],
+        ),
+    )
 
 
 def change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ from .._types import BoolArray, FloatArray, IntArray
 from ..broad_phase import near_pairs
 from ..distance import PointEdge, point_edge
 from ..mesh import Mesh
+from ..solver.banded import BandOrder
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,11 @@ class Bodies:
     def n(self) -> int:
         """Number of fine vertices."""
         return len(self.fine_successor)
+
+    @cached_property
+    def cage_order(self) -> BandOrder:
+        """A numbering of the cage vertices that keeps neighbours close together."""
+        return BandOrder.of(self.m, np.arange(self.m), self.cage_successor)
 
     @cached_property
     def successor(self) -> IntArray:

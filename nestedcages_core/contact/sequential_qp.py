@@ -23,7 +23,6 @@ import numpy as np
 from .._types import BoolArray, FloatArray
 from ..energies import Blocks, CageEnergy
 from ..solver import Solver
-from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .base import ContactOutcome
 from .ccd import impacts, largest_safe_step
@@ -137,7 +136,6 @@ class _Way:
         self.candidates = CandidateList(bodies)
         self.systems = 0
         still = np.arange(self.m)
-        self.order = BandOrder.of(self.m, still, bodies.cage_successor)
         self.proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (self.m, 2, 2)))
 
     def towards(self, target: FloatArray) -> bool:
@@ -210,11 +208,11 @@ class _Way:
         program = QuadraticProgram(
             np.zeros((self.m, 2)),
             self.proximal,
-            constraint_rows(pairs, contacts, self.m),
+            constraint_rows(pairs, contacts),
             room,
             np.full(self.m, radius),
             softness=self.settings.softness,
-            order=self.order,
+            order=self.bodies.cage_order,
             scale=max(longest, 0.1 * self.gap),
         )
         solution = self.settings.solver.solve(program, ABSOLUTE_TOLERANCE * self.gap**2)

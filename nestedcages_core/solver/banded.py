@@ -1,4 +1,4 @@
-"""The linear systems of the interior-point method, W + Jᵀ diag(h) J + diag(b) over the vertices of a cage, in a band.
+"""The linear systems of the interior-point method, W + Aᵀ diag(h) A over the vertices of a cage, in a band.
 
 W comes as 2 × 2 blocks over vertices and every constraint row touches at most three vertices, nearly always neighbours
 on a loop. Numbered by reverse Cuthill-McKee, a loop becomes a band of two vertices on either side of the diagonal, and
@@ -8,6 +8,7 @@ for a hundred unknowns. Contacts between distant parts of the cage widen the ban
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,21 +22,27 @@ from ..energies import Blocks
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """K constraint rows J: row k times D is Σ_j weight[k, j] direction[k] · D[vertex[k, j]]."""
+    """K constraint rows over w vertices each: row k times D is Σ_j weight[j, k] direction[:, k] · D[vertex[j, k]]."""
 
     vertex: IntArray
-    """(K, 3) indices of vertices; where the weight is zero, one that the row names elsewhere."""
+    """(w, K) indices of vertices, distinct within a row."""
     weight: FloatArray
-    """(K, 3)."""
+    """(w, K)."""
     direction: FloatArray
-    """(K, 2)."""
+    """(2, K)."""
 
-    def __len__(self) -> int:
-        return len(self.vertex)
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return self.vertex.shape[1]
 
     def entries(self) -> FloatArray:
-        """(K, 6) the entries of the rows, vertex by vertex, x before y."""
-        return (self.weight[:, :, None] * self.direction[:, None, :]).reshape(-1, 6)
+        """(2w, K) the entries of the rows, vertex by vertex, x before y."""
+        return (self.weight[:, None, :] * self.direction[None, :, :]).reshape(2 * len(self.vertex), self.count)
+
+    def coupled(self) -> tuple[IntArray, IntArray]:
+        """Pairs of vertices that one row names, the first with each other."""
+        return np.tile(self.vertex[0], len(self.vertex) - 1), self.vertex[1:].ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,68 +59,76 @@ class BandOrder:
         """Reverse Cuthill-McKee order of the graph whose edges join row[k] and column[k]."""
         ends = np.concatenate([row, column]), np.concatenate([column, row])
         graph = csr_array((np.ones(2 * len(row)), ends), shape=(count, count))
-        position = np.empty(count, np.int64)
+        position = np.empty(count, np.int32)
         position[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(count)
-        return cls(position, int(np.abs(position[row] - position[column]).max(initial=0)))
+        order = cls(position.astype(np.int64), 0)
+        return cls(order.position, order.distance(row, column))
 
-    def including(self, hessian: Blocks, rows: Rows) -> BandOrder:
+    def distance(self, row: IntArray, column: IntArray) -> int:
+        """Largest distance in this order between row[k] and column[k]."""
+        return int(np.abs(self.position[row] - self.position[column]).max(initial=0))
+
+    def including(self, hessian: Blocks, rows: Sequence[Rows]) -> BandOrder:
         """This order if its band holds the couplings of both, else one made for them."""
-        position = self.position
-        places = position[rows.vertex]
-        apart = int(np.abs(position[hessian.row] - position[hessian.column]).max(initial=0))
-        if len(rows):
-            apart = max(apart, int((places.max(axis=1) - places.min(axis=1)).max()))
-        if apart <= self.spread:
+        couplings = [(hessian.row, hessian.column), *(group.coupled() for group in rows)]
+        if all(self.distance(*pair) <= self.spread for pair in couplings):
             return self
-        p, a, b = rows.vertex.T
-        return BandOrder.of(
-            len(position), np.concatenate([hessian.row, p, a, p]), np.concatenate([hessian.column, a, b, b])
-        )  # fmt: skip
+        # the first of three vertices with the other two, and these with each other
+        couplings += [(group.vertex[1], group.vertex[2]) for group in rows if len(group.vertex) > 2]
+        row, column = (np.concatenate(side) for side in zip(*couplings, strict=True))
+        return BandOrder.of(len(self.position), row, column)
 
 
 class BandedSystem:
-    """W and J over 2m unknowns, x before y within a vertex, the vertices in the band's order."""
+    """W and all constraints over 2m unknowns, x before y within a vertex, the vertices in the band's order.
 
-    def __init__(self, order: BandOrder, hessian: Blocks, rows: Rows) -> None:
-        size, K = 2 * len(order.position), len(rows)
+    The constraints are A = (J; I; -I): the rows J, then the lower and the upper bound of every unknown.
+    """
+
+    def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows]) -> None:
+        size = 2 * len(order.position)
         height = 2 * order.spread + 2  # diagonals stored: the main one and 2 spread + 1 below
         self._shape = size, height
 
-        row = 2 * order.position[hessian.row][:, None, None] + _ROW_OF_BLOCK
-        column = 2 * order.position[hessian.column][:, None, None] + _COLUMN_OF_BLOCK
+        row = 2 * order.position[hessian.row][:, None, None] + _AXES[:, None]
+        column = 2 * order.position[hessian.column][:, None, None] + _AXES
         # a block above the diagonal is stored as its transpose; of one on the diagonal only the lower triangle counts
-        place = _place(np.maximum(row, column), np.minimum(row, column), height)
-        value = np.where((hessian.row == hessian.column)[:, None, None] & _UPPER_OF_BLOCK, 0.0, hessian.value)
-        self._W = np.bincount(place.ravel(), value.ravel(), size * height)
+        value = hessian.value.copy()
+        value[hessian.row == hessian.column, 0, 1] = 0.0
+        self._W = np.bincount(_place(row, column, height).ravel(), value.ravel(), size * height)
 
-        entries = rows.entries()
-        unknown = (2 * order.position[rows.vertex][:, :, None] + np.arange(2)).reshape(-1, 6).astype(np.int32)
-        pointer = np.arange(0, 6 * K + 1, 6, dtype=np.int32)
-        self._J = csr_array((entries.ravel(), unknown.ravel(), pointer), shape=(K, size))
-        self._J_transposed = csc_array((entries.ravel(), unknown.ravel(), pointer), shape=(size, K))
-        # the products of the entries of each row, by which h is multiplied to give the band of Jᵀ diag(h) J
-        i, j = unknown[:, _FIRST], unknown[:, _SECOND]
-        products = entries[:, _FIRST] * entries[:, _SECOND]
-        place = _place(np.maximum(i, j), np.minimum(i, j), height)
-        pointer = np.arange(0, products.size + 1, products.shape[1], dtype=np.int32)
-        self._products = csc_array((products.ravel(), place.ravel(), pointer), shape=(size * height, K))
+        # the entries of A, and the products of the entries of each row, by which h is multiplied for Aᵀ diag(h) A
+        every, ones = np.arange(size), np.ones(size)
+        matrix, products = _SparseRows(), _SparseRows()
+        for group in rows:
+            entries = group.entries()
+            unknown = (2 * order.position[group.vertex][:, None, :] + _AXES[:, None]).reshape(entries.shape)
+            matrix.add(unknown, entries)
+            first, second = _TRIANGLES[len(group.vertex)]
+            products.add(_place(unknown[first], unknown[second], height), entries[first] * entries[second])
+        for sign in (1.0, -1.0):
+            matrix.add(every[None], sign * ones[None])
+            products.add((every * height)[None], ones[None])
+        self._A = csr_array(matrix.parts(), shape=(matrix.count, size))
+        self._A_transposed = csc_array(matrix.parts(), shape=(size, matrix.count))
+        self._products = csc_array(products.parts(), shape=(size * height, matrix.count))
 
-    def rows_times(self, d: FloatArray) -> FloatArray:
-        """J d, (K,)."""
-        product: FloatArray = self._J @ d
+    def constraints(self, d: FloatArray) -> FloatArray:
+        """A d, (K + 4m,)."""
+        product: FloatArray = self._A @ d
         return product
 
-    def transposed_times(self, z: FloatArray) -> FloatArray:
-        """Jᵀ z, (2m,)."""
-        product: FloatArray = self._J_transposed @ z
+    def transposed(self, z: FloatArray) -> FloatArray:
+        """Aᵀ z, (2m,)."""
+        product: FloatArray = self._A_transposed @ z
         return product
 
-    def set_matrix(self, h: FloatArray, diagonal: FloatArray) -> None:
-        """Assemble W + Jᵀ diag(h) J + diag(diagonal)."""
+    def set_matrix(self, h: FloatArray) -> None:
+        """Assemble W + Aᵀ diag(h) A."""
         band: FloatArray = self._products @ h
         band += self._W
         self._band = band.reshape(self._shape)
-        self._diagonal = self._band[:, 0] + diagonal
+        self._diagonal = self._band[:, 0].copy()
 
     def factorise(self, shift: float) -> bool:
         """Factorise the matrix plus shift times the identity; whether it is positive definite."""
@@ -127,13 +142,36 @@ class BandedSystem:
         return x
 
 
-_ROW_OF_BLOCK = np.array([[0, 0], [1, 1]])
-_COLUMN_OF_BLOCK = np.array([[0, 1], [0, 1]])
-_UPPER_OF_BLOCK = np.array([[False, True], [False, False]])
-_FIRST, _SECOND = np.triu_indices(6)
+_AXES = np.array([0, 1])
+_TRIANGLES = {width: np.triu_indices(2 * width) for width in (1, 2, 3)}
+
+
+class _SparseRows:
+    """Compressed sparse rows, put together from groups of rows that have equally many entries."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._filled = 0
+        self._data: list[FloatArray] = []
+        self._indices: list[IntArray] = []
+        self._ends: list[IntArray] = [np.zeros(1, np.int64)]
+
+    def add(self, indices: IntArray, data: FloatArray) -> None:
+        """Add rows with the entries (length, K) at the columns ``indices``."""
+        length, count = indices.shape
+        self._data.append(data.T.ravel())
+        self._indices.append(indices.T.ravel())
+        self._ends.append(self._filled + length * np.arange(1, count + 1))
+        self.count += count
+        self._filled += length * count
+
+    def parts(self) -> tuple[FloatArray, IntArray, IntArray]:
+        """Entries, their columns, and where the rows begin."""
+        indices, ends = np.concatenate(self._indices), np.concatenate(self._ends)
+        return np.concatenate(self._data), indices.astype(np.int32), ends.astype(np.int32)
 
 
 def _place(row: IntArray, column: IntArray, height: int) -> IntArray:
-    """Index of an entry of the lower triangle in the band, which is stored column by column."""
-    place: IntArray = column * (height - 1) + row
+    """Index of an entry, or of its mirror image, in the band, which stores the lower triangle column by column."""
+    place: IntArray = np.minimum(row, column) * (height - 1) + np.maximum(row, column)
     return place

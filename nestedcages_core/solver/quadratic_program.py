@@ -11,6 +11,7 @@ affine step, then for one that is centred and corrected to second order by what 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,8 +51,8 @@ class QuadraticProgram:
     """(m, 2) G."""
     hessian: Blocks
     """W over the m vertices; it may be indefinite."""
-    rows: Rows
-    """J, K rows."""
+    rows: Sequence[Rows]
+    """J, K rows in all, in groups that touch equally many vertices."""
     offset: FloatArray
     """(K,) r, the value of each constraint at D = 0."""
     radius: FloatArray
@@ -94,7 +95,7 @@ class InteriorPoint:
     """Stop when the complementarity is below this fraction of the predicted decrease: a tenth of a per cent of it would
     cost two more systems and change the next outline by less than its linearisation does."""
     primal: float = 1e-3
-    """Largest violation of a constraint at the end, relative to the median radius."""
+    """Largest violation of a constraint at the end, relative to the mean radius."""
     dual: float = 0.02
     """Largest entry of the residual of stationarity at the end, relative to the scale of the multipliers."""
 
@@ -118,27 +119,27 @@ class _Iteration:
         order = order.including(program.hessian, program.rows)
         self.system = BandedSystem(order, program.hessian, program.rows)
         self.unknowns = 2 * order.position[:, None] + np.arange(2)
-        self.N = 2 * m
-        self.G, radius = np.empty(self.N), np.empty(self.N)
+        size = 2 * m
+        self.G, radius = np.empty(size), np.empty(size)
         self.G[self.unknowns] = program.gradient
         radius[self.unknowns] = program.radius[:, None]
         self.softness = program.softness
         self.shift = program.shift
-        self.length = float(np.median(radius))
+        self.length = float(radius.mean())
         self.scale = program.scale or max(float(np.abs(self.G).max()), TINY)
         self.first_shift = FIRST_SHIFT * float(np.abs(program.hessian.value).max(initial=0.0)) or FIRST_SHIFT
 
         # start: slacks at least a little inside, multipliers so that no product is larger than the others
         K = self.K
-        self.D = np.zeros(self.N)
-        self.spread = np.zeros(K + 2 * self.N)
+        self.D = np.zeros(size)
+        self.spread = np.zeros(K + 2 * size)
         self.s = np.concatenate([program.offset, radius, radius])
         np.maximum(self.s[:K], START_MULTIPLIER * self.length, out=self.s[:K])
         self.z = np.full(len(self.s), START_MULTIPLIER * self.scale)
         self.z[:K] *= np.minimum(1.0, self.length / self.s[:K])
         self.primal = np.zeros(len(self.s))
         self.primal[:K] = program.offset - self.s[:K] + self.softness * self.z[:K]
-        self.dual = self.G - self._gather(self.z)
+        self.dual = self.G - self.system.transposed(self.z)
 
     def run(self, absolute: float) -> Solution:
         method, K = self.method, self.K
@@ -161,12 +162,12 @@ class _Iteration:
 
     def _factorise(self) -> None:
         """Factorise the Newton system, with a larger shift where it is not positive definite."""
-        K, N = self.K, self.N
-        self.denominator = self.s.copy()
+        self.denominator = self.s
         if self.softness > 0.0:
-            self.denominator[:K] += self.softness * self.z[:K]
+            self.denominator = self.s.copy()
+            self.denominator[: self.K] += self.softness * self.z[: self.K]
         self.h = self.z / self.denominator
-        self.system.set_matrix(self.h[:K], self.h[K : K + N] + self.h[K + N :])
+        self.system.set_matrix(self.h)
         while not self.system.factorise(self.shift):
             larger = max(SHIFT_GROWTH * self.shift, self.first_shift)
             self.dual = self.dual + (larger - self.shift) * self.D  # the shift is part of the objective
@@ -199,28 +200,13 @@ class _Iteration:
         It makes z ds + s dz = products + z primal, and feasible and stationary what is linear.
         """
         y = products / self.denominator
-        d = self.system.solve(self._gather(y) - self.dual)
-        spread = self._spread(d)
+        d = self.system.solve(self.system.transposed(y) - self.dual)
+        spread = self.system.constraints(d)
         dz = y - self.h * spread
         ds = spread + self.primal
         if self.softness > 0.0:
             ds[: self.K] += self.softness * dz[: self.K]
         return d, spread, ds, dz
-
-    def _spread(self, d: FloatArray) -> FloatArray:
-        """(K + 4m,) change of all constraints by the step d."""
-        out = np.empty(self.K + 2 * self.N)
-        out[: self.K] = self.system.rows_times(d)
-        out[self.K : self.K + self.N] = d
-        np.negative(d, out=out[self.K + self.N :])
-        return out
-
-    def _gather(self, z: FloatArray) -> FloatArray:
-        """(2m,) transpose of :meth:`_spread`."""
-        out = self.system.transposed_times(z[: self.K])
-        out += z[self.K : self.K + self.N]
-        out -= z[self.K + self.N :]
-        return out
 
 
 def _reach(x: FloatArray, dx: FloatArray) -> float:

@@ -25,7 +25,6 @@ from ..contact.linearisation import Contacts, constraint_rows, measure, resolve_
 from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy, signed_area
-from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
 from .curvature import EdgeLoads, contact_curvature
 from .restoration import restore
@@ -126,7 +125,6 @@ class _Run:
         self.candidates = CandidateList(bodies)
         self.systems = 0
         self.loads = EdgeLoads.none(bodies.m)
-        self.order = BandOrder.of(bodies.m, np.arange(bodies.m), bodies.cage_successor)
 
     def minimise(self) -> TighteningOutcome:
         if not self._reach_clearance():
@@ -198,14 +196,15 @@ class _Run:
         room = contacts.distance - self._required(pairs)
         keep = not_implied(pairs, contacts, room, THINNING * self.clearance)
         pairs, contacts, room = pairs.subset(keep), contacts.where(keep), room[keep]
+        curvature = contact_curvature(self.bodies, cage, self.loads)
         program = QuadraticProgram(
             self.energy.gradient(cage, successor),
-            _sum(self.energy.hessian(cage, successor), contact_curvature(self.bodies, cage, self.loads)),
-            constraint_rows(pairs, contacts, self.m),
+            Blocks.sum([(1.0, self.energy.hessian(cage, successor)), (1.0, curvature)]),
+            constraint_rows(pairs, contacts),
             np.maximum(room, 0.0),
             region.radius,
             shift=region.shift,
-            order=self.order,
+            order=self.bodies.cage_order,
         )
         solution = self.settings.solver.solve(program, absolute)
         self.systems += solution.iterations
@@ -220,11 +219,3 @@ class _Run:
 
     def _outcome(self, iterations: int, converged: bool, reason: str) -> TighteningOutcome:
         return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, converged, reason)
-
-
-def _sum(first: Blocks, second: Blocks) -> Blocks:
-    return Blocks(
-        np.concatenate([first.row, second.row]),
-        np.concatenate([first.column, second.column]),
-        np.concatenate([first.value, second.value]),
-    )
