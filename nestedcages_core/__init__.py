@@ -25,7 +25,7 @@ from .mesh import Mesh
 from .reinflation import Reinflation
 from .solver import ProjectedNewton
 from .tightening import Tightening
-from .verification import Certificate, verify
+from .verification import Certificate, MotionCertificate, verify, verify_motion
 
 __version__ = "0.1.0"
 
@@ -44,6 +44,7 @@ __all__ = [
     "InvalidMeshError",
     "Level",
     "Mesh",
+    "MotionCertificate",
     "NestedCagesError",
     "NestedCagesRun",
     "NestingError",
@@ -63,4 +64,5 @@ __all__ = [
     "WeightedSum",
     "nested_cages",
     "verify",
+    "verify_motion",
 ]

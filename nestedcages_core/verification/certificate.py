@@ -31,7 +31,7 @@ class Certificate:
     clearance: float
     """Measured smallest distance between the two boundaries; 0 where they meet, nan where it cannot be measured."""
     excess: float
-    """area(cage) / area(fine) - 1."""
+    """area(cage) / area(fine) - 1; nan if one of them is not valid."""
     problems: tuple[str, ...]
     """A sentence for each requirement that is not met."""
 
@@ -51,15 +51,13 @@ def verify(cage: Mesh, fine: Mesh, clearance: float = 0.0, *, same_loops: bool =
     same_loops: whether the cage must keep the loops of the fine mesh; without it, a cage may cover holes, and one loop
     may wrap several components.
     """
-    with np.errstate(all="ignore"):
-        excess = float(np.float64(cage.area) / fine.area - 1.0)
     problems: list[str] = []
     judged, judged_fine = (_at_the_door(mesh, name, problems) for mesh, name in ((cage, "cage"), (fine, "fine mesh")))
     if judged is None or judged_fine is None:
-        return Certificate(judged is not None, False, False, float("nan"), excess, tuple(problems))
+        return Certificate(judged is not None, False, False, float("nan"), float("nan"), tuple(problems))
     pair = _Pair(judged, judged_fine)
-    turned = np.flatnonzero(judged.loop_signs != cage.loop_signs)
-    problems += [f"Loop {k} of the cage is turned inside out near {pair.of_cage(k)}." for k in turned]
+    turned = _turned_loops(cage, judged)
+    problems += [f"Loop {k} of the cage near {pair.of_cage(k)} is turned inside out." for k in turned]
     contact = pair.contact()
     problems += contact
     strict = loops_kept = False
@@ -74,6 +72,7 @@ def verify(cage: Mesh, fine: Mesh, clearance: float = 0.0, *, same_loops: bool =
     measured = 0.0 if contact else pair.gap()
     if not contact and measured < clearance * (1.0 - CLEARANCE_TOLERANCE):
         problems.append(f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for.")
+    excess = judged.area / judged_fine.area - 1.0
     return Certificate(True, loops_kept, strict, measured, excess, tuple(problems))
 
 
@@ -84,6 +83,12 @@ def _at_the_door(mesh: Mesh, name: str, problems: list[str]) -> Mesh | None:
     except InvalidMeshError as error:
         problems.append(f"The {name} is not a valid mesh: {error}")
         return None
+
+
+def _turned_loops(cage: Mesh, judged: Mesh) -> IntArray:
+    """Loops that run the other way, or are holes instead of outer loops, than when the cage's edges were oriented."""
+    opposed = cage.loop_of_vertex[cage.edges[cage.edges[:, 0] != judged.edges[:, 0], 0]]
+    return np.union1d(opposed, np.flatnonzero(judged.loop_signs != cage.loop_signs))
 
 
 class _Pair:
@@ -180,7 +185,5 @@ class _Pair:
 
     def gap(self) -> float:
         """Smallest distance between the two boundaries: of the vertices of each to the edges of the other."""
-        (a, b), (c, d) = (
-            (tree.starts[tree.order], tree.ends[tree.order]) for tree in (self.cage_tree, self.fine_tree)
-        )
+        (a, b), (c, d) = ((tree.starts[tree.order], tree.ends[tree.order]) for tree in (self.cage_tree, self.fine_tree))
         return min(smallest_gap(c, a, b), smallest_gap(a, c, d))

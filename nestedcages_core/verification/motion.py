@@ -1,0 +1,133 @@
+"""Certificate of an animation: between consecutive steps, linear motion never lets the cage meet the fine mesh or
+itself.
+
+On the way from one step to the next, with s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p -
+a) is zero and p lies beside
+the edge. Both c and the two products that say whether p lies beside it are quadratic in s, so each lies between the
+smallest and the largest of its
+three Bernstein coefficients (Farouki 2012). Where those have one sign, beyond their rounding errors, for the whole way,
+the pair is certified; where
+they do not, the way is halved. A pair that is still open after all halvings counts as a collision: the certificate
+never errs on the other side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._types import BoolArray, FloatArray
+from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..mesh import Mesh
+
+MAX_HALVINGS = 40
+"""Cap: a piece of the way is then below the spacing of float64."""
+
+MAX_PIECES = 32
+"""Pieces of the way of one pair that may be open at once: a passing contact leaves two or three, more slide along each
+other."""
+
+ROUNDING = 16.0 * np.finfo(float).eps
+"""Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
+safety."""
+
+SKIN = 0.25
+"""Skin of the candidate list as a fraction of the mean cage edge length."""
+
+
+@dataclass(frozen=True)
+class MotionCertificate:
+    """Whether an animation is free of collisions at every instant."""
+
+    free: bool
+    step: int | None = None
+    """The first step whose motion to the next one could not be certified."""
+    vertex: int | None = None
+    """A vertex that may be hit there: an index into the cage's vertices, or into the fine ones counted on from them."""
+
+    def __bool__(self) -> bool:
+        return self.free
+
+
+def verify_motion(cage: Mesh, fine: Mesh, cage_steps: FloatArray, fine_steps: FloatArray) -> MotionCertificate:
+    """Certify the linear motion between consecutive steps of a cage (K + 1, m, 2) and a fine mesh (K + 1, n, 2).
+
+    The meshes give the edges only; the fine mesh may cross itself on its way.
+    """
+    bodies = Bodies.of(cage, fine)
+    candidates = CandidateList(bodies)
+    for step in range(len(cage_steps) - 1):
+        before = np.concatenate([cage_steps[step], fine_steps[step]])
+        after = np.concatenate([cage_steps[step + 1], fine_steps[step + 1]])
+        motion = after - before
+        speed = np.sqrt(motion[:, 0] ** 2 + motion[:, 1] ** 2)
+        cage_speed, fine_speed = float(speed[: bodies.m].max()), float(speed[bodies.m :].max())
+        reach = cage_speed + max(cage_speed, fine_speed)
+        if reach == 0.0:
+            continue
+        pairs = candidates.within(before, reach, SKIN * bodies.cage_edge_length)
+        near = speed[pairs.point] + np.maximum(speed[pairs.start], speed[pairs.end])
+        pairs = pairs.subset(pairs.measure(before).distance <= near * (1.0 + ROUNDING))
+        certified = _never_meet(pairs, before, after)
+        if not certified.all():
+            return MotionCertificate(False, step, int(pairs.point[~certified][0]))
+    return MotionCertificate(True)
+
+
+def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArray:
+    """(K,) whether a pair is certified to stay apart on the straight way from ``before`` to ``after``."""
+    ends = [
+        (x[pairs.end] - x[pairs.start], x[pairs.point] - x[pairs.start], x[pairs.point] - x[pairs.end])
+        for x in (before, after)
+    ]
+    (edge0, start0, end0), (edge1, start1, end1) = ends
+    pair = np.arange(len(pairs))
+    certified = np.ones(len(pairs), bool)
+    for _ in range(MAX_HALVINGS):
+        if len(pair) == 0:
+            break
+        side = _bernstein(edge0, edge1, start0, start1, cross=True)
+        along_start = _bernstein(edge0, edge1, start0, start1, cross=False)
+        along_end = _bernstein(edge0, edge1, end0, end1, cross=False)
+        apart = _sure(side, 1.0) | _sure(side, -1.0) | _sure(along_start, -1.0) | _sure(along_end, 1.0)
+        open_ = ~apart
+        crowded = np.bincount(pair[open_], minlength=len(pairs)) > MAX_PIECES
+        certified[crowded] = False
+        open_ &= ~crowded[pair]
+        pair = pair[open_]
+        edge0, edge1, start0, start1, end0, end1 = (
+            array[open_] for array in (edge0, edge1, start0, start1, end0, end1)
+        )
+        edge, start, end = 0.5 * (edge0 + edge1), 0.5 * (start0 + start1), 0.5 * (end0 + end1)
+        pair = np.concatenate([pair, pair])
+        edge0, edge1 = np.concatenate([edge0, edge]), np.concatenate([edge, edge1])
+        start0, start1 = np.concatenate([start0, start]), np.concatenate([start, start1])
+        end0, end1 = np.concatenate([end0, end]), np.concatenate([end, end1])
+    certified[pair] = False
+    return certified
+
+
+def _bernstein(
+    u0: FloatArray, u1: FloatArray, w0: FloatArray, w1: FloatArray, *, cross: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Coefficients (3, K) of u(s) × w(s), or of u(s) · w(s), for linear u and w, and bounds of their rounding
+    errors."""
+
+    def products(u: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+        first = u[:, 0] * (w[:, 1] if cross else w[:, 0])
+        second = u[:, 1] * (w[:, 0] if cross else w[:, 1])
+        return (first - second if cross else first + second), np.abs(first) + np.abs(second)
+
+    (low, low_size), (high, high_size) = products(u0, w0), products(u1, w1)
+    (one, one_size), (other, other_size) = products(u0, w1), products(u1, w0)
+    values = np.stack([low, 0.5 * (one + other), high])
+    sizes = np.stack([low_size, 0.5 * (one_size + other_size), high_size])
+    return values, ROUNDING * sizes
+
+
+def _sure(bounds: tuple[FloatArray, FloatArray], sign: float) -> BoolArray:
+    """(K,) whether all coefficients certainly have the sign."""
+    values, errors = bounds
+    certain: BoolArray = (sign * values > errors).all(axis=0)
+    return certain
