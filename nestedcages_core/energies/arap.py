@@ -9,7 +9,7 @@ import numpy as np
 from .._types import FloatArray, IntArray
 from ..mesh import Mesh
 from ..triangulation import triangulate
-from .rigidity import Cells, stiffness_of
+from .rigidity import Cells, Freedom, Turning, stiffness_of
 
 CELL = np.array([0, 1, 2, 3])
 """First corners of the four edges of a boundary cell, whose corners are two vertices, the middle one and two more."""
@@ -25,7 +25,7 @@ class BoundaryARAP:
 
     def at(self, coarse: Mesh) -> Cells:
         """The energy of a cage that rests as the coarse mesh."""
-        return boundary_cells(coarse, similar=False)
+        return boundary_cells(coarse, Turning())
 
 
 @dataclass(frozen=True)
@@ -39,21 +39,21 @@ class InteriorARAP:
         """The energy of a cage that rests as the coarse mesh. Raises InvalidMeshError if that has no inside."""
         corners = triangulate(coarse).triangles
         stiffness = stiffness_of(3, *OPPOSITE, _cotangents(coarse, corners))
-        return Cells.of(corners, coarse.vertices, stiffness, similar=False)
+        return Cells.of(corners, coarse.vertices, stiffness, Turning())
 
 
 OPPOSITE = (np.array([1, 2, 0]), np.array([2, 0, 1]))
 """First and second corner of the edge opposite to each corner of a triangle."""
 
 
-def boundary_cells(coarse: Mesh, *, similar: bool) -> Cells:
-    """Cells of four edges around every vertex; similar: whether they may change their size."""
+def boundary_cells(coarse: Mesh, freedom: Freedom) -> Cells:
+    """Cells of four edges around every vertex."""
     before, after = coarse.predecessor, coarse.successor
     middle = np.arange(len(after))
     corners = np.stack([before[before], before, middle, after, after[after]], axis=1)
     lengths = coarse.edge_lengths
     weight = float(lengths.mean()) / (len(CELL) * lengths[corners[:, CELL]])
-    return Cells.of(corners, coarse.vertices, stiffness_of(5, CELL, CELL + 1, weight), similar=similar)
+    return Cells.of(corners, coarse.vertices, stiffness_of(5, CELL, CELL + 1, weight), freedom)
 
 
 def _cotangents(mesh: Mesh, corners: IntArray) -> FloatArray:

@@ -1,22 +1,24 @@
-"""Cells that like to keep their shape: the common form of the as-rigid-as-possible and as-similar-as-possible energies.
+"""Cells that like to keep their shape: the common form of the energies that measure strain.
 
 A cell has k corners with rest places p, and a stiffness K, a symmetric positive semi-definite matrix (k, k) that
-vanishes on constants. With points as complex numbers, turning and scaling are multiplications, and its energy is
+vanishes on constants. With points as complex numbers, turning and growing are multiplications by a number r, and the
+energy of a cell at the places z is
 
-    ½ min over r of (z - r p)ᴴ K (z - r p)   with |r| = 1 (rigid) or any r (similar).
+    ½ min over r of (z - r p)ᴴ K (z - r p).
 
-With q = K p, s = qᴴ z and M = pᴴ K p the minimum is at r = s / |s| (rigid) or r = s / M (similar), and
+With q = K p, s = qᴴ z and M = pᴴ K p the gradient is K z - r q at the best r, and the Hessian K - g gᵀ / a:
 
-    gradient K z - r q,   Hessian K - g gᵀ / |s| (rigid) or K - (g gᵀ + h hᵀ) / M (similar),   g = i r̂ q, h = r̂ q,
+    a cell may turn (|r| = 1):   r = s / |s|,    g = i r q,   a = |s|;
+    a cell may grow (r real):    r = Re s / M,   g = q,       a = M;
 
-where r̂ = r / |r| and products of complex numbers inside g gᵀ are read as vectors of the plane. The rigid one is
-indefinite where |s| < M, that is, under compression; M in the place of |s| makes it semi-definite, since gᵀ K⁺ g = M.
+complex numbers in g gᵀ are read as vectors of the plane. Since gᵀ K⁺ g = M, the Hessian is positive semi-definite where
+a ≥ M, and indefinite where a cell that may turn is compressed; M in the place of a makes it semi-definite there.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +33,45 @@ COLLAPSED = 1e-12
 """Fraction of M below which |s| is not divided by: such a cell has shrunk to a point and no direction is its own."""
 
 
+class Fit(NamedTuple):
+    """The best r of E cells, and how it follows them."""
+
+    factor: ComplexArray
+    """(E,) r."""
+    following: ComplexArray
+    """(E,) g / q."""
+    divisor: FloatArray
+    """(E,) a."""
+
+
+class Freedom(Protocol):
+    """What a cell may do without strain."""
+
+    def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
+        """The best factors for s and M (E,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Cells may turn."""
+
+    def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
+        """r = s / |s|."""
+        size = np.maximum(np.abs(s), COLLAPSED * moment)
+        r: ComplexArray = s / size
+        return Fit(r, 1j * r, size)
+
+
+@dataclass(frozen=True)
+class Growing:
+    """Cells may grow and shrink."""
+
+    def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
+        """r = Re s / M."""
+        return Fit((s.real / moment).astype(np.complex128), np.ones_like(s), moment)
+
+
 @dataclass(frozen=True, eq=False)
 class Cells:
     """The energy of E cells of k corners each; see :class:`nestedcages_core.energies.base.CageEnergy`."""
@@ -41,80 +82,56 @@ class Cells:
     """(E, k) p, the places at rest, relative to the first corner."""
     stiffness: FloatArray
     """(E, k, k) K; unit: none."""
-    similar: bool
-    """Whether scaling is free as well."""
+    freedom: Freedom
 
     @classmethod
-    def of(cls, corners: IntArray, places: FloatArray, stiffness: FloatArray, *, similar: bool) -> Cells:
+    def of(cls, corners: IntArray, places: FloatArray, stiffness: FloatArray, freedom: Freedom) -> Cells:
         """Cells whose vertices rest at ``places`` (m, 2)."""
-        return cls(corners, _complex(places, corners), stiffness, similar)
+        return cls(corners, _complex(places, corners), stiffness, freedom)
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """Unit: length²."""
-        state = self._state(vertices)
-        left = state.z - state.turn[:, None] * self.rest
-        return 0.5 * float((left.conj() * _times(self.stiffness, left)).real.sum())
+        strain = self._strain(vertices)
+        return 0.5 * float((strain.conj() * _times(self.stiffness, strain)).real.sum())
 
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2): K (z - r p), since r is optimal."""
-        state = self._state(vertices)
-        force = _times(self.stiffness, state.z - state.turn[:, None] * self.rest)
-        return add_up(self.corners, _vectors(force), len(vertices))
+        """(m, 2): K (z - r p), since r is the best one."""
+        return add_up(self.corners, _vectors(_times(self.stiffness, self._strain(vertices))), len(vertices))
 
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Exact."""
-        return self._blocks(vertices, projected=False)
+        return self._blocks(vertices, 0.0)
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Positive semi-definite, cell by cell, in closed form."""
-        return self._blocks(vertices, projected=True)
+        return self._blocks(vertices, 1.0)
 
     def after(self, cage: FloatArray) -> Cells:
         """Itself: shape is measured against the coarse mesh at all times."""
         return self
 
-    def _state(self, vertices: FloatArray) -> _State:
-        z = _complex(vertices, self.corners)
+    def _fit(self, z: ComplexArray) -> tuple[Fit, ComplexArray, FloatArray]:
+        """The fit to the places z (E, k), q and M."""
         q = _times(self.stiffness, self.rest)
         moment = (self.rest.conj() * q).real.sum(axis=1)
-        s = (q.conj() * z).sum(axis=1)
-        size = np.maximum(np.abs(s), COLLAPSED * moment)
-        direction = s / size
-        return _State(z, q, moment, size, direction, s / moment if self.similar else direction)
+        return self.freedom.fit((q.conj() * z).sum(axis=1), moment), q, moment
 
-    def _blocks(self, vertices: FloatArray, *, projected: bool) -> Blocks:
-        state = self._state(vertices)
+    def _strain(self, vertices: FloatArray) -> ComplexArray:
+        """(E, k) z - r p."""
+        z = _complex(vertices, self.corners)
+        fit, _, _ = self._fit(z)
+        return z - fit.factor[:, None] * self.rest
+
+    def _blocks(self, vertices: FloatArray, least: float) -> Blocks:
+        """K - g gᵀ / a with a no less than ``least`` · M."""
+        fit, q, moment = self._fit(_complex(vertices, self.corners))
         count, k = self.corners.shape
         hessian = np.zeros((count, k, 2, k, 2))
         for axis in (0, 1):
             hessian[:, :, axis, :, axis] = self.stiffness
-        hessian = hessian.reshape(count, 2 * k, 2 * k)
-        along = state.direction[:, None] * state.q
-        across = _vectors(1j * along).reshape(count, 2 * k)
-        if self.similar:
-            radial = _vectors(along).reshape(count, 2 * k)
-            softening = across[:, :, None] * across[:, None, :] + radial[:, :, None] * radial[:, None, :]
-            return blocks_of(self.corners, hessian - softening / state.moment[:, None, None])
-        size = np.maximum(state.size, state.moment) if projected else state.size
-        return blocks_of(self.corners, hessian - across[:, :, None] * across[:, None, :] / size[:, None, None])
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    """What the derivatives of E cells share."""
-
-    z: ComplexArray
-    """(E, k) corners now."""
-    q: ComplexArray
-    """(E, k)."""
-    moment: FloatArray
-    """(E,) M."""
-    size: FloatArray
-    """(E,) |s|."""
-    direction: ComplexArray
-    """(E,) r̂."""
-    turn: ComplexArray
-    """(E,) r."""
+        g = _vectors(fit.following[:, None] * q).reshape(count, 2 * k)
+        softened = g[:, :, None] * g[:, None, :] / np.maximum(fit.divisor, least * moment)[:, None, None]
+        return blocks_of(self.corners, hessian.reshape(count, 2 * k, 2 * k) - softened)
 
 
 def stiffness_of(k: int, start: IntArray, end: IntArray, weight: FloatArray) -> FloatArray:
@@ -132,8 +149,7 @@ def stiffness_of(k: int, start: IntArray, end: IntArray, weight: FloatArray) -> 
 
 def _complex(vertices: FloatArray, corners: IntArray) -> ComplexArray:
     """(E, k) the corners as complex numbers, relative to the first one of their cell."""
-    places = (vertices - vertices[0])[corners]
-    z: ComplexArray = places[..., 0] + 1j * places[..., 1]
+    z: ComplexArray = vertices[corners] @ np.array([1.0, 1.0j])
     return z - z[:, :1]
 
 

@@ -137,8 +137,8 @@ def displacement(plate: Mesh) -> ElementEnergy:
     return ElementEnergy.per_vertex(squared)
 
 
-def boundary(plate: Mesh, *, similar: bool) -> ElementEnergy:
-    """½ Σ w |e'|² + ½ Σ w |e|² - |s|, or ½ Σ w |e'|² - ½ |s|² / Σ w |e|², with s = Σ w ē e'."""
+def boundary(plate: Mesh, *, growing: bool) -> ElementEnergy:
+    """½ Σ w |e'|² + ½ Σ w |e|² - |s|, or ½ Σ w |e'|² - ½ (Re s)² / Σ w |e|², with s = Σ w ē e'."""
 
     def cells(mesh: Mesh) -> np.ndarray:
         before, after = mesh.predecessor, mesh.successor
@@ -153,8 +153,8 @@ def boundary(plate: Mesh, *, similar: bool) -> ElementEnergy:
             moment = moment + weight * before.dot(before)
             real = real + weight * before.dot(edge)
             imaginary = imaginary + weight * before.cross(edge)
-        if similar:
-            return 0.5 * strained - 0.5 * (real**2 + imaginary**2) / moment
+        if growing:
+            return 0.5 * strained - 0.5 * real**2 / moment
         return 0.5 * strained + 0.5 * moment - np.hypot(real, imaginary)
 
     return ElementEnergy(cells, cell)
@@ -178,9 +178,9 @@ CLOSED_FORMS: list[tuple[Energy, Callable[[Mesh], Energy]]] = [
     (Area(), area),
     (InitialDisplacement(), displacement),
     (StepDisplacement(), displacement),
-    (BoundaryARAP(), lambda plate: boundary(plate, similar=False)),
+    (BoundaryARAP(), lambda plate: boundary(plate, growing=False)),
     (InteriorARAP(), interior),
-    (ShapeKeeping(0.6), lambda plate: WeightedSum(((1.0, area(plate)), (0.6, boundary(plate, similar=True))))),
+    (ShapeKeeping(0.6), lambda plate: WeightedSum(((1.0, area(plate)), (0.6, boundary(plate, growing=True))))),
 ]
 
 
