@@ -1,30 +1,20 @@
-"""The energy of reinflation, λ_R R + λ_cages E_cages + λ_B B, and its projected Newton direction.
-
-The unknowns are all positions x = (C; F). Fine vertices are coupled to the cage but hardly to each other, so they are
-eliminated: their block of
-the Hessian is made block-diagonal from above (for a pair with two fine vertices, (u + w)² ≤ 2 u² + 2 w², so the matrix
-stays positive definite and
-the direction a descent direction), and what is left is a system in the 2 m unknowns of the cage.
-"""
+"""The energy of reinflation, λ_R R + λ_cages E_cages + λ_B B, and its projected Newton direction."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg.lapack
-import scipy.sparse as sp
-import scipy.sparse.linalg
 
-from .._types import FloatArray, IntArray
+from .._types import FloatArray
 from ..distance import PointEdge, distance_gradient
-from ..energies import CageEnergy
+from ..energies import Blocks, CageEnergy
 from ..energies.restoring import Restoring
 from ..solver import Model
 from .barrier import barrier, barrier_hessian_factors
 from .barrier_ranges import BarrierRanges
 from .ccd import impacts, largest_safe_step
+from .condensation import newton_direction
 from .pairs import Bodies, CandidateList, Pairs
 
 CAGE_VERTEX_WEIGHT = 0.25
@@ -33,28 +23,11 @@ CAGE_VERTEX_WEIGHT = 0.25
 OWN_VERTEX_WEIGHT = 0.1
 """The same in C-C pairs, where a light touch is enough to keep the cage off itself."""
 
-DENSE_LIMIT = 150
-"""Number of cage vertices up to which a dense Cholesky factorisation is faster than a sparse one (measured)."""
-
 REST_MARGIN = 0.2
 """Fraction of its distance that every pair must keep when the fine mesh goes the rest of its way at once."""
 
 SKIN = 0.5
 """Skin of the candidate list as a fraction of the mean coarse edge length."""
-
-REGULARISATION = 1e-6
-"""Added to the diagonal of the cage's system: keeps it definite when an energy leaves a motion free (area has curvature
-of order 1)."""
-
-
-SMALLEST_SHIFT = 1e-14
-"""First shift of a system's unit diagonal that rounding has made indefinite."""
-
-SHIFT_GROWTH = 100.0
-"""Factor on a shift that was too small."""
-
-MAX_SHIFTS = 10
-"""Cap on the shifts tried: the last is 1e4 times the diagonal."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +44,7 @@ class IncrementalPotential:
     contact.
 
     Containment is kept by construction: the start is contained, and a step is only taken as far as continuous collision
-    detection
-    shows that no point meets an edge on the way. The walls of the barrier make value and line search agree with that.
+    detection shows that no point meets an edge on the way. The walls of the barrier make the line search agree.
     """
 
     def __init__(
@@ -127,7 +99,9 @@ class IncrementalPotential:
         gradient[m:] += self.weights.restoring * self.restoring.gradient(fine)
 
         factors = barrier_hessian_factors(terms, weight, pair, x[pairs.start], x[pairs.end])
-        return Model(value, gradient, self._direction(cage, corners, factors, gradient))
+        own = Blocks.sum([(self.weights.cages, self.energy.projected_hessian(cage, self.bodies.cage_successor))])
+        stiffness = self.weights.restoring * self.restoring.weight
+        return Model(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` free of impacts, with a safety margin."""
@@ -171,94 +145,3 @@ class IncrementalPotential:
         weight[pairs.cage_cage] = OWN_VERTEX_WEIGHT * self.bodies.cage_edge_length
         weight *= self.weights.barrier / d_hat
         return weight
-
-    def _direction(self, cage: FloatArray, corners: IntArray, factors: FloatArray, gradient: FloatArray) -> FloatArray:
-        """-(projected Hessian)⁻¹ gradient: fine vertices eliminated, the cage solved for, the fine vertices put
-        back."""
-        m, n = self.bodies.m, self.bodies.n
-        of_cage, of_fine = self._jacobians(corners, factors)
-        blocks = np.zeros((n, 2, 2))
-        blocks[:, 0, 0] = blocks[:, 1, 1] = self.weights.restoring * self.restoring.weight
-        pieces = factors.reshape(-1, 3, 3, 2)
-        for corner in (0, 1, 2):
-            vertex = corners[:, corner] - m
-            fine = np.flatnonzero(vertex >= 0)
-            if len(fine):
-                share = 1.0 if corner == 0 else 2.0  # see the module's docstring
-                piece = pieces[fine, :, corner]
-                own = share * (piece.transpose(0, 2, 1) @ piece)
-                for i in (0, 1):
-                    for j in (0, 1):
-                        blocks[:, i, j] += np.bincount(vertex[fine], own[:, i, j], n)
-        inverse = _inverse_2x2(blocks)
-        coupling = (of_fine.T @ of_cage).tocsr()
-        weighted = _block_diagonal(inverse) @ coupling
-        system = of_cage.T @ of_cage - coupling.T @ weighted
-        right = -gradient[:m].ravel() + weighted.T @ gradient[m:].ravel()
-        motion = np.empty((m + n, 2))
-        motion[:m] = self._solve(cage, system, right).reshape(m, 2)
-        rest = gradient[m:] + (coupling @ motion[:m].ravel()).reshape(n, 2)
-        motion[m:] = -(inverse @ rest[:, :, None])[:, :, 0]
-        return motion
-
-    def _jacobians(self, corners: IntArray, factors: FloatArray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """The factors as sparse matrices (3 K, 2 m) and (3 K, 2 n)."""
-        m, n = self.bodies.m, self.bodies.n
-        count = len(corners)
-        rows = np.broadcast_to(np.arange(3 * count).reshape(count, 3, 1, 1), (count, 3, 3, 2)).ravel()
-        columns = np.broadcast_to((2 * corners[:, None, :, None] + np.arange(2)), (count, 3, 3, 2)).ravel()
-        values = factors.ravel()
-        in_cage = columns < 2 * m
-        in_fine = ~in_cage
-        cage = sp.csr_matrix((values[in_cage], (rows[in_cage], columns[in_cage])), shape=(3 * count, 2 * m))
-        fine = sp.csr_matrix((values[in_fine], (rows[in_fine], columns[in_fine] - 2 * m)), shape=(3 * count, 2 * n))
-        return cage, fine
-
-    def _solve(self, cage: FloatArray, system: sp.spmatrix, right: FloatArray) -> FloatArray:
-        """Solve for the cage with the projected Hessian of its energy added."""
-        m = self.bodies.m
-        blocks = self.energy.projected_hessian(cage, self.bodies.cage_successor)
-        matrix = system + self.weights.cages * blocks.sparse(m) + REGULARISATION * sp.identity(2 * m)
-        # pressures across a gap of 1e-6 are 1e12 times those of the area: equal diagonals keep both
-        diagonal = matrix.diagonal()
-        scale = 1.0 / np.sqrt(np.maximum(diagonal, SMALLEST_SHIFT * diagonal.max()))
-        scaled = sp.diags(scale) @ matrix @ sp.diags(scale)
-        solve = _dense_solver(scaled.toarray()) if m <= DENSE_LIMIT else _sparse_solver(scaled.tocsc())
-        return np.asarray(scale * solve(scale * right))
-
-
-def _dense_solver(matrix: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    """Solver of a system with a unit diagonal by Cholesky factorisation, shifted until rounding leaves it definite."""
-    shift = 0.0
-    for _ in range(MAX_SHIFTS):
-        factor, failed = scipy.linalg.lapack.dpotrf(matrix, lower=1)
-        if not failed:
-            return lambda right: np.asarray(scipy.linalg.lapack.dpotrs(factor, right, lower=1)[0])
-        grown = max(SHIFT_GROWTH * shift, SMALLEST_SHIFT)
-        matrix[np.diag_indices(len(matrix))] += grown - shift
-        shift = grown
-    return np.copy  # the diagonal alone: a descent direction whatever the rest is
-
-
-def _sparse_solver(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
-    """The same for a sparse matrix, by LU factorisation, which needs the shift only to stay away from zero pivots."""
-    definite = matrix + SMALLEST_SHIFT * sp.identity(matrix.shape[0], format="csc")
-    factor = scipy.sparse.linalg.splu(
-        definite, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    return lambda right: np.asarray(factor.solve(right))
-
-
-def _inverse_2x2(blocks: FloatArray) -> FloatArray:
-    """Inverses of (k, 2, 2) matrices."""
-    a, b, c, d = blocks[:, 0, 0], blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1]
-    inverse = np.empty_like(blocks)
-    inverse[:, 0, 0], inverse[:, 0, 1], inverse[:, 1, 0], inverse[:, 1, 1] = d, -b, -c, a
-    inverse /= (a * d - b * c)[:, None, None]
-    return inverse
-
-
-def _block_diagonal(blocks: FloatArray) -> sp.bsr_matrix:
-    """(2 k, 2 k) sparse matrix with the (k, 2, 2) blocks on its diagonal."""
-    count = len(blocks)
-    return sp.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(2 * count, 2 * count))

@@ -40,11 +40,16 @@ class Blocks:
 
     def dense(self, count: int) -> FloatArray:
         """The (2 count, 2 count) matrix."""
-        matrix: FloatArray = self.sparse(count).toarray()
-        return matrix
+        values, (rows, columns) = self._entries()
+        size = 2 * count
+        return np.bincount(rows * size + columns, values, size * size).reshape(size, size)
 
     def sparse(self, count: int) -> sp.csr_matrix:
         """The (2 count, 2 count) matrix in compressed rows."""
+        return sp.csr_matrix(self._entries(), shape=(2 * count, 2 * count))
+
+    def _entries(self) -> tuple[FloatArray, tuple[IntArray, IntArray]]:
+        """All entries of both triangles: values, and their rows and columns."""
         axis = np.arange(2)
         rows = np.broadcast_to(2 * self.row[:, None, None] + axis[:, None], self.value.shape)
         columns = np.broadcast_to(2 * self.column[:, None, None] + axis, self.value.shape)
@@ -53,8 +58,7 @@ class Blocks:
             np.concatenate([rows.ravel(), columns[other].ravel()]),
             np.concatenate([columns.ravel(), rows[other].ravel()]),
         )
-        values = np.concatenate([self.value.ravel(), self.value[other].ravel()])
-        return sp.csr_matrix((values, places), shape=(2 * count, 2 * count))
+        return np.concatenate([self.value.ravel(), self.value[other].ravel()]), places
 
 
 class CageEnergy(Protocol):
