@@ -22,7 +22,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from nestedcages_core import ArcLength, Level, Mesh, NestingError, OnCurve, OuterHull, Settings, nested_cages, verify
+from nestedcages_core import (
+    ArcLength,
+    Level,
+    Mesh,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    Settings,
+    nested_cages,
+    verify,
+    verify_motion,
+)
 from random_shapes import random_shape
 
 SHAPELY_SAMPLE = 10
@@ -95,6 +106,10 @@ def fault_of(level: Level, seed: int) -> str:
     certificate = verify(level.cage, level.fine)
     if not certificate.holds:
         return " ".join(certificate.problems)
+    way = level.reinflation
+    motion = verify_motion(level.cage, level.fine, way.cage_steps, way.fine_steps)
+    if not motion:
+        return f"the motion after step {motion.step} of {len(way.cage_steps) - 1} is not certified"
     if seed % SHAPELY_SAMPLE == 0 and not nested_by_shapely(level.cage, level.fine):
         return "shapely disagrees"
     return ""
