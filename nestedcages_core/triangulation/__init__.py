@@ -1,0 +1,10 @@
+"""Triangles inside a mesh: constrained Delaunay, with points added where a computation wants them."""
+
+from __future__ import annotations
+
+from .constrained import constrained_delaunay
+from .sampling import Sampling, sample
+from .solid import triangulate
+from .triangulation import Triangulation
+
+__all__ = ["Sampling", "Triangulation", "constrained_delaunay", "sample", "triangulate"]
