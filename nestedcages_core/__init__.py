@@ -6,6 +6,7 @@ Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. 
 from __future__ import annotations
 
 from .contact import IPC
+from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
 from .decimation import ArcLength, OnCurve, OuterHull
 from .energies import (
     Area,
@@ -38,11 +39,14 @@ __all__ = [
     "ElementEnergy",
     "FlowError",
     "FlowResult",
+    "Grids",
+    "Harmonic",
     "Hierarchy",
     "InitialDisplacement",
     "InteriorARAP",
     "InvalidMeshError",
     "Level",
+    "MeanValue",
     "Mesh",
     "MotionCertificate",
     "NestedCagesError",
@@ -52,6 +56,7 @@ __all__ = [
     "NoEnergy",
     "OnCurve",
     "OuterHull",
+    "PiecewiseLinear",
     "Progress",
     "ProjectedNewton",
     "Reinflation",
@@ -62,6 +67,9 @@ __all__ = [
     "Tightening",
     "TwoSidedFlow",
     "WeightedSum",
+    "cage_coordinates",
+    "deform",
+    "grids",
     "nested_cages",
     "verify",
     "verify_motion",

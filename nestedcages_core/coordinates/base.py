@@ -1,0 +1,60 @@
+"""What all cage coordinates share: a matrix W with W @ cage = points, and what is done with it."""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from .._types import FloatArray
+from ..errors import NestedCagesError
+from ..mesh import Mesh
+from .harmonic import Harmonic
+
+Weights: TypeAlias = FloatArray | csr_array
+"""(P, m) matrix of coordinates: rows sum to 1, W @ cage.vertices = points."""
+
+
+class CageCoordinates(Protocol):
+    """A way to write points as combinations of cage vertices."""
+
+    def weights(self, points: FloatArray, cage: Mesh) -> Weights:
+        """W (P, m) for (P, 2) points and a cage of m vertices: rows sum to 1, W @ cage.vertices = points."""
+        ...
+
+
+def cage_coordinates(fine: Mesh | ArrayLike, cage: Mesh, coordinates: CageCoordinates | None = None) -> Weights:
+    """W (n, m) that moves `fine` with its cage: deform(W, posed) follows the cage's vertices.
+
+    fine: a mesh, or (n, 2) points inside the cage; coordinates: Harmonic() unless given.
+
+    Rows sum to 1 and W @ cage.vertices gives the points back, so that every affine motion of the cage moves them
+    likewise. Raises NestedCagesError for points outside the cage if the coordinates need them inside.
+    """
+    points = fine.vertices if isinstance(fine, Mesh) else np.asarray(fine, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+        raise NestedCagesError(f"The points have shape {points.shape}, but (n, 2) finite numbers are needed.")
+    return (coordinates if coordinates is not None else Harmonic()).weights(points, cage.validated())
+
+
+def deform(weights: Weights, posed_cage: Mesh | ArrayLike) -> FloatArray:
+    """(n, d) places of the points under a pose of the cage: W @ posed_cage.
+
+    weights: W (n, m) from `cage_coordinates`; posed_cage: a mesh, or (m, d) places of its vertices; (..., m, d) poses
+    several times at once and gives (..., n, d). The posed cage may cross itself.
+    """
+    given = posed_cage.vertices if isinstance(posed_cage, Mesh) else posed_cage
+    posed = np.asarray(given, dtype=np.float64)
+    count = weights.shape[1]
+    if posed.ndim < 2 or posed.shape[-2] != count:
+        raise NestedCagesError(
+            f"The posed cage has shape {posed.shape}, but the coordinates belong to a cage of {count} vertices; give "
+            f"({count}, 2) places, one per vertex in the cage's order."
+        )
+    if posed.ndim == 2 or isinstance(weights, np.ndarray):
+        return np.asarray(weights @ posed)
+    poses = posed.reshape(-1, *posed.shape[-2:])
+    moved = np.stack([weights @ pose for pose in poses]) if len(poses) else np.zeros((0, len(posed), posed.shape[-1]))
+    return moved.reshape(*posed.shape[:-2], *moved.shape[-2:])

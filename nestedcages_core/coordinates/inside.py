@@ -1,0 +1,21 @@
+"""The question that coordinates with an inside ask first."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._types import FloatArray
+from ..errors import NestedCagesError
+from ..mesh import Mesh
+from ..mesh.validation import place
+from ..predicates import winding_number
+
+
+def require_inside(points: FloatArray, cage: Mesh) -> None:
+    """Raise NestedCagesError unless all (P, 2) points lie in the solid of the cage or on it, by exact predicates."""
+    outside = np.flatnonzero(winding_number(points, cage.vertices, cage.vertices[cage.successor]) == 0)
+    if len(outside):
+        raise NestedCagesError(
+            f"Point {outside[0]} at {place(points[outside[0]])} is outside the cage, where these coordinates are not "
+            "defined; use a cage that encloses all points, or MeanValue()."
+        )

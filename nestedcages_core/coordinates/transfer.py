@@ -1,0 +1,68 @@
+"""Functions between the levels of a hierarchy: each cage contains the one before, so no value is ever extrapolated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from scipy.sparse import csr_array, eye_array
+
+from ..errors import NestedCagesError
+from ..hierarchy import Hierarchy
+from ..mesh import Mesh
+from ..triangulation import Sampling, Triangulation, triangulate
+
+COARSENING = 2.0
+"""Spacing of each grid by that of the one before, when no other spacings are given: usual for multigrid."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grids:
+    """A triangulation of every solid of a hierarchy, from the fine mesh to the coarsest cage, and the way between."""
+
+    grids: tuple[Triangulation, ...]
+    steps: tuple[csr_array, ...]
+    """steps[k]: (N_k, N_{k+1}) prolongation from grid k + 1 to grid k."""
+
+    def prolongation(self, finer: int, coarser: int) -> csr_array:
+        """(N_finer, N_coarser) values on a coarse grid, linear on its triangles, to values on a finer one.
+
+        Rows have sum 1 and entries that are not negative; linear functions stay what they are.
+        """
+        if not 0 <= finer <= coarser < len(self.grids):
+            raise NestedCagesError(
+                f"There is no prolongation from grid {coarser} to grid {finer}: the {len(self.grids)} grids are "
+                "numbered from 0, the finest, and values go from a coarser to a finer one."
+            )
+        operator = csr_array(eye_array(len(self.grids[finer].vertices), format="csr"))
+        for step in self.steps[finer:coarser]:
+            operator = operator @ step
+        return operator
+
+    def restriction(self, finer: int, coarser: int) -> csr_array:
+        """(N_coarser, N_finer) loads on a fine grid to loads on a coarser one: the transposed prolongation."""
+        return self.prolongation(finer, coarser).T.tocsr()
+
+
+def grids(hierarchy: Hierarchy, spacing: float | Sequence[float] | None = None) -> Grids:
+    """Grids on all levels, with prolongations as in the multigrid use of Sacht, Vouga & Jacobson (2015, section 5).
+
+    spacing: distance between the points of the finest grid, each further one twice as coarse; or one per grid; None
+    takes the vertices of fine mesh and cages alone. Unit: the input's.
+    """
+    solids: list[Mesh] = [hierarchy.fine, *hierarchy.cages]
+    if spacing is None:
+        samplings: list[Sampling | None] = [None] * len(solids)
+    elif isinstance(spacing, Sequence):
+        if len(spacing) != len(solids):
+            raise NestedCagesError(
+                f"{len(spacing)} spacings were given for {len(solids)} grids; give one for the fine mesh and one for "
+                "each cage."
+            )
+        samplings = [Sampling(each) for each in spacing]
+    else:
+        samplings = [Sampling(spacing * COARSENING**k) for k in range(len(solids))]
+    made = tuple(triangulate(solid, sampling) for solid, sampling in zip(solids, samplings, strict=True))
+    steps = tuple(coarse.interpolation(fine.vertices) for fine, coarse in pairwise(made))
+    return Grids(made, steps)
