@@ -88,8 +88,13 @@ def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -
 def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
     """The outline in a given frame, rounded to float32. Raises: Refusal if it is not in the frame's plane."""
     loops, off = [], 0.0
+    there = np.array_equal(outline.matrix, frame.matrix)
     for loop in outline.loops:
-        xy, heights = frame.from_world(transform(outline.matrix, loop.astype(np.float64)))
+        points = loop.astype(np.float64)
+        if there:
+            xy, heights = points[:, :2], (points[:, 2] - frame.height) * frame.scale
+        else:
+            xy, heights = frame.from_world(transform(outline.matrix, points))
         loops.append(xy.astype(np.float32).astype(np.float64))
         off = max(off, float(np.abs(heights).max()))
     extent = float(np.linalg.norm(np.ptp(np.concatenate(loops), axis=0))) * frame.scale

@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from . import animation
+from . import animation, looks
 from .animation import Span, Timing
 from .generate import CageLevel, Result
 from .refusal import Refusal, say
@@ -24,21 +24,15 @@ LEVEL = "nested_cages_level"
 MARKERS = "nested_cages_markers"
 FRAME_END = "nested_cages_frame_end"
 
-# The fine mesh nearly white, the cages in colours that are easy to tell apart, also for the colour-blind (after Okabe
-# and Ito), bright enough for thin lines on a dark background.
-FINE_COLOUR = (0.95, 0.95, 0.95, 1.0)
-CAGE_COLOURS = (
-    (1.00, 0.45, 0.00, 1.0),
-    (0.25, 0.75, 1.00, 1.0),
-    (0.00, 0.80, 0.45, 1.0),
-    (0.95, 0.50, 0.80, 1.0),
-    (1.00, 0.90, 0.15, 1.0),
-)
-
 
 def collection_of(scene: bpy.types.Scene, source: str) -> bpy.types.Collection | None:
     """The collection that holds the output of the object named `source`, if there is one in the scene."""
     return next((c for c in scene.collection.children_recursive if c.get(SOURCE) == source), None)
+
+
+def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
+    """The output that an object belongs to or is the source of."""
+    return collection_of(scene, obj.get(SOURCE, obj.name))
 
 
 def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | None:
@@ -51,13 +45,19 @@ def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     return sorted((o for o in collection.objects if LEVEL in o), key=lambda o: o[LEVEL])
 
 
-def write(scene: bpy.types.Scene, results: Sequence[Result], timing: Timing) -> list[bpy.types.Collection]:
+def write(
+    scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
+) -> list[bpy.types.Collection]:
     """Writes the output of each drawing. Raises: Refusal, before anything is changed, if earlier output cannot be
     replaced.
     """
     for result in results:
         _check_replaceable(scene, result)
-    return [_write_one(scene, result, timing) for result in results]
+    collections = [_write_one(scene, result, timing) for result in results]
+    for result, collection in zip(results, collections, strict=True):
+        for obj in members(collection):
+            looks.set_thickness(obj, obj[LEVEL], thickness / result.drawing.frame.scale)
+    return collections
 
 
 def _check_replaceable(scene: bpy.types.Scene, result: Result) -> None:
@@ -144,9 +144,7 @@ def _member_with_mesh(
         obj = bpy.data.objects.new(name, mesh)
         obj[LEVEL] = level
         collection.objects.link(obj)
-        obj.display_type = "WIRE"
-        obj.show_in_front = True
-        obj.color = CAGE_COLOURS[(level - 1) % len(CAGE_COLOURS)] if level else FINE_COLOUR
+        looks.dress(obj, level)
     else:
         old = obj.data
         animation.remove_animation(obj)

@@ -41,6 +41,7 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "show_flow")
         column.prop(settings, "show_result")
+        column.prop(settings, "thickness")
         job = running()
         if job is None:
             row = layout.row()
@@ -87,6 +88,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
                 row = box.split(factor=0.45)
                 row.label(text=label)
                 row.label(text=text, translate=False)
+        layout.operator("object.nested_cages_verify", icon="CHECKMARK")
 
 
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
@@ -99,15 +101,15 @@ def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
             ("Time", f"{obj['nested_cages_seconds']:.2f} s"),
             ("Frames", f"{obj['nested_cages_flow_start']} – {obj['nested_cages_end']}"),
         ]
+        if "nested_cages_check" in obj:
+            rows.append(("Check", obj["nested_cages_check"]))
     return rows
 
 
 def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None:
     """The output that the active object belongs to or is the source of."""
     obj = context.active_object
-    if obj is None:
-        return None
-    return output.collection_of(context.scene, obj.get(output.SOURCE, obj.name))
+    return output.collection_about(context.scene, obj) if obj is not None else None
 
 
 CLASSES = (VIEW3D_PT_nested_cages, VIEW3D_PT_nested_cages_reading, VIEW3D_PT_nested_cages_result)

@@ -86,6 +86,17 @@ class GenerationProperties:
         description="Go to the last frame of the animation when the cages are made",
         default=True,
     )
+    thickness: FloatProperty(  # type: ignore[valid-type]
+        name="Render Thickness",
+        description="Thickness of the lines of drawing and cages in renders; 0 leaves them out of renders",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
     resolution: IntProperty(  # type: ignore[valid-type]
         name="Resolution",
         description=(

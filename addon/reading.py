@@ -134,7 +134,8 @@ def _selected_edges(obj: bpy.types.Object) -> Lines:
     """The selected edges of a mesh in Edit Mode, of selected faces only the border. Raises: Refusal if none is."""
     mesh = bmesh.from_edit_mesh(obj.data)
     mesh.verts.index_update()
-    chosen = [edge for edge in mesh.edges if edge.select and sum(face.select for face in edge.link_faces) <= 1]
+    faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]
+    chosen = [edge for edge, count in zip(mesh.edges, faces, strict=True) if count == 1 or (count == 0 and edge.select)]
     if not chosen:
         raise Refusal("'{name}' is in Edit Mode without selected edges: select the loops of the drawing", name=obj.name)
     vertices = np.array([vertex.co for vertex in mesh.verts], dtype=np.float32)

@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
+from .verify import OBJECT_OT_nested_cages_verify
 
-CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel)
+CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_verify)

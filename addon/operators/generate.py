@@ -14,11 +14,14 @@ from ..refusal import Refusal, say
 
 
 class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
-    """Wrap the selected drawings in coarse outlines that strictly enclose them, and animate how the outlines grow"""
+    """Makes cages around the selected drawings."""
 
     bl_idname = "object.nested_cages_generate"
     bl_label = "Generate Nested Cages"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_description = (
+        "Wrap the selected drawings in coarse outlines that strictly enclose them, and animate how the outlines grow"
+    )
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     _job: Job | None = None
     _timer: Any = None
@@ -112,7 +115,7 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")
-        collections = output.write(scene, results, properties.timing(self))
+        collections = output.write(scene, results, properties.timing(self), self.thickness)
         if self.show_result:
             scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
         cages = [level for result in results for level in result.levels]
@@ -136,10 +139,11 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
 
 
 class NESTEDCAGES_OT_cancel(bpy.types.Operator):
-    """Stop generating cages and leave the scene as it is"""
+    """Stops the job."""
 
     bl_idname = "object.nested_cages_cancel"
     bl_label = "Cancel"
+    bl_description = "Stop generating cages and leave the scene as it is"
     bl_options = {"INTERNAL"}
 
     @classmethod
