@@ -39,7 +39,11 @@ ROOMS = (
     "stepping",
     "hierarchy",
     "coordinates",
+    "exchange",
+    "pictures",
     "batch",
+    "command",
+    "__main__",
     "__init__",
 )
 
