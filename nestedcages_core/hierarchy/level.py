@@ -11,7 +11,7 @@ from ..flow import FlowResult
 from ..flow.matching import match_loops
 from ..mesh import Mesh
 from ..reinflation import Reinflation, reinflate
-from ..verification import Certificate, verify
+from ..verification import Certificate, verify, verify_motion
 from .reporting import Reporter
 from .results import Level, NestingReport
 from .settings import Settings
@@ -113,6 +113,13 @@ class LevelBuilder:
                 break
         if not certificate.holds:
             raise NestingError(_refusal(certificate, self.clearance.length))
+        motion = verify_motion(cage, self.fine, reinflation.cage_steps, reinflation.fine_steps)
+        report.pause()
+        if not motion:
+            raise NestingError(
+                f"The motion from step {motion.step} to the next could not be certified free of collisions; "
+                "use more cage vertices, or a coarse mesh closer to the fine one."
+            )
         if length < wanted:
             notes = (*notes, f"The gaps of the fine mesh leave room for a clearance of {length:.3g}, not {wanted:.3g}.")
         nesting = NestingReport(
