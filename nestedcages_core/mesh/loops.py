@@ -98,36 +98,38 @@ def _walk(ahead: list[int], behind: list[int]) -> LoopOrder:
     return LoopOrder(np.array(walked, dtype=np.int64), np.array(sizes, dtype=np.int64))
 
 
-def turning_senses(points: FloatArray, order: LoopOrder) -> tuple[Signs, IntArray]:
-    """Sense of each simple loop (1 counter-clockwise, -1 clockwise), (L,), and the place of its extreme vertex, (L,).
-
-    points: (n, 2) by place. The extreme vertex is the highest of the rightmost ones; the loop is convex there and
-    cannot be flat, so the exact sign of that one corner is the sense of the whole loop.
-    """
+def extreme_places(points: FloatArray, order: LoopOrder) -> IntArray:
+    """Place of the highest of the rightmost vertices of each loop, (L,); points: (n, 2) by place."""
     x, y = points.T
     rightmost = x == np.maximum.reduceat(x, order.begins)[order.loop]
     highest = np.maximum.reduceat(np.where(rightmost, y, -np.inf), order.begins)
     candidates = np.flatnonzero(rightmost & (y == highest[order.loop]))
-    extreme = candidates[np.unique(order.loop[candidates], return_index=True)[1]]
-    before = order.begins + (extreme - order.begins - 1) % order.sizes
-    return orientation(points[before], points[extreme], points[order.ahead[extreme]]), extreme
+    return candidates[np.unique(order.loop[candidates], return_index=True)[1]]
 
 
-def enclosing_pairs(
-    points: FloatArray, order: LoopOrder, extreme: IntArray, tree: BoxTree
-) -> tuple[IntArray, IntArray]:
-    """Pairs (inner, outer) of loops where the outer one runs around the inner one, (K,), (K,); exact.
+def turning_senses(points: FloatArray, order: LoopOrder, extreme: IntArray) -> Signs:
+    """Sense of each simple loop, (L,): 1 counter-clockwise, -1 clockwise; exact.
 
-    points: (n, 2) by place; extreme: (L,) as from `turning_senses`; tree: over the edges by place. The loops must be
-    free of contact. The ray to the right of an extreme vertex leaves its own loop at once.
+    points: (n, 2) by place; extreme: (L,) as from `extreme_places`. A loop is convex there and cannot be flat, so the
+    sign of that one corner is the sense of the whole loop.
     """
-    crossings = ray_crossings(points[extreme], tree)
+    before = order.begins + (extreme - order.begins - 1) % order.sizes
+    return orientation(points[before], points[extreme], points[order.ahead[extreme]])
+
+
+def enclosing_pairs(extremes: FloatArray, order: LoopOrder, tree: BoxTree) -> tuple[IntArray, IntArray]:
+    """Pairs (inner, outer) where the outer loop runs around the inner one, (K,), (K,); exact.
+
+    extremes: (I, 2) extreme vertices of loops that do not meet those of the tree, or are among them: the ray to the
+    right leaves its own loop at once. tree: over the edges by place of the outer loops in `order`.
+    """
+    crossings = ray_crossings(extremes, tree)
     crossed = order.loop[tree.order[tree.chain_starts[crossings.chain]]]
     count = len(order.sizes)
     keys, places = np.unique(crossings.point * count + crossed, return_inverse=True)
     winding = np.bincount(places, weights=crossings.value, minlength=len(keys))
     inner, outer = np.divmod(keys[winding != 0], count)
-    return inner[inner != outer], outer[inner != outer]
+    return inner, outer
 
 
 def parents(inner: IntArray, outer: IntArray, count: int) -> tuple[IntArray, IntArray]:

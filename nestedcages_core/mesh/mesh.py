@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from .._types import FloatArray, IntArray
 from ..errors import InvalidMeshError
 from .geo_interface import rings_of, to_geo_interface
-from .loops import LoopOrder, enclosing_pairs, parents, signed_areas, trace_loops, turning_senses
+from .loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
 
 TOPOLOGY = frozenset(
-    ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop", "_order")
+    ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop", "loop_order")
 )
 """Attributes that stay when vertices move."""
 
@@ -47,7 +47,8 @@ class Mesh:
     """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
     is_validated: bool = field(init=False)
     """Whether these vertices have passed the door; False for a mesh made by `moved`."""
-    _order: LoopOrder = field(init=False)
+    loop_order: LoopOrder = field(init=False)
+    """The loops one after the other, for work on all of them at once."""
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
@@ -56,10 +57,10 @@ class Mesh:
         order = trace_loops(joined, count)
         points = checked[order.vertices]
         tree = check_simple(points, order)
-        senses, extreme = turning_senses(points, order)
-        depth, parent = parents(*enclosing_pairs(points, order, extreme, tree), len(order.sizes))
+        extreme = extreme_places(points, order)
+        depth, parent = parents(*enclosing_pairs(points[extreme], order, tree), len(order.sizes))
         signs = 1 - 2 * (depth % 2)
-        order = order.turned(senses != signs)
+        order = order.turned(turning_senses(points, order, extreme) != signs)
         following = order.successor()
         turned = following[joined[:, 0]] != joined[:, 1]
         joined[turned] = joined[turned, ::-1]
@@ -74,7 +75,7 @@ class Mesh:
             loop_signs=_frozen(signs),
             component_of_loop=_frozen(component),
             is_validated=True,
-            _order=order,
+            loop_order=order,
         )
         if not self.area > 0.0:
             raise InvalidMeshError(
@@ -175,7 +176,7 @@ class Mesh:
     def loop_of_vertex(self) -> IntArray:
         """(n,) the loop of each vertex."""
         owner = np.empty_like(self.successor)
-        owner[self._order.vertices] = self._order.loop
+        owner[self.loop_order.vertices] = self.loop_order.loop
         return _frozen(owner)
 
     @cached_property
@@ -200,7 +201,7 @@ class Mesh:
 
     @cached_property
     def _areas(self) -> tuple[FloatArray, float]:
-        areas, total = signed_areas(self.vertices[self._order.vertices], self._order)
+        areas, total = signed_areas(self.vertices[self.loop_order.vertices], self.loop_order)
         return _frozen(areas), total
 
     def _fill(self, **fields: Any) -> None:

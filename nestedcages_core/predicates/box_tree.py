@@ -56,13 +56,17 @@ class BoxTree:
         self.chain = np.repeat(np.arange(len(sizes)), sizes)
         first, last = self.order[self.chain_starts[:-1]], self.order[self.chain_starts[1:] - 1]
         self.closed = bool((self.starts[first] == self.ends[last]).all())
-        lower = np.minimum(self.starts, self.ends)[self.order]
-        upper = np.maximum(self.starts, self.ends)[self.order]
-        self.levels = _pyramid(lower, upper)
+        starts, ends = self.sorted_segments
+        self.levels, self.counts = _pyramid(np.minimum(starts, ends), np.maximum(starts, ends))
         self._oriented: list[OrientedBoxes] = []
 
     def __len__(self) -> int:
         return len(self.starts)
+
+    @cached_property
+    def sorted_segments(self) -> tuple[FloatArray, FloatArray]:
+        """Starts and ends, (E, 2) each, in tree order."""
+        return self.starts[self.order], self.ends[self.order]
 
     def self_pairs(self) -> tuple[IntArray, IntArray]:
         """Pairs i < j of segments whose boxes overlap or touch, (K,), (K,)."""
@@ -117,7 +121,7 @@ class BoxTree:
         i, j = _overlapping(self.levels[a], i, second.levels[b], j)
         tally[a, b] += len(i)
         if slim and tally[a, b] > CROWDED * (self.levels[a].shape[1] + second.levels[b].shape[1]):
-            meet = self.oriented(a).may_meet(i, second.oriented(b), j)
+            meet = self.oriented(a).gap(i, second.oriented(b), j) <= 0.0
             i, j = i[meet], j[meet]
         return i, j
 
@@ -131,12 +135,15 @@ class BoxTree:
     @cached_property
     def sizes(self) -> list[float]:
         """Mean extent of the boxes of each level."""
-        return [_mean_size(boxes) for boxes in self.levels]
+        return [
+            float(boxes[2:, :count].mean() - boxes[:2, :count].mean()) if count else 0.0
+            for boxes, count in zip(self.levels, self.counts, strict=True)
+        ]
 
     def oriented(self, level: int) -> OrientedBoxes:
         """The turned boxes of a level, made when they are first asked for."""
         if not self._oriented:
-            self._oriented.append(OrientedBoxes.of_segments(self.starts[self.order], self.ends[self.order]))
+            self._oriented.append(OrientedBoxes.of_segments(*self.sorted_segments))
         while len(self._oriented) <= level:
             self._oriented.append(self._oriented[-1].parents(FANOUT))
         return self._oriented[level]
@@ -161,10 +168,10 @@ def _along_curve(points: FloatArray) -> IntArray:
     return np.argsort(code, kind="stable")
 
 
-def _pyramid(lower: FloatArray, upper: FloatArray) -> list[FloatArray]:
-    """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; N a multiple of FANOUT below the top."""
+def _pyramid(lower: FloatArray, upper: FloatArray) -> tuple[list[FloatArray], list[int]]:
+    """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; and how many of them are no padding."""
     boxes = np.concatenate((lower.T, upper.T))
-    levels = [boxes]
+    levels, counts = [boxes], [boxes.shape[1]]
     while boxes.shape[1] > FANOUT:
         missing = -boxes.shape[1] % FANOUT
         empty = np.repeat([[np.inf], [np.inf], [-np.inf], [-np.inf]], missing, axis=1)
@@ -173,7 +180,8 @@ def _pyramid(lower: FloatArray, upper: FloatArray) -> list[FloatArray]:
         groups = boxes.reshape(4, -1, FANOUT)
         boxes = np.concatenate((groups[:2].min(axis=2), groups[2:].max(axis=2)))
         levels.append(boxes)
-    return levels
+        counts.append(boxes.shape[1])
+    return levels, counts
 
 
 def _overlapping(boxes: FloatArray, i: IntArray, others: FloatArray, j: IntArray) -> tuple[IntArray, IntArray]:
@@ -193,9 +201,3 @@ def children(nodes: IntArray) -> IntArray:
 def _children_of_both(i: IntArray, j: IntArray) -> tuple[IntArray, IntArray]:
     offsets = np.indices((FANOUT, FANOUT)).reshape(2, -1)
     return (FANOUT * i[:, None] + offsets[0]).ravel(), (FANOUT * j[:, None] + offsets[1]).ravel()
-
-
-def _mean_size(boxes: FloatArray) -> float:
-    """Mean extent of the boxes of a level (padding boxes left out)."""
-    filled = boxes[0] <= boxes[2]
-    return float((boxes[2:, filled] - boxes[:2, filled]).mean()) if filled.any() else 0.0

@@ -64,7 +64,7 @@ class _Rays:
 
     def __init__(self, points: FloatArray, tree: BoxTree) -> None:
         self.points, self.tree = points, tree
-        self.starts, self.ends = tree.starts[tree.order], tree.ends[tree.order]
+        self.starts, self.ends = tree.sorted_segments
         self.parts: list[tuple[IntArray, IntArray, IntArray]] = []
 
     def follow(self) -> IntArray:

@@ -64,16 +64,16 @@ class OrientedBoxes:
         along_axis, along_across = np.abs((axis * direction).sum(axis=1)), np.abs((across * direction).sum(axis=1))
         return np.asarray(half[:, 0] * along_axis + half[:, 1] * along_across)
 
-    def may_meet(self, i: IntArray, other: OrientedBoxes, j: IntArray) -> BoolArray:
-        """Whether the boxes i of this level and j of the other overlap across both their axes, (K,)."""
+    def gap(self, i: IntArray, other: OrientedBoxes, j: IntArray) -> FloatArray:
+        """How far the boxes i of this level and j of the other are apart across their axes, at least, (K,)."""
         with _beyond_range():
             offset = other.middle[j] - self.middle[i]
-            meet = np.ones(len(i), dtype=np.bool_)
+            gap = np.full(len(i), -np.inf)
             for boxes, nodes in ((self, i), (other, j)):
                 direction = _across(boxes.axis[nodes])
-                gap = np.abs((offset * direction).sum(axis=1)) - self.reach(i, direction) - other.reach(j, direction)
-                meet &= ~(gap > self.slack + other.slack)
-            return meet
+                reach = self.reach(i, direction) + other.reach(j, direction)
+                np.fmax(gap, np.abs((offset * direction).sum(axis=1)) - reach - self.slack - other.slack, out=gap)
+            return gap
 
     def may_hold(self, nodes: IntArray, points: FloatArray) -> BoolArray:
         """Whether boxes (K,) hold points (K, 2), across both their axes, (K,)."""

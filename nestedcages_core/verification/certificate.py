@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from .._types import IntArray
 from ..errors import InvalidMeshError
 from ..mesh import Mesh
-from ..mesh.loops import LoopOrder, enclosing_pairs, parents, turning_senses
+from ..mesh.loops import enclosing_pairs, extreme_places, parents
 from ..mesh.validation import crossing_point, place
 from ..predicates import BoxTree, segments_intersect
 from .clearance import smallest_gap
@@ -91,17 +92,24 @@ def _turned_loops(cage: Mesh, judged: Mesh) -> IntArray:
     return np.union1d(opposed, np.flatnonzero(judged.loop_signs != cage.loop_signs))
 
 
+def _roles(mesh: Mesh) -> str:
+    """How many loops of each kind there are."""
+    outer, holes = np.count_nonzero(mesh.loop_signs > 0), np.count_nonzero(mesh.loop_signs < 0)
+    return f"{outer} outer loop{'s' * (outer != 1)} and {holes or 'no'} hole{'s' * (holes != 1)}"
+
+
+def _tree(mesh: Mesh) -> BoxTree:
+    """The boxes of the edges, loop after loop."""
+    order = mesh.loop_order.vertices
+    return BoxTree(mesh.vertices[order], mesh.vertices[mesh.successor[order]])
+
+
 class _Pair:
     """A valid cage and a valid fine mesh, with the boxes of their edges in loop order."""
 
     def __init__(self, cage: Mesh, fine: Mesh) -> None:
         self.cage, self.fine = cage, fine
-        self.cage_order, self.fine_order = np.concatenate(cage.loops), np.concatenate(fine.loops)
-        self.cage_tree, self.fine_tree = (
-            BoxTree(mesh.vertices[order], mesh.vertices[mesh.successor[order]])
-            for mesh, order in ((cage, self.cage_order), (fine, self.fine_order))
-        )
-        self._nested: tuple[IntArray, IntArray] | None = None
+        self.cage_tree, self.fine_tree = _tree(cage), _tree(fine)
 
     def of_cage(self, loop: int) -> str:
         """Where a loop of the cage is, for the user."""
@@ -118,7 +126,7 @@ class _Pair:
             hits = np.flatnonzero(segments_intersect(a[i], b[i], c[j], d[j]))
             if len(hits):
                 k, m = i[hits[0]], j[hits[0]]
-                u, v = self.cage_order[k], self.fine_order[m]
+                u, v = self.cage.loop_order.vertices[k], self.fine.loop_order.vertices[m]
                 where = place(crossing_point(a[k], b[k], c[m], d[m]))
                 return [
                     f"The cage meets the fine mesh near {where}: edge {u}-{self.cage.successor[u]} of the cage touches "
@@ -126,16 +134,13 @@ class _Pair:
                 ]
         return []
 
+    @cached_property
     def nested(self) -> tuple[IntArray, IntArray]:
         """Pairs (inner, outer) of loops of both meshes, those of the cage numbered first; the loops must not meet."""
-        if self._nested is None:
-            points = np.concatenate((self.cage_tree.starts, self.fine_tree.starts))
-            ends = np.concatenate((self.cage_tree.ends, self.fine_tree.ends))
-            order = LoopOrder(
-                np.arange(len(points)), np.array([len(loop) for loop in (*self.cage.loops, *self.fine.loops)])
-            )
-            self._nested = enclosing_pairs(points, order, turning_senses(points, order)[1], BoxTree(points, ends))
-        return self._nested
+        trees = (self.cage, self.cage_tree), (self.fine, self.fine_tree)
+        extremes = np.concatenate([tree.starts[extreme_places(tree.starts, mesh.loop_order)] for mesh, tree in trees])
+        inner, outer = zip(*(enclosing_pairs(extremes, mesh.loop_order, tree) for mesh, tree in trees), strict=True)
+        return np.concatenate(inner), np.concatenate((outer[0], outer[1] + len(self.cage.loops)))
 
     def outside(self) -> list[str]:
         """A sentence for each part of the fine solid that the cage's solid does not cover.
@@ -143,7 +148,7 @@ class _Pair:
         Where boundaries do not meet, the fine solid lies inside if and only if every fine loop does and no loop of the
         cage lies inside the fine solid (as the inner loop of a thin ring around the boundary would).
         """
-        inner, outer = self.nested()
+        inner, outer = self.nested
         kept, count = len(self.cage.loops), len(self.cage.loops) + len(self.fine.loops)
         by_cage, by_fine = outer < kept, outer >= kept
         in_cage = np.bincount(inner[by_cage], self.cage.loop_signs[outer[by_cage]], count)[kept:]
@@ -165,11 +170,12 @@ class _Pair:
         cage the only child of a hole of the fine mesh.
         """
         kept = len(self.cage.loops)
-        if kept != len(self.fine.loops):
-            return [f"The cage has {kept} loops, but the fine mesh has {len(self.fine.loops)}."]
+        ours, theirs = _roles(self.cage), _roles(self.fine)
+        if ours != theirs:
+            return [f"The cage has {ours}, but the fine mesh has {theirs}."]
         signs = np.concatenate((self.cage.loop_signs, self.fine.loop_signs))
         is_cage = np.arange(2 * kept) < kept
-        _, parent = parents(*self.nested(), 2 * kept)
+        _, parent = parents(*self.nested, 2 * kept)
         children = np.bincount(parent[parent >= 0], minlength=2 * kept)
         partner = np.where(is_cage == (signs > 0), -1, parent)
         lower = np.flatnonzero(is_cage != (signs > 0))
@@ -184,6 +190,5 @@ class _Pair:
         return [f"Loop {k} of the cage near {self.of_cage(k)} has no loop of the fine mesh for itself."]
 
     def gap(self) -> float:
-        """Smallest distance between the two boundaries: of the vertices of each to the edges of the other."""
-        (a, b), (c, d) = ((tree.starts[tree.order], tree.ends[tree.order]) for tree in (self.cage_tree, self.fine_tree))
-        return min(smallest_gap(c, a, b), smallest_gap(a, c, d))
+        """Smallest distance between the two boundaries."""
+        return smallest_gap(self.cage_tree, self.fine_tree)
