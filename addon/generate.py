@@ -26,6 +26,7 @@ MARGIN = 2.0 * np.sqrt(2.0)
 MARGINS = (1.0, 64.0)
 
 Percent = float
+Steps = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,8 @@ class CageLevel:
 
     fine_edges: NDArray[np.int64]
     cage_edges: NDArray[np.int64]
-    fine_steps: NDArray[np.float32]
-    cage_steps: NDArray[np.float32]
+    fine_steps: Steps
+    cage_steps: Steps
     flow_end: int
     tightening: int
     certificate: Any
@@ -217,16 +218,30 @@ class Generation:
         """
         flow, reinflation = level.flow.steps, level.reinflation
         standing = np.broadcast_to(level.coarse.vertices, (len(flow) - 1, *level.coarse.vertices.shape))
+        fine_steps = np.concatenate([flow[:-1], reinflation.fine_steps]).astype(np.float32)
         cage_steps = np.concatenate([standing, reinflation.cage_steps]).astype(np.float32)
         same_loops = len(level.coarse.loops) == len(fine.loops)
         cage = level.cage.moved(cage_steps[-1].astype(np.float64))
+        inside = self._inside_from(cage, fine, cage_steps, fine_steps, len(flow) - 1)
         return CageLevel(
             fine_edges=fine.edges,
             cage_edges=level.cage.edges,
-            fine_steps=np.concatenate([flow[:-1], reinflation.fine_steps]).astype(np.float32),
+            fine_steps=fine_steps,
             cage_steps=cage_steps,
-            flow_end=len(flow) - 1,
-            tightening=len(flow) - 1 + reinflation.tightening_start,
+            flow_end=inside,
+            tightening=max(inside, len(flow) - 1 + reinflation.tightening_start),
             certificate=self.core.verify(cage, fine, clearance, same_loops=same_loops),
             report=level.report,
         )
+
+    def _inside_from(self, cage: Any, fine: Any, cage_steps: Steps, fine_steps: Steps, first: int) -> int:
+        """The step from which on the motion is certified to be free of collisions in float32 too.
+
+        This is the last step of the flow, unless rounding closed a gap later: then what comes before counts as flow.
+        """
+        while True:
+            cages, fines = (steps[first:].astype(np.float64) for steps in (cage_steps, fine_steps))
+            motion = self.core.verify_motion(cage, fine, cages, fines)
+            if motion.free:
+                return first
+            first += motion.step + 1

@@ -109,3 +109,14 @@ def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> No
     (level,) = generation.results[0].levels
     fine = generation.results[0].drawing.mesh(core)
     assert core.verify(core.Mesh(level.cage.astype(float), level.cage_edges), fine, 1e-6 * fine.diagonal).holds
+
+
+def test_steps_that_rounding_spoils_count_as_flow(addon, core) -> None:
+    """In the first two steps the circle is a hair too large for the octagon; from the third step on there is room."""
+    generation = addon.generate.Generation([request(addon, [circle(48)])], addon.generate.Options(levels=(8,)))
+    fine, cage = core.Mesh.from_loops([circle(48)]), core.Mesh.from_loops([circle(8)])
+    sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
+    fine_steps = (circle(48)[None] * sizes[:, None, None]).astype(np.float32)
+    cage_steps = np.repeat(circle(8)[None], len(sizes), axis=0).astype(np.float32)
+    assert generation._inside_from(cage, fine, cage_steps, fine_steps, 0) == 2
+    assert generation._inside_from(cage, fine, cage_steps, fine_steps, 3) == 3
