@@ -4,27 +4,27 @@ from __future__ import annotations
 
 import bpy
 
-from . import operators, panels, properties
+from . import operators, panels, preferences, presets, properties
 from .properties import copy_values
 
-_CLASSES = (*operators.CLASSES, *panels.CLASSES)
+# In the order of registration; each knows only those before it.
+_ROOMS = (properties, operators, presets, panels, preferences)
 
 
 def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """The entry in the 3D view's Object menu, with the scene's settings."""
+    """The entries in the 3D view's Object menu, with the scene's settings."""
     self.layout.separator()
     copy_values(context.scene.nested_cages, self.layout.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
+    self.layout.operator("object.nested_cages_verify", icon="CHECKMARK")
 
 
 def register() -> None:
-    properties.register()
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
+    for room in _ROOMS:
+        room.register()
     bpy.types.VIEW3D_MT_object.append(_object_menu)
 
 
 def unregister() -> None:
     bpy.types.VIEW3D_MT_object.remove(_object_menu)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
-    properties.unregister()
+    for room in reversed(_ROOMS):
+        room.unregister()

@@ -6,6 +6,7 @@ import bpy
 
 from . import output
 from .job import running
+from .presets import NESTEDCAGES_PT_presets
 from .properties import copy_values
 
 CATEGORY = "Nested Cages"
@@ -23,6 +24,9 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
     """Settings of the cages and the button that generates them"""
 
     bl_label = "Nested Cages"
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        NESTEDCAGES_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.nested_cages
@@ -113,3 +117,23 @@ def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None
 
 
 CLASSES = (VIEW3D_PT_nested_cages, VIEW3D_PT_nested_cages_reading, VIEW3D_PT_nested_cages_result)
+
+
+def move_to(category: str) -> None:
+    """Shows the panels in another tab of the sidebar."""
+    if all(cls.bl_category == category for cls in CLASSES):
+        return
+    unregister()
+    for cls in CLASSES:
+        cls.bl_category = category
+    register()
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

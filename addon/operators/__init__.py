@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
+import bpy
+
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
 CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_verify)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

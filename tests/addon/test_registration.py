@@ -1,0 +1,60 @@
+"""Registering twice in a row, presets, the tab of the panels, and a description on all that the user can touch."""
+
+from __future__ import annotations
+
+import sys
+
+import bpy
+import pytest
+
+from drawings import poly_curve, star
+
+
+def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
+    extension.unregister()
+    assert not hasattr(bpy.types.Scene, "nested_cages")
+    assert not hasattr(bpy.types, "OBJECT_OT_nested_cages_generate")
+    extension.register()
+    poly_curve("Drawing", [star()])
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+
+
+def test_everything_has_a_description(extension) -> None:
+    operators = [
+        bpy.ops.object.nested_cages_generate,
+        bpy.ops.object.nested_cages_cancel,
+        bpy.ops.object.nested_cages_verify,
+    ]
+    for rna in [bpy.types.Scene.bl_rna.properties["nested_cages"].fixed_type, *(op.get_rna_type() for op in operators)]:
+        for prop in rna.properties:
+            if prop.identifier not in {"rna_type", "name"}:
+                assert prop.description, (rna.identifier, prop.identifier)
+    for operator in operators:
+        assert operator.get_rna_type().description
+
+
+def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> None:
+    operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
+    for name in addon.properties.NAMES:
+        mine, scenes = operator[name], bpy.context.scene.nested_cages.bl_rna.properties[name]
+        assert mine.description == scenes.description
+        assert mine.default == scenes.default
+
+
+@pytest.mark.parametrize("name", ["Tight", "Loose", "Game Collision", "Map Outline"])
+def test_presets_that_come_with_the_add_on_work(addon, name) -> None:
+    path = bpy.utils.preset_find(name, "nested_cages", display_name=True)
+    assert path
+    bpy.ops.script.execute_preset(filepath=path, menu_idname="NESTEDCAGES_PT_presets")
+    settings = bpy.context.scene.nested_cages
+    poly_curve("Drawing", [star(400)])
+    values = {key: getattr(settings, key) for key in addon.properties.NAMES}
+    assert bpy.ops.object.nested_cages_generate(**values) == {"FINISHED"}
+
+
+def test_the_panels_move_to_another_tab(extension) -> None:
+    panels = sys.modules[f"{extension.__name__}.addon.panels"]
+    panels.move_to("Animation")
+    assert bpy.types.VIEW3D_PT_nested_cages.bl_category == "Animation"
+    panels.move_to(panels.CATEGORY)
+    assert bpy.types.VIEW3D_PT_nested_cages.bl_category == "Nested Cages"
