@@ -1,0 +1,26 @@
+"""Shapes in and out: SVG, GeoJSON and collision outlines for game engines."""
+
+from __future__ import annotations
+
+from .engine_json import from_engine_json, to_engine_json, write_engine_json
+from .fill import Painted, solid
+from .geojson import Feature, features_from_geojson, from_geojson, read_geojson, to_geojson, write_geojson
+from .svg import from_svg, read_svg, to_svg, write_svg
+
+__all__ = [
+    "Feature",
+    "Painted",
+    "features_from_geojson",
+    "from_engine_json",
+    "from_geojson",
+    "from_svg",
+    "read_geojson",
+    "read_svg",
+    "solid",
+    "to_engine_json",
+    "to_geojson",
+    "to_svg",
+    "write_engine_json",
+    "write_geojson",
+    "write_svg",
+]

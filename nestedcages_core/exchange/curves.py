@@ -1,0 +1,83 @@
+"""Bézier curves and elliptical arcs as chains of points."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .._types import FloatArray
+
+GREATEST_ARC = math.pi / 6.0
+"""Radians that one cubic may stand for; its distance from the true arc is then below 4e-7 of the radius."""
+
+GREATEST_PIECES = 4096
+"""Chords of one curve, at the most."""
+
+
+def line(start: FloatArray, end: FloatArray) -> FloatArray:
+    """(2, 2) control points."""
+    return np.stack((start, end))
+
+
+def arc(
+    start: FloatArray, end: FloatArray, radii: FloatArray, turn: float, large: bool, sweep: bool
+) -> list[FloatArray]:
+    """Cubics (4, 2) along an elliptical arc, from its end points (SVG 1.1, appendix F.6).
+
+    radii: (2,) along the ellipse's axes, widened if too small to reach; turn: radians from x to the first axis.
+    """
+    radii = np.abs(radii)
+    if not radii.all() or (start == end).all():
+        return [line(start, end)] if (start != end).any() else []
+    axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    half = axes.T @ (start - end) / 2.0
+    stretch = float(((half / radii) ** 2).sum())
+    if stretch >= 1.0:  # too small, or just reaching: the centre is the middle
+        radii = radii * math.sqrt(stretch)
+        off = np.zeros(2)
+    else:
+        x, y = half / radii
+        off = math.sqrt(1.0 / stretch - 1.0) * np.array([y, -x]) * (1.0 if large != sweep else -1.0)
+    first, last = half / radii - off, -half / radii - off
+    begin = math.atan2(first[1], first[0])
+    angle = (math.atan2(last[1], last[0]) - begin) % (2.0 * math.pi)
+    if not sweep:
+        angle -= 2.0 * math.pi
+    centre = axes @ (off * radii) + (start + end) / 2.0
+    curves = ellipse(centre, axes * radii, begin, angle)
+    curves[0][0], curves[-1][3] = start, end
+    return curves
+
+
+def ellipse(centre: FloatArray, axes: FloatArray, begin: float = 0.0, angle: float = 2.0 * math.pi) -> list[FloatArray]:
+    """Cubics (4, 2) along centre + axes @ (cos t, sin t) for t from `begin` over `angle` radians; axes: (2, 2)."""
+    count = max(math.ceil(abs(angle) / GREATEST_ARC - 1e-9), 1)
+    reach = 4.0 / 3.0 * math.tan(angle / count / 4.0)
+    t = begin + np.linspace(0.0, angle, count + 1)
+    if abs(angle) == 2.0 * math.pi:
+        t[-1] = t[0]
+    on = np.stack((np.cos(t), np.sin(t)), axis=1)
+    ahead = np.stack((-on[:, 1], on[:, 0]), axis=1) * reach
+    unit = np.stack((on[:-1], on[:-1] + ahead[:-1], on[1:] - ahead[1:], on[1:]), axis=1)
+    return list(unit @ axes.T + centre)
+
+
+def flattened(curves: list[FloatArray], tolerance: float) -> FloatArray:
+    """(k, 2) points on consecutive curves, no farther than `tolerance` from them along the chords between.
+
+    curves: control points (2, 2), (3, 2) or (4, 2), each starting where the one before ends. The number of chords is
+    that of Wang (1984): sqrt(d (d - 1) / 8 · max |second difference| / tolerance) for degree d.
+    """
+    parts = [curves[0][:1]]
+    for control in curves:
+        degree = len(control) - 1
+        bend = float(np.hypot(*np.diff(control, 2, axis=0).T).max()) if degree > 1 else 0.0
+        wanted = math.sqrt(degree * (degree - 1) / 8.0 * bend / tolerance)
+        count = min(max(math.ceil(wanted), 1), GREATEST_PIECES)
+        t = np.arange(1, count)[:, None] / count
+        level = control
+        for _ in range(degree if count > 1 else 0):  # de Casteljau, all t at once
+            level = level[..., :-1, :] + t[..., None] * np.diff(level, axis=-2)
+        parts += [level.reshape(-1, 2)[: count - 1] if count > 1 else np.zeros((0, 2)), control[-1:]]
+    return np.concatenate(parts)

@@ -1,0 +1,71 @@
+"""Collision outlines for game engines: polygons with holes as plain JSON."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._types import FloatArray
+from ..errors import InvalidMeshError, NestedCagesError
+from ..mesh import Mesh
+from ..triangulation import triangulate
+
+FORMAT = "nested-cages outline"
+VERSION = 1
+
+
+def to_engine_json(
+    mesh: Mesh, *, flip_y: float | None = None, triangles: bool = False, indent: int | None = None
+) -> str:
+    """The outline as JSON: {"format", "version", "polygons": [{"outer": [[x, y], …], "holes": [[[x, y], …], …]}]}.
+
+    Outer loops turn counter-clockwise in the numbers written and holes clockwise, as Godot, Unity and Box2D tell them
+    apart. flip_y: y is written as `flip_y - y`, so the height of a picture turns it over, and 0 mirrors it.
+    triangles: also {"points": [[x, y], …], "triangles": [[i, j, k], …]}, for engines whose pieces must be convex.
+    """
+    polygons: list[dict[str, Any]] = [{"outer": [], "holes": []} for _ in range(int(mesh.component_of_loop.max()) + 1)]
+    for k, loop in enumerate(mesh.loops):
+        points = _flipped(mesh.vertices[loop], flip_y)
+        rows = (points if flip_y is None else points[::-1]).tolist()
+        polygon = polygons[mesh.component_of_loop[k]]
+        if mesh.loop_signs[k] > 0:
+            polygon["outer"] = rows
+        else:
+            polygon["holes"].append(rows)
+    document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": polygons}
+    if triangles:
+        corners = triangulate(mesh).triangles
+        document["points"] = _flipped(mesh.vertices, flip_y).tolist()
+        document["triangles"] = (corners if flip_y is None else corners[:, ::-1]).tolist()
+    return json.dumps(document, indent=indent, allow_nan=False)
+
+
+def write_engine_json(
+    path: str | os.PathLike[str], mesh: Mesh, *, flip_y: float | None = None, triangles: bool = False
+) -> None:
+    """Write the outline to a file; see `to_engine_json`."""
+    Path(path).write_text(to_engine_json(mesh, flip_y=flip_y, triangles=triangles), encoding="utf-8")
+
+
+def from_engine_json(text: str | bytes, *, flip_y: float | None = None) -> Mesh:
+    """The mesh of an outline written by `to_engine_json` with the same `flip_y`. Raises NestedCagesError."""
+    try:
+        document = json.loads(text)
+        polygons = document["polygons"]
+        loops = [np.asarray(loop, dtype=np.float64) for part in polygons for loop in (part["outer"], *part["holes"])]
+    except (ValueError, TypeError, KeyError) as error:
+        raise NestedCagesError(f"This is not a collision outline: {error!r}.") from error
+    if any(loop.ndim != 2 or loop.shape[1] != 2 for loop in loops):
+        raise InvalidMeshError("The loops of a collision outline are lists of [x, y]; these are something else.")
+    return Mesh.from_loops([_flipped(loop, flip_y) for loop in loops])
+
+
+def _flipped(points: FloatArray, flip_y: float | None) -> FloatArray:
+    """Points (n, 2) with y turned over at half of `flip_y`; -0.0 is written as 0.0."""
+    if flip_y is None:
+        return points
+    return np.stack((points[:, 0], flip_y - points[:, 1] + 0.0), axis=1)

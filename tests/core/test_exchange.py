@@ -1,0 +1,453 @@
+"""SVG, GeoJSON and collision outlines against shapely, Bernstein polynomials and each other."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BPoly
+
+from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, nested_cages, verify
+from nestedcages_core.exchange import (
+    Feature,
+    Painted,
+    features_from_geojson,
+    from_engine_json,
+    from_geojson,
+    from_svg,
+    read_geojson,
+    read_svg,
+    solid,
+    to_engine_json,
+    to_geojson,
+    to_svg,
+    write_engine_json,
+    write_geojson,
+    write_svg,
+)
+from nestedcages_core.exchange.curves import flattened
+from nestedcages_core.exchange.svg_path import read_path
+from shapes import annulus, islands, letter_a, polygon, ring, star
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+def svg(body: str, attributes: str = "") -> str:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {attributes}>{body}</svg>'
+
+
+def area_of(body: str, **options: float) -> float:
+    return from_svg(svg(body), **options).area
+
+
+def same(one: Mesh, other: Mesh) -> bool:
+    """Whether both have the same loops, as closed sequences of the very same points."""
+    def canonical(mesh: Mesh) -> list[tuple]:
+        loops = []
+        for loop in mesh.loops:
+            rows = [tuple(row) for row in mesh.vertices[loop].tolist()]
+            first = rows.index(min(rows))
+            loops.append(tuple(rows[first:] + rows[:first]))
+        return sorted(loops)
+
+    return canonical(one) == canonical(other)
+
+
+# Path data
+
+
+def on_path(data: str, count: int = 40) -> np.ndarray:
+    """Points along a path by Bernstein polynomials."""
+    parts = []
+    for path in read_path(data):
+        for control in path.curves:
+            parts.append(BPoly(control[:, None, :], [0.0, 1.0])(np.linspace(0.0, 1.0, count)))
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize(
+    ("absolute", "relative"),
+    [
+        ("M1 2 L4 2 L4 6 Z", "m1 2 l3 0 l0 4 z"),
+        ("M1 2 H4 V6 Z", "m1,2 h3v4z"),
+        ("M1 2 4 2 4 6Z", "m1 2 3 0 0 4z"),
+        ("M0 0 C1 2 3 4 5 0 S9 -4 10 0 Z", "m0 0c1 2 3 4 5 0s4-4 5 0z"),
+        ("M0 0 Q2 4 5 0 T10 0 T15 0 Z", "m0 0q2 4 5 0t5 0t5 0z"),
+        ("M0 0 A5 3 20 0 1 6 1 A5 3 20 1 0 0 0", "m0 0a5 3 20 01 6 1a5 3 20 10-6-1"),
+        ("M1.5 .5 L-.5 1e1 L2 -3 Z", "M1.5.5-.5 10 2-3z"),
+        ("M1 1 L3 1 L3 3 Z M5 5 L7 5 L7 7 Z", "m1 1l2 0l0 2zm4 4l2 0l0 2z"),
+        ("M1 1 L3 1 L3 3 Z L1 5 L5 5 Z", "M1 1 L3 1 L3 3 Z l0 4 l4 0 z"),
+    ],
+)
+def test_relative_commands_are_the_absolute_ones(absolute: str, relative: str) -> None:
+    assert on_path(relative) == pytest.approx(on_path(absolute), abs=1e-12)
+    assert [path.closed for path in read_path(relative)] == [path.closed for path in read_path(absolute)]
+
+
+def test_smooth_commands_mirror_the_last_control_point() -> None:
+    assert on_path("M0 0 C1 2 3 4 5 0 S9 -4 10 0") == pytest.approx(on_path("M0 0 C1 2 3 4 5 0 C7 -4 9 -4 10 0"))
+    assert on_path("M0 0 L5 0 S9 -4 10 0") == pytest.approx(on_path("M0 0 L5 0 C5 0 9 -4 10 0"))
+    assert on_path("M0 0 Q2 4 5 0 T10 0 T15 0") == pytest.approx(on_path("M0 0 Q2 4 5 0 Q8 -4 10 0 Q12 4 15 0"))
+    assert on_path("M0 0 L5 0 T10 0") == pytest.approx(on_path("M0 0 L5 0 Q5 0 10 0"))
+    assert on_path("M0 0 C1 2 3 4 5 0 T10 0") == pytest.approx(on_path("M0 0 C1 2 3 4 5 0 Q5 0 10 0"))
+
+
+@pytest.mark.parametrize("large", [0, 1])
+@pytest.mark.parametrize("sweep", [0, 1])
+def test_arcs_lie_on_their_ellipse_and_turn_the_right_way(large: int, sweep: int) -> None:
+    start, end, radii, turn = np.array([1.0, 2.0]), np.array([4.0, 3.0]), np.array([5.0, 2.5]), math.radians(30)
+    points = on_path(f"M1 2 A5 2.5 30 {large} {sweep} 4 3")
+    assert points[0] == pytest.approx(start)
+    assert points[-1] == pytest.approx(end)
+    axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    circle = points @ axes / radii
+    # the centre of the unit circle through all of them, by least squares
+    system = np.column_stack((2.0 * circle, np.ones(len(circle))))
+    (cx, cy, rest), *_ = np.linalg.lstsq(system, (circle**2).sum(axis=1), rcond=None)
+    assert math.sqrt(rest + cx * cx + cy * cy) == pytest.approx(1.0, abs=1e-6)
+    angles = np.unwrap(np.arctan2(circle[:, 1] - cy, circle[:, 0] - cx))
+    assert (abs(angles[-1] - angles[0]) > math.pi) == bool(large)
+    assert (angles[-1] > angles[0]) == bool(sweep)
+
+
+def test_arcs_out_of_range_are_mended_as_the_standard_says() -> None:
+    half_circle = on_path("M0 0 A1 1 0 0 1 10 0")  # radii too small: widened
+    assert np.hypot(half_circle[:, 0] - 5.0, half_circle[:, 1]) == pytest.approx(np.full(len(half_circle), 5.0))
+    assert on_path("M0 0 A0 5 0 0 1 10 0", 2) == pytest.approx(np.array([[0, 0], [10, 0]]))
+    assert read_path("M3 3 A1 1 0 0 1 3 3") == []
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.1, 1e-3])
+@pytest.mark.parametrize("data", ["M0 0C30 90 60 -80 100 5", "M0 0Q40 90 100 0", "M0 0A40 90 10 1 1 30 0", "M0 0L5 5"])
+def test_chords_stay_within_the_tolerance(data: str, tolerance: float) -> None:
+    (path,) = read_path(data)
+    chords = shapely.LineString(flattened(path.curves, tolerance))
+    dense = on_path(data, 500)
+    assert shapely.distance(shapely.points(dense), chords).max() <= tolerance * 1.0001
+    assert shapely.distance(shapely.points(np.array(chords.coords)), shapely.LineString(dense)).max() < 0.01
+    assert chords.length == pytest.approx(shapely.LineString(dense).length, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        ("L1 1 2 2", "begins with M"),
+        ("M1 1 L2", "argument 2 of L is missing"),
+        ("M1 1 L2 2 X", r"character 9 \(X\)"),
+        ("M0 0 A5 5 0 2 1 9 9", "argument 4 of A"),
+        ("5 5", "a command is missing"),
+        ("M0 0 L1 1 Z 5 5", "a command is missing"),
+    ],
+)
+def test_path_data_that_go_wrong_are_located(data: str, sentence: str) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
+        from_svg(svg(f'<path d="{data}"/>'))
+
+
+# Elements
+
+
+def test_basic_shapes_have_their_areas() -> None:
+    assert area_of('<rect x="1" y="2" width="3" height="4"/>') == 12.0
+    assert area_of('<circle cx="5" cy="5" r="3"/>', tolerance=1e-5) == pytest.approx(9.0 * math.pi, rel=1e-5)
+    assert area_of('<ellipse cx="5" cy="5" rx="3" ry="1"/>', tolerance=1e-5) == pytest.approx(3.0 * math.pi, rel=1e-5)
+    rounded = '<rect width="8" height="6" rx="2" ry="1"/>'
+    assert area_of(rounded, tolerance=1e-5) == pytest.approx(48.0 - (4.0 - math.pi) * 2.0, rel=1e-5)
+    assert area_of('<rect width="8" height="6" rx="50"/>', tolerance=1e-5) == pytest.approx(math.pi * 12.0, rel=1e-4)
+    assert area_of('<polygon points="0,0 4,0 4,3"/>') == 6.0
+    assert area_of('<polyline points="0,0 4,0 4,3"/>') == 6.0  # filled, it is closed
+    assert area_of('<path d="M0 0 L4 0 L4 3"/>') == 6.0
+    assert area_of('<rect width="1in" height="25.4mm"/>') == pytest.approx(96.0**2)
+
+
+@pytest.mark.parametrize(
+    ("transform", "matrix"),
+    [
+        ("translate(3, -2)", [[1, 0, 3], [0, 1, -2]]),
+        ("translate(3)", [[1, 0, 3], [0, 1, 0]]),
+        ("scale(2 3)", [[2, 0, 0], [0, 3, 0]]),
+        ("scale(-2)", [[-2, 0, 0], [0, -2, 0]]),
+        ("rotate(90)", [[0, -1, 0], [1, 0, 0]]),
+        ("rotate(90 1 1)", [[0, -1, 2], [1, 0, 0]]),
+        ("matrix(1 2 3 4 5 6)", [[1, 3, 5], [2, 4, 6]]),
+        ("skewX(45)", [[1, 1, 0], [0, 1, 0]]),
+        ("skewY(45)", [[1, 0, 0], [1, 1, 0]]),
+        ("translate(1,2)scale(2),rotate(90)", [[0, -2, 1], [2, 0, 2]]),
+    ],
+)
+def test_transforms(transform: str, matrix: list[list[float]]) -> None:
+    rows = np.array(matrix, dtype=float)
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])
+    body = f'<g transform="{transform}"><polygon points="0,0 4,0 4,3"/></g>'
+    assert from_svg(svg(body)).vertices == pytest.approx(corners @ rows[:, :2].T + rows[:, 2], abs=1e-12)
+
+
+def test_transforms_of_groups_multiply() -> None:
+    body = '<g transform="translate(10 0)"><g transform="scale(2)"><rect x="1" width="1" height="1"/></g></g>'
+    assert from_svg(svg(body)).vertices.min(axis=0) == pytest.approx([12.0, 0.0])
+
+
+def test_what_is_not_painted_is_left_out() -> None:
+    hidden = (
+        '<defs><rect width="100" height="100"/></defs><rect width="90" height="9" fill="none"/>'
+        '<rect width="80" height="8" style="display: none"/><g visibility="hidden"><rect width="70" height="7"/></g>'
+        '<clipPath><rect width="60" height="6"/></clipPath><rect width="50" height="5" class="ghost"/>'
+        "<style>/* no paint */ .ghost, .other { fill: none; }</style>"
+    )
+    assert area_of(hidden + '<rect width="2" height="3"/>') == 6.0
+    assert area_of('<g fill="none"><rect width="9" height="9"/><rect width="2" height="3" fill="red"/></g>') == 6.0
+
+
+def test_outlines_count_where_nothing_is_filled() -> None:
+    body = '<g fill="none" stroke="black"><rect width="9" height="9"/><path d="M0 0 L50 50 L0 50"/></g>'
+    assert area_of(body) == 81.0
+
+
+def test_symbols_and_references_are_followed() -> None:
+    body = '<defs><rect id="r" width="2" height="2"/></defs><use href="#r" x="5"/>'
+    assert from_svg(svg(body)).vertices.tolist() == [[5, 0], [7, 0], [7, 2], [5, 2]]
+    symbol = (
+        '<symbol id="s" viewBox="0 0 10 10"><rect width="10" height="10"/></symbol>'
+        '<use href="#s" x="3" y="4" width="20" height="40"/>'
+    )
+    assert from_svg(svg(symbol)).vertices.min(axis=0).tolist() == [3, 14]
+    assert from_svg(svg(symbol)).area == 400.0
+    linked = '<defs><rect id="r" width="2" height="2"/></defs><use xlink:href="#r"/>'
+    assert from_svg(svg(linked, 'xmlns:xlink="http://www.w3.org/1999/xlink"')).area == 4.0
+    nested = '<svg x="10" y="0" width="5" height="5" viewBox="0 0 1 1"><rect width="1" height="1"/></svg>'
+    assert from_svg(svg(nested)).vertices.max(axis=0).tolist() == [15, 5]
+
+
+def test_one_element_can_be_read_alone() -> None:
+    body = '<g id="two" transform="scale(2)"><rect width="1" height="1"/></g>'
+    body += '<rect id="one" x="9" width="3" height="1"/>'
+    assert from_svg(svg(body), element="two").area == 4.0
+    assert from_svg(svg(body), element="one").area == 3.0
+    with pytest.raises(NestedCagesError, match="no element with the id 'three'; its ids: one, two"):
+        from_svg(svg(body), element="three")
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("hello", "not an SVG document"),
+        ("<html/>", "its root element is 'html'"),
+        (svg(""), "no filled or closed shapes"),
+        (svg('<text x="0">A</text>'), "convert text to paths"),
+        (svg('<use href="#nothing"/>'), "uses '#nothing'"),
+        (svg('<use href="other.svg#a"/>'), "embed it"),
+        (svg('<g id="a"><use href="#a"/></g>'), "uses itself"),
+        (svg('<rect width="50%" height="1"/>'), "width of the rect is '50%'"),
+        (svg('<rect width="1" height="1" transform="spin(5)"/>'), r"transform 'spin\(5\)' cannot be read"),
+        (svg('<rect width="1" height="1" transform="scale(1,2,3)"/>'), "cannot be read"),
+        (svg('<path d="M0 0 L1 1 L2 2 Z"/>'), "inside"),
+        (svg('<path d="M0 0 L1e999 1 L2 5 Z"/>'), "not finite"),
+        (svg('<path d="M0 0 L0 0 Z"/>'), "inside|coincide"),
+    ],
+)
+def test_bad_documents_get_a_sentence(text: str, sentence: str) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
+        from_svg(text)
+    with pytest.raises(NestedCagesError, match="tolerance"):
+        from_svg(text, tolerance=0.0)
+
+
+# Fill rules and overlaps
+
+OUTER, INNER = "M0 0 H10 V10 H0 Z", "M2 2 H8 V8 H2 Z"
+INNER_BACK, DEEP = "M2 2 V8 H8 V2 Z", "M4 4 H6 V6 H4 Z"
+
+
+@pytest.mark.parametrize(
+    ("data", "rule", "area"),
+    [
+        (f"{OUTER} {INNER}", "evenodd", 64.0),
+        (f"{OUTER} {INNER}", "nonzero", 100.0),
+        (f"{OUTER} {INNER_BACK}", "nonzero", 64.0),
+        (f"{OUTER} {INNER_BACK}", "evenodd", 64.0),
+        (f"{OUTER} {INNER} {DEEP}", "evenodd", 68.0),
+        (f"{OUTER} {INNER} {DEEP}", "nonzero", 100.0),
+        (f"{OUTER} {INNER_BACK} {DEEP}", "nonzero", 68.0),
+    ],
+)
+def test_fill_rules(data: str, rule: str, area: float) -> None:
+    assert area_of(f'<path fill-rule="{rule}" d="{data}"/>') == area
+    assert area_of(f'<path style="fill-rule:{rule}" d="{data}"/>') == area
+
+
+def test_shapes_painted_over_holes_fill_them() -> None:
+    frame = f'<path fill-rule="evenodd" d="{OUTER} {INNER}"/>'
+    assert area_of(f'{frame}<rect x="1" y="1" width="8" height="8"/>') == 100.0
+    assert area_of(f'{frame}<rect x="4" y="4" width="2" height="2"/>') == 68.0
+
+
+def test_a_pentagram_by_both_rules() -> None:
+    corners = ring(5)[[0, 2, 4, 1, 3]]
+    tips = shapely.Polygon(ring(5))  # the whole star is the pentagon of its tips less five triangles
+    data = "M" + " ".join(f"{x} {y}" for x, y in corners) + "Z"
+    lines = shapely.polygonize([shapely.unary_union(shapely.LineString([*corners, corners[0]]))]).geoms
+    middle = max(lines, key=lambda part: part.area)
+    star_area = sum(part.area for part in lines)
+    assert tips.area > star_area > middle.area
+    whole = from_svg(svg(f'<path d="{data}"/>'))
+    assert whole.area == pytest.approx(star_area)
+    assert len(whole.vertices) == 10
+    with pytest.raises(InvalidMeshError, match="both lie at"):  # five triangles that touch in their corners
+        from_svg(svg(f'<path fill-rule="evenodd" d="{data}"/>'))
+
+
+def blob(seed: int, count: int = 24) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return ring(count) * rng.uniform(0.4, 1.0, count)[:, None] + rng.uniform(-0.6, 0.6, 2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.integers(0, 10_000), min_size=1, max_size=6, unique=True))
+def test_overlapping_shapes_are_united(seeds: list[int]) -> None:
+    blobs = [blob(seed) for seed in seeds]
+    expected = shapely.unary_union([shapely.Polygon(points) for points in blobs])
+    found = polygon(solid([Painted([points]) for points in blobs]))
+    assert found.symmetric_difference(expected).area < 1e-9
+    assert len(shapely.get_parts(found)) == len(shapely.get_parts(expected))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.integers(0, 10_000), min_size=2, max_size=4, unique=True))
+def test_evenodd_is_the_symmetric_difference(seeds: list[int]) -> None:
+    blobs = [blob(seed) for seed in seeds]
+    expected = shapely.Polygon()
+    for points in blobs:
+        expected = expected.symmetric_difference(shapely.Polygon(points))
+    try:
+        found = solid([Painted(blobs, evenodd=True)])
+    except InvalidMeshError as error:
+        assert "both lie at" in str(error)  # loops that cross leave corners that touch
+    else:
+        assert polygon(found).symmetric_difference(expected).area < 1e-9
+
+
+def test_edges_in_common_vanish() -> None:
+    squares = [ring(4, math.sqrt(0.5), math.pi / 4).round(12) + np.array([x, y]) for x in range(3) for y in range(3)]
+    whole = solid([Painted([square]) for square in squares])
+    assert whole.area == pytest.approx(9.0)
+    assert len(whole.loops) == 1
+    frame = solid([Painted([square]) for k, square in enumerate(squares) if k != 4])
+    assert frame.area == pytest.approx(8.0)
+    assert frame.loop_signs.tolist().count(-1) == 1
+    twice = solid([Painted([squares[0]]), Painted([squares[0][::-1]])])
+    assert twice.area == pytest.approx(1.0)
+
+
+def test_half_overlapping_edges_are_cut() -> None:
+    left = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    assert solid([Painted([left]), Painted([left + np.array([2.0, 1.0])])]).area == pytest.approx(8.0)
+    assert solid([Painted([left]), Painted([0.5 * left + np.array([2.0, 0.5])])]).area == pytest.approx(5.0)
+
+
+def test_loops_without_crossing_keep_their_points() -> None:
+    mesh = islands()
+    again = solid([Painted([mesh.vertices[loop] for loop in mesh.loops])])
+    assert same(again, mesh)
+
+
+# There and back
+
+SHAPES = {"letter": letter_a(1), "islands": islands(), "star": star(5, 40)}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_is_written_is_read_back_to_the_last_bit(name: str, tmp_path: Path) -> None:
+    mesh = SHAPES[name]
+    mesh = Mesh(mesh.vertices * math.pi, mesh.edges)
+    write_svg(tmp_path / "a.svg", mesh)
+    write_geojson(tmp_path / "a.geojson", mesh)
+    write_engine_json(tmp_path / "a.json", mesh)
+    assert same(read_svg(tmp_path / "a.svg"), mesh)
+    assert same(read_geojson(tmp_path / "a.geojson"), mesh)
+    assert same(from_engine_json((tmp_path / "a.json").read_text()), mesh)
+
+
+def test_cages_hold_after_writing_and_reading() -> None:
+    fine = letter_a(2)
+    hierarchy = nested_cages(fine, [60, 30])
+    meshes = {"drawing": fine, "inner": hierarchy.cages[0], "outer": hierarchy.cages[1]}
+    text = to_svg(meshes)
+    read = {name: from_svg(text, element=name) for name in meshes}
+    assert all(same(read[name], mesh) for name, mesh in meshes.items())
+    assert verify(read["inner"], read["drawing"])
+    assert verify(read["outer"], read["inner"])
+    assert same(from_svg(text), hierarchy.cages[1])  # all painted together
+    features = features_from_geojson(to_geojson([Feature(mesh, {"name": name}) for name, mesh in meshes.items()]))
+    assert all(same(item.mesh, meshes[item.properties["name"]]) for item in features)
+
+
+def test_geojson_agrees_with_shapely() -> None:
+    mesh = islands()
+    document = json.loads(to_geojson(Feature(mesh, {"excess": 0.1}, id="a")))
+    assert document["type"] == "FeatureCollection"
+    (feature,) = document["features"]
+    assert (feature["id"], feature["properties"]) == ("a", {"excess": 0.1})
+    shape = shapely.geometry.shape(feature["geometry"])
+    assert shape.is_valid
+    assert shape.equals(polygon(mesh))
+    for part in shape.geoms:  # RFC 7946: outer rings counter-clockwise, holes clockwise
+        assert part.exterior.is_ccw
+        assert not any(hole.is_ccw for hole in part.interiors)
+
+
+def test_neighbouring_regions_are_read_as_features() -> None:
+    rings = [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], [[1, 0], [2, 0], [2, 1], [1, 1], [1, 0]]]
+    members = [
+        {"type": "Feature", "id": k, "properties": None, "geometry": {"type": "Polygon", "coordinates": [each]}}
+        for k, each in enumerate(rings)
+    ]
+    members.append({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 0]}})
+    text = json.dumps({"type": "FeatureCollection", "features": members})
+    found = features_from_geojson(text)
+    assert [(item.id, item.mesh.area, dict(item.properties)) for item in found] == [(0, 1.0, {}), (1, 1.0, {})]
+    with pytest.raises(InvalidMeshError):
+        from_geojson(text)
+    assert features_from_geojson(json.dumps({"type": "Polygon", "coordinates": [rings[0]]}))[0].mesh.area == 1.0
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "{}", '{"type": "FeatureCollection", "features": 5}', '{"type": "Point"}']
+)
+def test_bad_geojson_gets_a_sentence(text: str) -> None:
+    with pytest.raises(NestedCagesError):
+        from_geojson(text)
+
+
+def test_collision_outlines_turn_as_engines_expect() -> None:
+    mesh = annulus(6)
+    for flip in (None, 100.0):
+        document = json.loads(to_engine_json(mesh, flip_y=flip, triangles=True))
+        (part,) = document["polygons"]
+        assert shapely.LinearRing(part["outer"]).is_ccw
+        assert not shapely.LinearRing(part["holes"][0]).is_ccw
+        points = np.array(document["points"])
+        corners = points[document["triangles"]]
+        assert all(shapely.LinearRing(each).is_ccw for each in corners)
+        union = shapely.unary_union([shapely.Polygon(each) for each in corners])
+        assert union.symmetric_difference(shapely.Polygon(part["outer"], part["holes"])).area < 1e-12
+        assert same(from_engine_json(json.dumps(document), flip_y=flip), mesh) or flip is not None
+    flipped = np.array(json.loads(to_engine_json(mesh, flip_y=8.0))["polygons"][0]["outer"])
+    assert sorted(flipped[:, 1].tolist()) == pytest.approx(sorted((8.0 - mesh.vertices[mesh.loops[0], 1]).tolist()))
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"polygons": [{"outer": [1, 2], "holes": []}]}', '{"polygons": 3}'])
+def test_bad_outlines_get_a_sentence(text: str) -> None:
+    with pytest.raises(NestedCagesError):
+        from_engine_json(text)
+
+
+def test_the_drawing_of_the_demo_is_read() -> None:
+    mesh = read_svg(EXAMPLES / "letter_a.svg")
+    assert len(mesh.loops) >= 2
+    assert verify(nested_cages(mesh, [48]).cages[0], mesh)
