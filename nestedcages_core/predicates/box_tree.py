@@ -135,10 +135,11 @@ class BoxTree:
     @cached_property
     def sizes(self) -> list[float]:
         """Mean extent of the boxes of each level."""
-        return [
-            float(boxes[2:, :count].mean() - boxes[:2, :count].mean()) if count else 0.0
-            for boxes, count in zip(self.levels, self.counts, strict=True)
-        ]
+        with np.errstate(over="ignore", invalid="ignore"):  # a guide to what to open first, right or not
+            return [
+                float(boxes[2:, :count].mean() - boxes[:2, :count].mean()) if count else 0.0
+                for boxes, count in zip(self.levels, self.counts, strict=True)
+            ]
 
     def oriented(self, level: int) -> OrientedBoxes:
         """The turned boxes of a level, made when they are first asked for."""

@@ -13,8 +13,8 @@ from .orientation import orientation
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
 
-POINT_BLOCK = 2**17
-"""Points whose rays are followed at once; bounds the memory to about 200 MB."""
+PAIR_BLOCK = 2**19
+"""Pairs of a point and a box that are looked at once; bounds the memory to about 100 MB."""
 
 
 def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
@@ -49,51 +49,64 @@ def ray_crossings(points: FloatArray, tree: BoxTree) -> RayCrossings:
     first to its last vertex. So only boxes around a point are opened, and the cost is about log E per point. A vertex
     on the ray counts as below it, so a ray through a vertex is counted once.
     """
-    parts = [(np.zeros(0, dtype=np.int64),) * 3]
-    touching = [np.zeros(0, dtype=np.int64)]
-    for first in range(0, len(points) if len(tree) else 0, POINT_BLOCK):
-        rays = _Rays(points[first : first + POINT_BLOCK], tree)
-        touching.append(rays.follow() + first)
-        parts += [(point + first, chain, value) for point, chain, value in rays.parts]
-    point, chain, value = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return RayCrossings(point, chain, value, np.concatenate(touching))
+    rays = _Rays(points, tree)
+    if len(tree):
+        rays.follow()
+    point, chain, value = (np.concatenate(column) for column in zip(*rays.parts, strict=True))
+    return RayCrossings(point, chain, value, np.unique(np.concatenate(rays.touching)))
 
 
 class _Rays:
-    """The rays from points (P, 2) to the right on their way down a tree; parts: (point, chain, value) found so far."""
+    """The rays from points (P, 2) to the right on their way down a tree.
+
+    parts: (point, chain, value) counted so far; touching: points found on an edge so far.
+    """
 
     def __init__(self, points: FloatArray, tree: BoxTree) -> None:
         self.points, self.tree = points, tree
         self.starts, self.ends = tree.sorted_segments
-        self.parts: list[tuple[IntArray, IntArray, IntArray]] = []
+        none = np.zeros(0, dtype=np.int64)
+        self.parts: list[tuple[IntArray, IntArray, IntArray]] = [(none, none, none)]
+        self.touching: list[IntArray] = [none]
 
-    def follow(self) -> IntArray:
-        """Find all parts; the points that lie on an edge, (T,)."""
-        tree, (x, y) = self.tree, np.ascontiguousarray(self.points.T)
-        level = len(tree.levels) - 1
-        top = tree.levels[level].shape[1]
-        p, node = np.repeat(np.arange(len(x)), top), np.tile(np.arange(top), len(x))
-        while True:
-            low_x, low_y, high_x, high_y = tree.levels[level].take(node, axis=1)
-            px, py = x.take(p), y.take(p)
-            beside = (px <= high_x) & (low_y <= py) & (py <= high_y)
-            inside = beside & (low_x <= px)
+    def follow(self) -> None:
+        """Open the boxes around each point, down to the single segments."""
+        count, level = len(self.points), len(self.tree.levels) - 1
+        top = self.tree.levels[level].shape[1]
+        waiting = [(level, np.repeat(np.arange(count), top), np.tile(np.arange(top), count))]
+        tally = [0] * (level + 1)
+        while waiting:
+            level, p, node = waiting.pop()
+            if len(p) > PAIR_BLOCK:
+                middle = len(p) // 2
+                waiting += [(level, p[middle:], node[middle:]), (level, p[:middle], node[:middle])]
+                continue
+            p, node = self._open(level, p, node, tally)
             if level == 0:
-                right = beside & ~inside
-                self._count(p[right], node[right], node[right])
-                return self._touch(p[inside], node[inside])
-            if np.count_nonzero(inside) > CROWDED * len(x):
-                held = np.flatnonzero(inside)
-                inside[held] = tree.oriented(level).may_hold(node[held], self.points[p[held]])
-            done = np.flatnonzero(beside & ~inside)
-            span = FANOUT**level
-            first, last = node[done] * span, np.minimum(node[done] * span + span, len(tree)) - 1
-            if not tree.closed:
-                whole = tree.chain[first] == tree.chain[last]
-                inside[done[~whole]] = True
-                done, first, last = done[whole], first[whole], last[whole]
-            self._cross(p[done], first, last)
-            p, node, level = np.repeat(p[inside], FANOUT), children(node[inside]), level - 1
+                self._touch(p, node)
+            else:
+                waiting.append((level - 1, np.repeat(p, FANOUT), children(node)))
+
+    def _open(self, level: int, p: IntArray, node: IntArray, tally: list[int]) -> tuple[IntArray, IntArray]:
+        """The pairs whose box holds the point; pairs whose box is to the right are counted. tally: pairs opened."""
+        tree = self.tree
+        low_x, low_y, high_x, high_y = tree.levels[level].take(node, axis=1)
+        x, y = self.points[p].T
+        beside = (x <= high_x) & (low_y <= y) & (y <= high_y)
+        inside = beside & (low_x <= x)
+        tally[level] += np.count_nonzero(inside)
+        if level > 0 and tally[level] > CROWDED * len(self.points):
+            held = np.flatnonzero(inside)
+            inside[held] = tree.oriented(level).may_hold(node[held], self.points[p[held]])
+        done = np.flatnonzero(beside & ~inside)
+        span = FANOUT**level
+        first, last = node[done] * span, np.minimum(node[done] * span + span, len(tree)) - 1
+        if not tree.closed:
+            whole = tree.chain[first] == tree.chain[last]
+            inside[done[~whole]] = True
+            done, first, last = done[whole], first[whole], last[whole]
+        self._cross(p[done], first, last)
+        return p[inside], node[inside]
 
     def _cross(self, point: IntArray, first: IntArray, last: IntArray) -> None:
         """Count stretches of segments first..last by their chords; whole closed chains in between add nothing."""
@@ -104,11 +117,11 @@ class _Rays:
         self._count(point, first, bounds[chain[first] + 1] - 1)
         self._count(point, bounds[chain[last]], last)
 
-    def _touch(self, point: IntArray, segment: IntArray) -> IntArray:
-        """Count single segments; the points that lie on one, (T,)."""
+    def _touch(self, point: IntArray, segment: IntArray) -> None:
+        """Count single segments, and note the points that lie on one."""
         self._count(point, segment, segment)
         sides = orientation(self.starts[segment], self.ends[segment], self.points[point])
-        return np.asarray(np.unique(point[sides == 0]))
+        self.touching.append(point[sides == 0])
 
     def _count(self, point: IntArray, first: IntArray, last: IntArray) -> None:
         """Count the chords from the start of segment first to the end of last, where they pass right of the point."""

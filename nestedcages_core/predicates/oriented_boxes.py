@@ -16,9 +16,10 @@ LEAST_SEPARATION = 1e-290
 
 
 class OrientedBoxes:
-    """Boxes of one level of a tree: middle (N, 2), unit axis (N, 2), half length along it and half width across, (N,).
+    """Boxes of one level of a tree; each has the direction of the longest segment in it.
 
-    Each box has the direction of the longest segment in it. longest: (N,) the length of that segment.
+    middle: (N, 2); axis: (N, 2) unit vectors; half: (N, 2) half of the length along the axis and of the width across;
+    longest: (N,) length of the longest segment.
     """
 
     def __init__(self, middle: FloatArray, axis: FloatArray, half: FloatArray, longest: FloatArray) -> None:
@@ -29,12 +30,13 @@ class OrientedBoxes:
     def of_segments(cls, starts: FloatArray, ends: FloatArray) -> OrientedBoxes:
         """The flat box of each segment (E, 2) -> (E, 2)."""
         with _beyond_range():
-            along = 0.5 * ends - 0.5 * starts
-            half_length = np.hypot(*along.T)
-            axis = along / np.where(half_length > 0.0, half_length, 1.0)[:, None]
-            axis[~np.isfinite(axis).all(axis=1) | ~axis.any(axis=1)] = (1.0, 0.0)
-            half = np.stack((half_length, np.zeros(len(starts))), axis=1)
-            return cls(0.5 * starts + 0.5 * ends, axis, half, half_length)
+            along = ends - starts
+            greatest = np.abs(along).max(axis=1, initial=0.0)
+            slope = along / greatest[:, None]
+            axis = slope / np.hypot(*slope.T)[:, None]
+            axis[~np.isfinite(axis).all(axis=1)] = (1.0, 0.0)  # of a point, or of a length beyond the range
+            half = np.stack((0.5 * np.hypot(*along.T), np.zeros(len(starts))), axis=1)
+            return cls(0.5 * starts + 0.5 * ends, axis, half, half[:, 0])
 
     def parents(self, fanout: int) -> OrientedBoxes:
         """The boxes around `fanout` consecutive boxes each."""
@@ -45,50 +47,45 @@ class OrientedBoxes:
             lead = begins + longest.argmax(axis=1)
             axis = self.axis[lead]
             owner = np.arange(len(self.longest)) // fanout
-            offset = self.middle - self.middle[lead][owner]
-            low, high = [], []
-            for direction in (axis[owner], _across(axis)[owner]):
-                place = (offset * direction).sum(axis=1)
-                reach = self.reach(np.arange(len(owner)), direction)
-                low.append(np.minimum.reduceat(place - reach, begins))
-                high.append(np.maximum.reduceat(place + reach, begins))
-            centre = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
-            middle = self.middle[lead] + centre[0][:, None] * axis + centre[1][:, None] * _across(axis)
-            half = np.stack([0.5 * (b - a) for a, b in zip(low, high, strict=True)], axis=1)
-            return OrientedBoxes(middle, axis, half, longest.max(axis=1))
-
-    def reach(self, nodes: IntArray, direction: FloatArray) -> FloatArray:
-        """Half the extent of boxes (K,) along unit directions (K, 2)."""
-        axis, half = self.axis[nodes], self.half[nodes]
-        across = _across(axis)
-        along_axis, along_across = np.abs((axis * direction).sum(axis=1)), np.abs((across * direction).sum(axis=1))
-        return np.asarray(half[:, 0] * along_axis + half[:, 1] * along_across)
+            along, across = _coordinates(self.middle - self.middle[lead][owner], axis[owner])
+            cosine, sine = (np.abs(x) for x in _coordinates(self.axis, axis[owner]))
+            length, width = self.half.T
+            extents = []
+            for place, reach in ((along, length * cosine + width * sine), (across, length * sine + width * cosine)):
+                low, high = np.minimum.reduceat(place - reach, begins), np.maximum.reduceat(place + reach, begins)
+                extents.append((0.5 * (low + high), 0.5 * (high - low)))
+            (shift, length), (shift_across, width) = extents
+            middle = self.middle[lead] + shift[:, None] * axis + shift_across[:, None] * _across(axis)
+            return OrientedBoxes(middle, axis, np.stack((length, width), axis=1), longest.max(axis=1))
 
     def gap(self, i: IntArray, other: OrientedBoxes, j: IntArray) -> FloatArray:
         """How far the boxes i of this level and j of the other are apart across their axes, at least, (K,)."""
         with _beyond_range():
-            offset = other.middle[j] - self.middle[i]
-            gap = np.full(len(i), -np.inf)
-            for boxes, nodes in ((self, i), (other, j)):
-                direction = _across(boxes.axis[nodes])
-                reach = self.reach(i, direction) + other.reach(j, direction)
-                np.fmax(gap, np.abs((offset * direction).sum(axis=1)) - reach - self.slack - other.slack, out=gap)
-            return gap
+            offset, axis, other_axis = other.middle[j] - self.middle[i], self.axis[i], other.axis[j]
+            (length, width), (other_length, other_width) = self.half[i].T, other.half[j].T
+            cosine, sine = (np.abs(x) for x in _coordinates(other_axis, axis))
+            gap = np.abs(_coordinates(offset, axis)[1]) - width - other_length * sine - other_width * cosine
+            other_gap = np.abs(_coordinates(offset, other_axis)[1]) - other_width - length * sine - width * cosine
+            return np.asarray(np.fmax(np.fmax(gap, other_gap), -np.inf) - self.slack - other.slack)
 
     def may_hold(self, nodes: IntArray, points: FloatArray) -> BoolArray:
         """Whether boxes (K,) hold points (K, 2), across both their axes, (K,)."""
         with _beyond_range():
-            offset = points - self.middle[nodes]
-            axis, half = self.axis[nodes], self.half[nodes]
+            along, across = _coordinates(points - self.middle[nodes], self.axis[nodes])
+            length, width = self.half[nodes].T
             slack = self.slack + ROUNDING * np.abs(points).max(axis=1)
-            outside = np.abs((offset * axis).sum(axis=1)) - half[:, 0] > slack
-            outside |= np.abs((offset * _across(axis)).sum(axis=1)) - half[:, 1] > slack
-            return np.asarray(~outside)
+            return np.asarray(~((np.abs(along) - length > slack) | (np.abs(across) - width > slack)))
 
 
 def _beyond_range() -> AbstractContextManager[None]:
     """Beyond the range of a double nothing is told apart, which is safe, so numpy need not warn."""
-    return np.errstate(over="ignore", under="ignore", invalid="ignore")
+    return np.errstate(all="ignore")
+
+
+def _coordinates(vectors: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Components of vectors (K, 2) along unit axes (K, 2) and across them, (K,), (K,)."""
+    (x, y), (u, v) = vectors.T, axis.T
+    return x * u + y * v, y * u - x * v
 
 
 def _across(axis: FloatArray) -> FloatArray:
