@@ -1,0 +1,9 @@
+"""Pictures in: PNG files, the boundary of what is opaque in them, and collision outlines."""
+
+from __future__ import annotations
+
+from .boundary import boundary_of_pixels
+from .collision import alpha_channel, collision_outline
+from .png import decode_png, read_png
+
+__all__ = ["alpha_channel", "boundary_of_pixels", "collision_outline", "decode_png", "read_png"]

@@ -1,0 +1,87 @@
+"""Collision outlines of sprites: few vertices, and no opaque pixel left outside."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .._types import AnyArray, BoolArray, FloatArray
+from ..errors import NestedCagesError
+from ..hierarchy import Settings, nested_cages
+from ..mesh import Mesh
+from .boundary import boundary_of_pixels
+
+
+def alpha_channel(picture: AnyArray) -> FloatArray:
+    """(H, W) opacity in [0, 1] of a picture (H, W), (H, W, 2) or (H, W, 4), alpha last; integers span their type."""
+    given = np.asarray(picture)
+    if given.ndim == 3 and given.shape[2] in (2, 4):
+        given = given[:, :, -1]
+    if given.ndim != 2 or given.dtype.kind not in "buif":
+        raise NestedCagesError(
+            f"A picture of shape {given.shape} and type {given.dtype} has no alpha channel; give (H, W, 4), or (H, W) "
+            "opacities."
+        )
+    if given.dtype.kind in "ui":
+        return given.astype(np.float64) / float(np.iinfo(given.dtype).max)
+    return given.astype(np.float64)
+
+
+def collision_outline(
+    picture: AnyArray,
+    vertices: int,
+    *,
+    padding: float = 0.0,
+    threshold: float = 0.0,
+    holes: bool = False,
+    settings: Settings | None = None,
+) -> Mesh:
+    """An outline of so many vertices, or of fewer where the pixels have fewer corners, around all opaque pixels.
+
+    picture: as `alpha_channel` reads it; unit: pixels, x to the right and y downwards, pixel (row, column) the square
+    from (column, row) on; padding: distance in pixels that the outline keeps from them; threshold: opacity above which
+    a pixel counts as opaque; holes: whether holes are kept open. Parts and holes with no room for the padding are
+    joined and closed.
+
+    Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
+    """
+    if not padding >= 0.0 or not np.isfinite(padding):
+        raise NestedCagesError(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
+    opaque = alpha_channel(picture) > threshold
+    chosen = settings if settings is not None else Settings()
+    fine = boundary_of_pixels(_without_holes(opaque, holes))
+    if padding == 0.0:
+        return _cage(fine, vertices, chosen)
+    try:
+        return _cage(fine, vertices, replace(chosen, clearance=padding))
+    except NestedCagesError:
+        grown = _grown(opaque, padding, holes)
+        if len(grown.loops) == len(fine.loops):
+            raise
+        return _cage(grown, vertices, chosen)
+
+
+def _cage(fine: Mesh, vertices: int, settings: Settings) -> Mesh:
+    return nested_cages(fine, [min(vertices, len(fine.vertices))], settings).cages[0]
+
+
+def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
+    """The pixels, enclosed transparent ones included unless holes are kept."""
+    if holes:
+        return opaque
+    from scipy.ndimage import binary_fill_holes  # takes long to import
+
+    return np.asarray(binary_fill_holes(opaque))
+
+
+def _grown(opaque: BoolArray, padding: float, holes: bool) -> Mesh:
+    """The boundary of all pixels that come closer than the padding to an opaque one, square to square."""
+    from scipy.ndimage import binary_dilation, distance_transform_edt
+
+    border = int(np.ceil(padding)) + 1
+    # squares are as far apart as the centre of one from the centres of the other and its neighbours
+    near = binary_dilation(np.pad(opaque, border), np.ones((3, 3)))
+    wide = np.asarray(distance_transform_edt(~near) < padding)
+    mesh = boundary_of_pixels(_without_holes(wide, holes))
+    return Mesh(mesh.vertices - border, mesh.edges)
