@@ -20,9 +20,25 @@ from .energies import (
     WeightedSum,
 )
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
+from .exchange import (
+    Feature,
+    features_from_geojson,
+    from_engine_json,
+    from_geojson,
+    from_svg,
+    read_geojson,
+    read_svg,
+    to_engine_json,
+    to_geojson,
+    to_svg,
+    write_engine_json,
+    write_geojson,
+    write_svg,
+)
 from .flow import FlowResult, TwoSidedFlow
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
 from .mesh import Mesh
+from .pictures import alpha_channel, boundary_of_pixels, collision_outline, read_png
 from .reinflation import Reinflation
 from .solver import ProjectedNewton
 from .tightening import Tightening
@@ -37,6 +53,7 @@ __all__ = [
     "BoundaryARAP",
     "Certificate",
     "ElementEnergy",
+    "Feature",
     "FlowError",
     "FlowResult",
     "Grids",
@@ -67,10 +84,26 @@ __all__ = [
     "Tightening",
     "TwoSidedFlow",
     "WeightedSum",
+    "alpha_channel",
+    "boundary_of_pixels",
     "cage_coordinates",
+    "collision_outline",
     "deform",
+    "features_from_geojson",
+    "from_engine_json",
+    "from_geojson",
+    "from_svg",
     "grids",
     "nested_cages",
+    "read_geojson",
+    "read_png",
+    "read_svg",
+    "to_engine_json",
+    "to_geojson",
+    "to_svg",
     "verify",
     "verify_motion",
+    "write_engine_json",
+    "write_geojson",
+    "write_svg",
 ]
