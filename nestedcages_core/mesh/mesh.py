@@ -105,7 +105,7 @@ class Mesh:
             if len(ring) < 3:
                 at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
                 raise InvalidMeshError(
-                    f"Loop {k}{at} has {len(ring)} vertices, but a loop needs at least three; add some, or remove it."
+                    f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it."
                 )
             rings.append(ring)
         sizes = np.array([len(ring) for ring in rings])

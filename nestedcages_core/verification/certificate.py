@@ -94,7 +94,8 @@ def _turned_loops(cage: Mesh, judged: Mesh) -> IntArray:
 
 def _roles(mesh: Mesh) -> str:
     """How many loops of each kind there are."""
-    outer, holes = np.count_nonzero(mesh.loop_signs > 0), np.count_nonzero(mesh.loop_signs < 0)
+    outer = int((mesh.loop_signs > 0).sum())
+    holes = len(mesh.loops) - outer
     return f"{outer} outer loop{'s' * (outer != 1)} and {holes or 'no'} hole{'s' * (holes != 1)}"
 
 
