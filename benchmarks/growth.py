@@ -1,0 +1,131 @@
+"""How time and memory grow from 3,000 to 100,000 fine vertices, with a hundredth as many cage vertices.
+
+    python benchmarks/growth.py [--largest 100000] [--start hull|curve] [--plot docs/growth.png]
+
+Three kinds of shapes: a fractal coast, a smooth blob and a rough one. Every case runs in a process of its own, whose
+peak memory the operating system
+tells. Prints seconds per phase and the slope of the total time on a log-log scale (1 is linear).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from nestedcages_core import Mesh, OnCurve, OuterHull, Settings, nested_cages
+
+SIZES = (3_000, 10_000, 30_000, 100_000)
+
+FINE_PER_CAGE_VERTEX = 100
+
+
+def smooth(count: int) -> Mesh:
+    """Twelve waves."""
+    return waves(count, np.arange(2, 14), 0.3)
+
+
+def rough(count: int) -> Mesh:
+    """Waves down to a few vertices long, each as steep as the others."""
+    return waves(count, np.unique(np.geomspace(2, count / 8, 60).astype(int)), 0.25)
+
+
+def waves(count: int, frequencies: np.ndarray, steepness: float) -> Mesh:
+    random = np.random.default_rng(1)
+    angle = 2.0 * np.pi * np.arange(count) / count
+    radius = np.ones(count)
+    for frequency in frequencies:
+        radius += steepness * random.normal() / frequency * np.cos(frequency * angle + random.uniform(0.0, 7.0))
+    return Mesh.from_loops([np.maximum(radius, 0.2)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)])
+
+
+def fractal(count: int) -> Mesh:
+    """A hexagon whose edges are broken at displaced midpoints until there are enough, then thinned evenly."""
+    random = np.random.default_rng(2)
+    angle = 2.0 * np.pi * np.arange(6) / 6
+    outline = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    while len(outline) < count:
+        following = np.roll(outline, -1, axis=0)
+        edge = following - outline
+        normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1)
+        middle = 0.5 * (outline + following) + 0.14 * random.uniform(-1.0, 1.0, (len(outline), 1)) * normal
+        outline = np.stack([outline, middle], axis=1).reshape(-1, 2)
+    keep = np.unique(np.linspace(0, len(outline), count, endpoint=False).astype(int))
+    return Mesh.from_loops([outline[keep]])
+
+
+KINDS = {"fractal": fractal, "smooth": smooth, "rough": rough}
+STARTS = {"hull": OuterHull(), "curve": OnCurve()}
+
+
+def run_one(kind: str, count: int, start: str) -> dict[str, float]:
+    """Measure one case in this very process."""
+    fine = KINDS[kind](count)
+    begin = time.process_time()
+    hierarchy = nested_cages(fine, [count // FINE_PER_CAGE_VERTEX], Settings(decimation=STARTS[start], starts=1))
+    total = time.process_time() - begin
+    report = hierarchy.levels[0].report
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0  # kilobytes on Linux
+    return {"total": total, "memory": memory, "excess": 100.0 * report.excess, **report.seconds}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--largest", type=int, default=SIZES[-1])
+    parser.add_argument("--start", choices=sorted(STARTS), default="hull")
+    parser.add_argument("--kinds", nargs="*", choices=sorted(KINDS), default=list(KINDS))
+    parser.add_argument("--plot", type=Path, help="write a log-log plot here (needs matplotlib)")
+    parser.add_argument("--one", nargs=2, metavar=("KIND", "COUNT"), help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.one:
+        print(json.dumps(run_one(options.one[0], int(options.one[1]), options.start)))
+        return 0
+    columns = ("fine", "decimation", "flow", "reinflation", "tightening", "verification", "total s", "MB", "excess %")
+    print(f"{'kind':8}" + "".join(f"{name:>13}" for name in columns))
+    totals: dict[str, list[tuple[int, float]]] = {}
+    for kind in options.kinds:
+        for count in (size for size in SIZES if size <= options.largest):
+            command = [sys.executable, __file__, "--one", kind, str(count), "--start", options.start]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            if done.returncode:
+                print(f"{kind:8}{count:13d}  {done.stderr.strip().splitlines()[-1]}")
+                continue
+            row = json.loads(done.stdout)
+            print(f"{kind:8}{count:13d}" + "".join(f"{row[name]:13.2f}" for name in columns[1:6]), end="")
+            print(f"{row['total']:13.2f}{row['memory']:13.0f}{row['excess']:13.3f}", flush=True)
+            totals.setdefault(kind, []).append((count, row["total"]))
+    for kind, points in totals.items():
+        if len(points) > 1:
+            size, seconds = np.log(np.array(points)).T
+            print(f"{kind}: time grows as n^{np.polyfit(size, seconds, 1)[0]:.2f}")
+    if options.plot:
+        plot(totals, options.plot)
+    return 0
+
+
+def plot(totals: dict[str, list[tuple[int, float]]], path: Path) -> None:
+    """Seconds over fine vertices, log-log, with a line of slope 1."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(7, 5))
+    for kind, points in totals.items():
+        axes.loglog(*np.array(points).T, "o-", label=kind)
+    first = next(iter(totals.values()))[0]
+    sizes = np.array([SIZES[0], SIZES[-1]])
+    axes.loglog(sizes, first[1] * sizes / first[0], "k:", label="linear")
+    axes.set_xlabel("fine vertices")
+    axes.set_ylabel("CPU seconds")
+    axes.legend()
+    axes.grid(alpha=0.3, which="both")
+    figure.tight_layout()
+    figure.savefig(path, dpi=120)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
