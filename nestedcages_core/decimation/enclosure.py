@@ -9,11 +9,7 @@ from ..broad_phase import near_pairs
 from ..distance import point_edge
 from ..mesh import Mesh
 from ..predicates import BoxTree, crossing_pairs, winding_number
-from .offset import strict_offset
 from .outline import Outline
-
-WIDENINGS = 8
-"""Rounds of moving those edges outwards that are too close; each measures anew."""
 
 
 class Enclosure:
@@ -50,19 +46,8 @@ class Enclosure:
                 return False
         return True
 
-    def widened(self, outline: Outline, distance: float) -> Outline:
-        """An enclosing outline with those edges moved outwards that are closer than `distance`, where there is room."""
-        for _ in range(WIDENINGS):
-            missing = self._shortfall(outline, distance)
-            if not missing.any():
-                break
-            outline, stuck = strict_offset(outline, missing, self.tree)
-            if len(stuck):
-                break
-        return outline
-
-    def _shortfall(self, outline: Outline, distance: float) -> FloatArray:
-        """(n,) how much farther each vertex of an outline has to go for both of its edges to keep a distance."""
+    def shortfall(self, outline: Outline, distance: float) -> FloatArray:
+        """(n,) how much farther each vertex of an outline has to go so that both of its edges keep a distance."""
         starts, ends = outline.vertices, outline.vertices[outline.successor]
         missing = np.zeros(len(starts))
         point, edge = near_pairs(self.fine.vertices, starts, ends, distance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
 from math import exp
@@ -82,16 +82,25 @@ RESCUE = Variation(
 """For loops that are in each other's way: anything that may lead elsewhere."""
 
 
-def search_hulls(outline: Outline, count: int, minimum: Sequence[int], restarts: int, seed: int) -> list[Outline]:
-    """Hulls of an outline with `count` vertices, least area first; fewest vertices first if none comes down to it.
+def search_hulls(
+    outline: Outline,
+    count: int,
+    minimum: Sequence[int],
+    *,
+    restarts: int,
+    seed: int,
+    prepare: Callable[[Outline], Outline] = lambda outline: outline,
+) -> list[Outline]:
+    """Hulls of an outline with at most `count` vertices, least area first; the smallest first if none is small enough.
 
-    minimum: vertices that each loop keeps. Deterministic for a seed.
+    minimum: vertices that each loop keeps. prepare: what is done to an outline that restarts begin at.
+    Deterministic for a seed.
     """
     both = len(outline.vertices) <= STAGE_TWICE
     size = max(STAGE_LEAST, STAGE_FACTOR * count)
     # until there, pivots are dearer than anything else, and looking for them would cost a third of the time
     bulk = [replace(weights, pivot=None) for weights in ((EVEN, ROUGH) if both else (ROUGH,))]
-    stages = [ProgressiveHull(outline, weights, minimum).run(size) for weights in bulk]
+    stages = [prepare(ProgressiveHull(outline, weights, minimum).run(size)) for weights in bulk]
     moves = max(1, len(stages[0].vertices) - count)
     runs = max(1, min(restarts, max(FEWEST_RESTARTS, RESTART_MOVES // moves)))
     rng = random.Random(seed)
@@ -103,7 +112,8 @@ def search_hulls(outline: Outline, count: int, minimum: Sequence[int], restarts:
     for rescue in range(RESCUES):
         if min(len(hull.vertices) for hull in hulls) <= count:
             break
-        whole = rescue % 2 == 1 and len(outline.vertices) <= RESCUE_WHOLE
+        if rescue == 1 and len(outline.vertices) <= RESCUE_WHOLE:
+            stages.append(prepare(outline))
         chosen = RESCUE.draw(rng, len(outline.sizes))
-        hulls.append(ProgressiveHull(outline if whole else stages[0], chosen, minimum).run(count))
-    return sorted(hulls, key=lambda hull: (len(hull.vertices), hull.area))
+        hulls.append(ProgressiveHull(stages[rescue % len(stages)], chosen, minimum).run(count))
+    return sorted(hulls, key=lambda hull: (max(count, len(hull.vertices)), hull.area))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..predicates import orientation_sign
 from .edge_grid import EdgeGrid
 from .outline import Outline
 
@@ -77,6 +78,14 @@ class LinkedLoops:
             self.x[v], self.y[v] = x, y
         for edge in changed:
             self._insert_edge(edge)
+
+    def may_drop(self, b: int) -> bool:
+        """Whether the triangle at a vertex lies outside of the solid (exactly) and nothing else is in it."""
+        X, Y = self.x, self.y
+        a, c = self.previous[b], self.next[b]
+        corners = X[a], Y[a], X[c], Y[c], X[b], Y[b]
+        side = orientation_sign(*corners)
+        return side == 0 or (side > 0 and not self.vertex_in_triangle(*corners, own=(a, b, c)))
 
     # What lies in the way: closed counter-clockwise triangles, widened by the margin; doubtful cases count as hits
 

@@ -5,67 +5,118 @@ from __future__ import annotations
 import numpy as np
 
 from .._types import BoolArray, FloatArray, IntArray
+from ..broad_phase import near_pairs
+from ..distance import point_edge
 from ..predicates import BoxTree, orientation, segments_intersect
 from .outline import Outline
 
-MITRE_LIMIT = 4.0
-"""Longest step of a vertex in units of the distance its edges move: corners below 29 degrees are cut short."""
+MITRE_LIMIT = 2.5
+"""Longest step of a vertex in units of the distance its edges move: convex corners below 47 degrees are cut off, which
+takes two vertices, and notches below 47 degrees are followed less far."""
 
 EDGE_FRACTION = 0.2
 """Longest step of a vertex in units of its shorter edge; below 0.5, so no edge can turn round."""
 
-SAFETY = 2.0
-"""Vertices could go this much farther without touching anything: half of every gap stays open."""
+GAP_FRACTION = 0.25
+"""Longest step of a vertex in units of the gap in front of it: where both sides move, half of it stays open."""
 
-HALVINGS = 64
-"""Rounds of halving the steps that touch something; what fails after that has less room than doubles can tell."""
+SCALE_STEP = 8.0
+"""Gaps are looked for with one radius for all steps that differ by less than this factor."""
+
+HALVINGS = 48
+"""Rounds of halving the steps that still touch something; what fails after that has less room than doubles can tell."""
 
 
 def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxTree) -> tuple[Outline, IntArray]:
     """The outline with its edges moved outwards by `distance`, less where there is no room; and who found none at all.
 
     distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: edges to stay clear of, beside
-    those of the result itself. Where the second result (K,), indices of vertices, is empty, the moved edges neither
-    touch each other nor the obstacle, exactly.
+    those of the result itself.
+
+    The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
+    vertices that came in, is empty, its moved edges touch neither each other nor the obstacle, exactly.
     """
-    mitre = _mitres(outline)
     lengths = np.hypot(*(outline.vertices[outline.successor] - outline.vertices).T)
-    room = EDGE_FRACTION * np.minimum(lengths, lengths[outline.predecessor])
-    step = np.minimum(np.broadcast_to(distance, len(mitre)), room / np.hypot(*mitre.T))
-    stuck = np.zeros(0, dtype=np.int64)
-    for reserve in (SAFETY, 1.0):
-        changed = step > 0.0
-        for _ in range(HALVINGS):
-            watched = np.flatnonzero(changed | changed[outline.successor])
-            there = outline.moved(outline.vertices + reserve * step[:, None] * mitre)
-            stuck = _touching_edges(there, watched, obstacle)
-            if len(stuck) == 0:
-                break
-            changed = np.zeros(len(step), dtype=bool)
-            for vertex in (stuck, outline.successor[stuck]):
-                changed[vertex] = changed[outline.successor[vertex]] = changed[outline.predecessor[vertex]] = True
-            step[changed] *= 0.5
-    return outline.moved(outline.vertices + step[:, None] * mitre), stuck
+    distance = np.broadcast_to(distance, len(lengths))
+    longest = np.minimum(MITRE_LIMIT * distance, EDGE_FRACTION * np.minimum(lengths, lengths[outline.predecessor]))
+    longest = np.minimum(longest, _room_in_gaps(outline, longest))
+    outline, source, direction = _mitred(outline, longest > 0.0)
+    step = np.minimum(distance[source], longest[source] / np.hypot(*direction.T))
+    changed = step > 0.0
+    touching = np.zeros(0, dtype=np.int64)
+    for _ in range(HALVINGS):
+        moved = outline.moved(outline.vertices + step[:, None] * direction)
+        touching = _touching_edges(moved, np.flatnonzero(changed | changed[outline.successor]), obstacle)
+        if len(touching) == 0:
+            break
+        changed = np.zeros(len(step), dtype=bool)
+        for vertex in (touching, outline.successor[touching]):
+            changed[vertex] = changed[outline.successor[vertex]] = changed[outline.predecessor[vertex]] = True
+        step[changed] *= 0.5
+    return moved, np.unique(source[np.concatenate((touching, outline.successor[touching]))])
 
 
-def _mitres(outline: Outline) -> FloatArray:
-    """(n, 2) step of each vertex that moves both of its edges outwards by one length, but no longer than MITRE_LIMIT.
+def _room_in_gaps(outline: Outline, reach: FloatArray) -> FloatArray:
+    """(n,) how far each vertex may go: a fraction of the gaps between it, or its edges, and what faces these.
 
-    With the unit normals n₁, n₂ of the two edges it is 2 (n₁ + n₂) / |n₁ + n₂|².
+    reach: (n,) how far each vertex would go at the most; gaps much wider than that are not looked for.
     """
-    along = outline.vertices[outline.successor] - outline.vertices
-    along = along / np.hypot(*along.T)[:, None]
-    back = along[outline.predecessor]
-    normals = back + along
-    normals = np.stack((normals[:, 1], -normals[:, 0]), axis=1)
-    size = np.hypot(*normals.T)
-    # where the normals cancel, the direction of the tip is left
-    tip = np.where((back[:, 0] * along[:, 1] >= back[:, 1] * along[:, 0])[:, None], back - along, along - back)
-    sharp = MITRE_LIMIT * size < 2.0
-    direction = np.where(sharp[:, None], tip / np.maximum(np.hypot(*tip.T), 1.0)[:, None], normals)
-    length = np.where(sharp, MITRE_LIMIT, 2.0 / np.maximum(size, 2.0 / MITRE_LIMIT) ** 2)
-    mitre: FloatArray = direction * length[:, None]
-    return mitre
+    starts, ends = outline.vertices, outline.vertices[outline.successor]
+    room = np.full(len(starts), np.inf)
+    edge_reach = np.maximum(reach, reach[outline.successor])
+    if not edge_reach.any():
+        return room
+    scale = float(edge_reach.max())
+
+    def of_scale(length: FloatArray) -> BoolArray:
+        return np.asarray((length <= scale) & (length * SCALE_STEP > scale))
+
+    while True:
+        radius = scale / GAP_FRACTION
+        for points, edges in (
+            (np.flatnonzero(of_scale(reach)), np.arange(len(starts))),
+            (np.arange(len(starts)), np.flatnonzero(of_scale(edge_reach))),
+        ):
+            point, edge = near_pairs(starts[points], starts[edges], ends[edges], radius)
+            vertex, edge = points[point], edges[edge]
+            end = outline.successor[edge]
+            facing = (vertex != edge) & (vertex != end) & (orientation(starts[edge], ends[edge], starts[vertex]) < 0)
+            vertex, edge, end = vertex[facing], edge[facing], end[facing]
+            gap = GAP_FRACTION * point_edge(starts[vertex], starts[edge], ends[edge]).distance
+            for one in (vertex, edge, end):
+                np.minimum.at(room, one, gap)
+        smaller = edge_reach[(edge_reach > 0.0) & (edge_reach * SCALE_STEP <= scale)]
+        if len(smaller) == 0:
+            return room
+        scale = float(smaller.max())
+
+
+def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, FloatArray]:
+    """The outline with moving (n,) sharp corners doubled; the old index (N,) of each vertex, and how it moves (N, 2).
+
+    With the unit normals n₁, n₂ of its edges, a vertex that goes 2 (n₁ + n₂) / |n₁ + n₂|² moves both by one length. At
+    a sharp convex corner of half angle α, whose tip points along t, the two vertices of a cut that is one length away
+    go n₁ + h e₁ and n₂ - h e₂, with h = (1 - sin α) / cos α and e₁, e₂ along the edges.
+    """
+    after = outline.vertices[outline.successor] - outline.vertices
+    after = after / np.hypot(*after.T)[:, None]
+    before = after[outline.predecessor]
+    n1, n2 = (np.stack((e[:, 1], -e[:, 0]), axis=1) for e in (before, after))
+    sine = 0.5 * np.hypot(*(n1 + n2).T)  # of half the angle between the edges
+    sharp = sine * MITRE_LIMIT < 1.0
+    tip = (before - after) / np.maximum(np.hypot(*(before - after).T), 1.0)[:, None]
+    mitre = (n1 + n2) / (2.0 * np.maximum(sine, 1.0 / MITRE_LIMIT) ** 2)[:, None]
+    direction = np.where(sharp[:, None], -MITRE_LIMIT * tip, mitre)
+    cut = moving & sharp & (before[:, 0] * after[:, 1] >= before[:, 1] * after[:, 0])
+
+    source = np.repeat(np.arange(len(cut)), np.where(cut, 2, 1))
+    second = np.flatnonzero(np.diff(source, prepend=-1) == 0)
+    h = ((1.0 - sine) / np.sqrt(np.maximum(1.0 - sine**2, 0.5)))[:, None]
+    direction = direction[source]
+    corner = source[second]
+    direction[second - 1], direction[second] = (n1 + h * before)[corner], (n2 - h * after)[corner]
+    doubled = np.add.reduceat(np.where(cut, 2, 1), outline.begins)
+    return Outline(outline.vertices[source], tuple(doubled.tolist()), outline.spans[source]), source, direction
 
 
 def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> IntArray:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from .._types import FloatArray
 from ..distance import point_edge
 from ..errors import InvalidMeshError
 from ..mesh import Mesh
+from .apportion import padded
 from .base import Count, checked_budget
 from .hull_search import search_hulls
 from .outer_hull import OuterHull
-from .outline import Outline, padded
+from .outline import Outline
 from .resample import ArcLength, same_loops
 from .unrolled import unroll
 
@@ -33,33 +32,31 @@ class OnCurve:
         """
         budget = checked_budget(fine, count)
         unrolled = unroll(fine)
+        per_loop, minimum = unrolled.per_loop(budget), unrolled.minimum(budget)
+        total = budget.total if per_loop is None else sum(minimum)
         outline = unrolled.outline
-        wanted = unrolled.wanted(budget)
-        minimum = np.minimum(wanted, outline.sizes).tolist()
-        total = budget.total if budget.per_loop is None else sum(minimum)
-        best = search_hulls(outline, total, minimum, self.hull.restarts, self.hull.seed)[0]
-        if len(best.vertices) <= total:
+        hull = search_hulls(outline, total, minimum, restarts=self.hull.restarts, seed=self.hull.seed)[0]
+        if len(hull.vertices) <= total:
             try:
-                return same_loops(unrolled, padded(list(_snapped(best, outline)), wanted), fine)
+                return same_loops(unrolled, padded(_snapped(hull, outline), budget.total, per_loop), fine)
             except InvalidMeshError:
                 pass  # a coarse mesh that crosses itself is of no use to anybody
         return ArcLength().decimate(fine, count, clearance=clearance)
 
 
-def _snapped(hull: Outline, outline: Outline) -> Iterator[FloatArray]:
-    """Loops of a hull (k, 2) with each vertex at the closest point of the stretch of the outline that it stands for.
+def _snapped(hull: Outline, outline: Outline) -> Outline:
+    """A hull with each vertex at the closest point of the stretch of the outline that it stands for.
 
     Stretches are disjoint and in order, so the points are.
     """
-    spans = np.split(hull.spans, hull.begins[1:])
-    for loop, fine, span in zip(hull.loops, outline.loops, spans, strict=True):
-        places = []
-        for vertex, (first, last) in zip(loop, span.tolist(), strict=True):
-            stretch = fine[np.arange(first, last + 1 + (len(fine) if last < first else 0)) % len(fine)]
-            if len(stretch) == 1:
-                places.append(stretch[0])
-                continue
-            near = point_edge(vertex, stretch[:-1], stretch[1:])
-            k = int(np.argmin(near.distance))
-            places.append(stretch[k] + near.parameter[k] * (stretch[k + 1] - stretch[k]))
-        yield np.array(places)
+    places = np.empty_like(hull.vertices)
+    of_loop = np.repeat(np.arange(len(hull.sizes)), hull.sizes)
+    loops = outline.loops
+    for vertex, ((first, last), k) in enumerate(zip(hull.spans.tolist(), of_loop.tolist(), strict=True)):
+        fine = loops[k]
+        stretch = fine[np.arange(first, last + 1 if first <= last else last + 1 + len(fine)) % len(fine)]
+        starts, ends = stretch[: max(1, len(stretch) - 1)], stretch[min(1, len(stretch) - 1) :]
+        near = point_edge(hull.vertices[vertex], starts, ends)
+        closest = int(np.argmin(near.distance))
+        places[vertex] = starts[closest] + near.parameter[closest] * (ends[closest] - starts[closest])
+    return hull.moved(places)

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
+from .._types import FloatArray
 from ..errors import InvalidMeshError, NestingError
 from ..mesh import Mesh
-from ..mesh.validation import place
-from .base import Count, checked_budget
+from ..mesh.validation import place as in_words
+from .apportion import padded
+from .base import Budget, Count, checked_budget
+from .clearing import RESERVE, cleared
 from .enclosure import Enclosure
 from .hull_search import search_hulls
 from .offset import strict_offset
-from .outline import Outline, padded
-from .unrolled import Unrolled, unroll
+from .outline import Outline
+from .progressive_hull import ProgressiveHull, Weights
+from .unrolled import unroll
 
 OFFSET = 5e-5
 """Distance, in diagonals, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""
-
-CLEARANCE_RESERVE = 1.05
-"""The hull aims at so many clearances: room to move for what comes next."""
 
 SAME_AREA = 1e-9
 """Relative difference of area below which two hulls are the same one."""
@@ -54,72 +54,96 @@ class OuterHull:
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
-        budget = checked_budget(fine, count)
-        unrolled = unroll(fine)
-        outline = unrolled.outline
-        wanted = unrolled.wanted(budget)
-        minimum = np.minimum(wanted, outline.sizes).tolist()
-        total = budget.total if budget.per_loop is None else sum(minimum)
-        enclosure = Enclosure(fine)
-        distance = max(OFFSET * fine.diagonal, CLEARANCE_RESERVE * clearance)
-
-        start, stuck = strict_offset(outline, distance, enclosure.tree)
-        tight = outline.vertices[stuck]
-        # where a gap has no room for the offset, the hull comes first, fills the gap, and is moved outwards afterwards
-        for first, later in ((start, 0.0), (outline, distance)):
-            if first is start and len(tight):
-                continue
-            hulls = search_hulls(first, total, minimum, self.restarts, self.seed)
-            if len(hulls[0].vertices) > total:
-                raise NestingError(_unreachable(hulls[0], total, unrolled))
-            outwards = (_moved_out(hull, later, enclosure) for hull in _different(hulls))
-            widened = (enclosure.widened(hull, CLEARANCE_RESERVE * clearance) for hull in outwards if hull)
-            meshes = (_mesh(hull, wanted, unrolled) for hull in widened)
-            found = list(islice((mesh for mesh in meshes if mesh and enclosure.holds(mesh)), keep))
-            if found:
-                return found
-        raise NestingError(_no_room(tight, outline))
+        search = _Search(self, fine, checked_budget(fine, count), clearance)
+        smallest: Outline | None = None
+        for hulls in (search.with_clearance, search.around_offset, search.around_fine):
+            found = hulls()
+            certified = list(islice(search.certified(found), keep))
+            if certified:
+                return certified
+            if found and (smallest is None or len(found[0].vertices) < len(smallest.vertices)):
+                smallest = found[0]
+        if smallest and len(smallest.vertices) > search.total:
+            raise NestingError(search.unreachable(smallest))
+        raise NestingError(
+            f"There is no room for a cage near {in_words(search.tightest())}: a gap there is as small as "
+            "floating-point numbers can tell at these coordinates; widen it, or move the shape closer to the origin."
+        )
 
 
-def _different(hulls: Iterable[Outline]) -> Iterator[Outline]:
-    """Those of the hulls, sorted by size and area, that are not the same as the one before; of the first one's size."""
-    size, area = 0, 0.0
-    for hull in hulls:
-        if size == 0:
-            size = len(hull.vertices)
-        if len(hull.vertices) == size and abs(hull.area - area) > SAME_AREA * hull.area:
-            area = hull.area
-            yield hull
+class _Search:
+    """The search for hulls of one mesh: three ways, each for what the one before cannot do."""
+
+    def __init__(self, method: OuterHull, fine: Mesh, budget: Budget, clearance: float) -> None:
+        self.method = method
+        self.unrolled = unroll(fine)
+        self.enclosure = Enclosure(fine)
+        self.budget = budget
+        self.per_loop = self.unrolled.per_loop(budget)
+        self.minimum = self.unrolled.minimum(budget)
+        self.total = budget.total if self.per_loop is None else sum(self.minimum)
+        self.clearance = clearance
+        self.distance = OFFSET * fine.diagonal
+        self.stuck = np.zeros(0, dtype=np.int64)
+
+    def with_clearance(self) -> list[Outline]:
+        """Hulls of an offset of the fine mesh that keeps the clearance; none if there is no room for an offset."""
+        return self._offset_hulls(max(self.distance, RESERVE * self.clearance), self._cleared)
+
+    def around_offset(self) -> list[Outline]:
+        """Hulls of a small offset: for loops that the clearance would wall in."""
+        return self._offset_hulls(self.distance, _unchanged)
+
+    def around_fine(self) -> list[Outline]:
+        """Hulls of the fine mesh itself, offset afterwards: for gaps that have no room until they are filled."""
+        result = []
+        for hull in self._hulls(self.unrolled.outline, _unchanged):
+            outline, stuck = strict_offset(hull, self.distance, self.enclosure.tree)
+            if len(stuck) == 0:
+                # every corner that was cut has a vertex too many
+                result.append(ProgressiveHull(self._cleared(outline), Weights(), self.minimum).run(self.total))
+        return sorted(result, key=lambda outline: (max(self.total, len(outline.vertices)), outline.area))
+
+    def certified(self, hulls: Sequence[Outline]) -> Iterator[Mesh]:
+        """Meshes of those of the hulls that are small enough, different, and strictly enclose the fine mesh."""
+        area = 0.0
+        for hull in hulls:
+            if len(hull.vertices) <= self.total and abs(hull.area - area) > SAME_AREA * hull.area:
+                area = hull.area
+                try:
+                    mesh = self.unrolled.rolled_up(padded(hull, self.budget.total, self.per_loop))
+                except InvalidMeshError:
+                    continue
+                if self.enclosure.holds(mesh):
+                    yield mesh
+
+    def tightest(self) -> FloatArray:
+        """A place where there is no room."""
+        place: FloatArray = self.unrolled.outline.vertices[self.stuck[0] if len(self.stuck) else 0]
+        return place
+
+    def unreachable(self, best: Outline) -> str:
+        """The sentence for a count that even the smallest hull found exceeds."""
+        sizes = [best.sizes[k] for k in np.argsort(self.unrolled.loop_order)]
+        per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= LOOPS_NAMED else ""
+        smallest = len(best.vertices)
+        return (
+            f"A level of {self.budget.total} vertices is too small for this shape, whose loops are in each other's "
+            f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}."
+        )
+
+    def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> list[Outline]:
+        start, self.stuck = strict_offset(self.unrolled.outline, distance, self.enclosure.tree)
+        return [] if len(self.stuck) else self._hulls(start, prepare)
+
+    def _hulls(self, start: Outline, prepare: Callable[[Outline], Outline]) -> list[Outline]:
+        return search_hulls(
+            start, self.total, self.minimum, restarts=self.method.restarts, seed=self.method.seed, prepare=prepare
+        )
+
+    def _cleared(self, outline: Outline) -> Outline:
+        return cleared(outline, self.enclosure, self.clearance)
 
 
-def _moved_out(hull: Outline, distance: float, enclosure: Enclosure) -> Outline | None:
-    """The hull moved off the fine mesh; None if there is no room for it."""
-    if not distance:
-        return hull
-    moved, stuck = strict_offset(hull, distance, enclosure.tree)
-    return None if len(stuck) else moved
-
-
-def _mesh(hull: Outline, wanted: IntArray, unrolled: Unrolled) -> Mesh | None:
-    """The hull as a mesh with at least as many vertices per loop as wanted; None if it is not valid."""
-    try:
-        return unrolled.rolled_up(padded(hull.loops, wanted))
-    except InvalidMeshError:
-        return None
-
-
-def _unreachable(best: Outline, total: int, unrolled: Unrolled) -> str:
-    sizes = [best.sizes[k] for k in np.argsort(unrolled.loop_order)]
-    per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= LOOPS_NAMED else ""
-    return (
-        f"A level of {total} vertices is too small for this shape, whose loops are in each other's way: the smallest "
-        f"found has {len(best.vertices)}{per_loop}; ask for at least {len(best.vertices)}."
-    )
-
-
-def _no_room(tight: FloatArray, outline: Outline) -> str:
-    where = place(tight[0] if len(tight) else outline.vertices[0])
-    return (
-        f"There is no room for a cage around the mesh near {where}: a gap there is as small as floating-point numbers "
-        "can tell at these coordinates; widen the gap, or move the shape closer to the origin."
-    )
+def _unchanged(outline: Outline) -> Outline:
+    return outline

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -63,15 +62,3 @@ class Outline:
     def moved(self, vertices: FloatArray) -> Outline:
         """The same loops with other vertices (n, 2)."""
         return Outline(vertices, self.sizes, self.spans)
-
-
-def padded(loops: Sequence[FloatArray], sizes: IntArray) -> list[FloatArray]:
-    """Loops (k, 2) with their longest edges halved until each has at least the wanted number of vertices."""
-    result = []
-    for loop, size in zip(loops, sizes.tolist(), strict=True):
-        while len(loop) < size:
-            following = np.roll(loop, -1, axis=0)
-            k = int(np.argmax(np.hypot(*(following - loop).T)))
-            loop = np.insert(loop, k + 1, 0.5 * (loop[k] + following[k]), axis=0)
-        result.append(loop)
-    return result

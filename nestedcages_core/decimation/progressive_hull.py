@@ -185,15 +185,12 @@ class ProgressiveHull:
     # What is done, if nothing is in the way
 
     def _drop(self, b: int) -> None:
-        loops, X, Y = self.loops, self.loops.x, self.loops.y
-        a, c = loops.previous[b], loops.next[b]
-        ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
-        side = orientation_sign(ax, ay, cx, cy, bx, by)
-        if side < 0 or (side > 0 and loops.vertex_in_triangle(ax, ay, cx, cy, bx, by, own=(a, b, c))):
-            return
-        self._discard(b)
-        loops.remove(b)
-        self._consider_around(loops.previous[a], loops.next[c])
+        loops = self.loops
+        if loops.may_drop(b):
+            a, c = loops.previous[b], loops.next[b]
+            self._discard(b)
+            loops.remove(b)
+            self._consider_around(loops.previous[a], loops.next[c])
 
     def _extend(self, b: int, x: float, y: float) -> None:
         loops, X, Y = self.loops, self.loops.x, self.loops.y
@@ -232,6 +229,8 @@ class ProgressiveHull:
         z, d = loops.previous[a], loops.next[c]
         zx, zy, ax, ay, bx, by, cx, cy, dx, dy = X[z], Y[z], X[a], Y[a], X[b], Y[b], X[c], Y[c], X[d], Y[d]
         f, g, e = hypot(ax - zx, ay - zy), hypot(dx - cx, dy - cy), hypot(qx - px, qy - py)
+        if not e:
+            return  # both new points are the vertex itself
         out_x, out_y = (qy - py) / e, (px - qx) / e
         p_out = out_x + (ay - zy) / f, out_y + (zx - ax) / f
         q_out = out_x + (dy - cy) / g, out_y + (cx - dx) / g

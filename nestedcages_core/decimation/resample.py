@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
+from .._types import FloatArray
 from ..errors import InvalidMeshError, NestingError
 from ..mesh import Mesh
+from .apportion import shares
 from .base import LEAST_PER_LOOP, Count, checked_budget
 from .unrolled import Unrolled, unroll
 
@@ -29,11 +30,10 @@ class ArcLength:
         budget = checked_budget(fine, count)
         unrolled = unroll(fine)
         loops = unrolled.outline.loops
-        if budget.per_loop is None:
+        sizes = unrolled.per_loop(budget)
+        if sizes is None:
             lengths = np.array([_arc_lengths(loop)[-1] for loop in loops])
-            sizes = share_out(budget.total, lengths)
-        else:
-            sizes = unrolled.wanted(budget)
+            sizes = shares(budget.total, lengths, LEAST_PER_LOOP)
         problem = ""
         for phase in PHASES:
             spread = [_spread(loop, size, phase) for loop, size in zip(loops, sizes.tolist(), strict=True)]
@@ -45,15 +45,6 @@ class ArcLength:
             f"{budget.total} evenly spaced vertices are too few to follow the mesh: {problem} Ask for more vertices, "
             "or use the outer hull."
         )
-
-
-def share_out(total: int, lengths: FloatArray) -> IntArray:
-    """Vertices per loop (L,), in proportion to lengths (L,) but at least 3 each, their sum exactly `total`."""
-    sizes = np.full(len(lengths), LEAST_PER_LOOP, dtype=np.int64)
-    for _ in range(total - int(sizes.sum())):
-        # one after the other to the loop with the longest spacing left, as seats go by D'Hondt's method
-        sizes[np.argmax(lengths / sizes)] += 1
-    return sizes
 
 
 def same_loops(unrolled: Unrolled, loops: Sequence[FloatArray], fine: Mesh) -> Mesh:

@@ -27,11 +27,15 @@ class Unrolled:
     loop_order: IntArray
     rings: tuple[IntArray, ...]
 
-    def wanted(self, budget: Budget) -> IntArray:
-        """(L,) the least number of vertices that a budget gives to each loop, in the order of the outline."""
-        if budget.per_loop is None:
-            return np.full(len(self.rings), LEAST_PER_LOOP)
-        return np.array(budget.per_loop)[self.loop_order]
+    def per_loop(self, budget: Budget) -> IntArray | None:
+        """(L,) the numbers per loop of a budget in the order of the outline, or None if it has none."""
+        return None if budget.per_loop is None else np.array(budget.per_loop)[self.loop_order]
+
+    def minimum(self, budget: Budget) -> list[int]:
+        """Vertices that each loop of a hull keeps: those it is to have, as far as it has them."""
+        wanted = self.per_loop(budget)
+        sizes = self.outline.sizes
+        return [LEAST_PER_LOOP] * len(sizes) if wanted is None else np.minimum(wanted, sizes).tolist()
 
     def rolled_up(self, loops: Sequence[FloatArray]) -> Mesh:
         """A mesh from new loops (k, 2) in the order of the outline; its loop k stands for loop k of the mesh.

@@ -1,0 +1,116 @@
+"""Clearing: an outline is moved away from the fine mesh to a distance, and gaps too narrow for that are filled."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from .._types import BoolArray, FloatArray, IntArray
+from ..broad_phase import near_pairs
+from ..distance import point_edge
+from .base import LEAST_PER_LOOP
+from .enclosure import Enclosure
+from .linked_loops import LinkedLoops
+from .offset import strict_offset
+from .outline import Outline
+
+RESERVE = 1.05
+"""Outlines are moved to so many clearances where there is room: what comes next needs some."""
+
+WIDENINGS = 6
+"""Rounds of moving those edges outwards that are too close; short edges allow only short steps."""
+
+FILLINGS = 4
+"""Rounds of filling narrow gaps; the first fills them all unless something lies in them."""
+
+GAP = 2.2
+"""Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
+
+
+def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline:
+    """The outline, moved outwards until it keeps the clearance; where a gap has no room for that, the gap is filled."""
+    for _ in range(FILLINGS):
+        outline = _widened(outline, enclosure, RESERVE * clearance)
+        tight = enclosure.shortfall(outline, clearance) > 0.0
+        if not tight.any():
+            break
+        size = len(outline.vertices)
+        outline = _filled(outline, tight | _in_narrow_gaps(outline, tight, GAP * clearance))
+        if len(outline.vertices) == size:
+            break
+    return outline
+
+
+def _widened(outline: Outline, enclosure: Enclosure, distance: float) -> Outline:
+    """The outline with those edges moved outwards that are closer than `distance`, as far as there is room."""
+    for _ in range(WIDENINGS):
+        missing = enclosure.shortfall(outline, distance)
+        if not missing.any():
+            break
+        wider, stuck = strict_offset(outline, missing, enclosure.tree)
+        if len(stuck):
+            break
+        outline = wider
+    return outline
+
+
+def _in_narrow_gaps(outline: Outline, tight: BoolArray, width: float) -> BoolArray:
+    """(n,) the vertices of pockets whose mouth is narrower than `width` and has a tight (n,) vertex or edge at it.
+
+    A vertex and an edge of a loop are the mouth of a pocket if the vertex lies outside of the edge and the stretch of
+    loop between them runs clockwise. Where both stretches do, as in the neck of a hole, the one with less area counts.
+    """
+    starts, ends = outline.vertices, outline.vertices[outline.successor]
+    loop = np.repeat(np.arange(len(outline.sizes)), outline.sizes)
+    vertex, edge = near_pairs(starts, starts, ends, width)
+    end = outline.successor[edge]
+    mouth = (loop[vertex] == loop[edge]) & (vertex != edge) & (vertex != end)
+    mouth &= tight[vertex] | tight[edge] | tight[end]
+    vertex, edge, end = vertex[mouth], edge[mouth], end[mouth]
+    outside = _cross(ends[edge] - starts[edge], starts[vertex] - starts[edge]) < 0.0
+    vertex, edge, end = vertex[outside], edge[outside], end[outside]
+
+    # twice the area of the stretch vertex .. edge, closed by the mouth, and of the rest of the loop
+    here = starts - starts.mean(axis=0)
+    swept = np.concatenate(([0.0], np.cumsum(_cross(here, here[outline.successor]))))
+    middle = point_edge(here[vertex], here[edge], here[end]).parameter[:, None]
+    middle = here[edge] + middle * (here[end] - here[edge])
+    begin, size = outline.begins[loop[vertex]], np.array(outline.sizes)[loop[vertex]]
+    whole = swept[begin + size] - swept[begin]
+    forward = swept[edge] - swept[vertex] + np.where(edge < vertex, whole, 0.0)
+    forward += _cross(here[edge], middle) + _cross(middle, here[vertex])
+    ahead = np.abs(forward) <= np.abs(whole - forward)
+    pocket = np.where(ahead, forward, whole - forward) < 0.0
+    first, last = np.where(ahead, vertex + 1, end), np.where(ahead, edge, vertex - 1)
+    return _covered(len(starts), first[pocket], last[pocket], begin[pocket], size[pocket])
+
+
+def _covered(count: int, first: IntArray, last: IntArray, begin: IntArray, size: IntArray) -> BoolArray:
+    """(count,) whether each vertex lies in one of K stretches first .. last, within loops that begin and have sizes."""
+    first, last = begin + (first - begin) % size, begin + (last - begin) % size
+    wraps = first > last
+    change = np.zeros(count + 1, dtype=np.int64)
+    np.add.at(change, np.concatenate((first, begin[wraps])), 1)
+    np.add.at(change, np.concatenate((last + 1, (begin + size)[wraps])), -1)
+    covered: BoolArray = np.cumsum(change[:-1]) > 0
+    return covered
+
+
+def _filled(outline: Outline, unwanted: BoolArray) -> Outline:
+    """The outline without those of the unwanted (n,) vertices that can be dropped: the pockets that they line."""
+    loops = LinkedLoops(outline, reach=1.0)
+    waiting = deque(np.flatnonzero(unwanted).tolist())
+    while waiting:
+        vertex = waiting.popleft()
+        if loops.alive[vertex] and loops.sizes[loops.loop_of[vertex]] > LEAST_PER_LOOP and loops.may_drop(vertex):
+            neighbours = loops.previous[vertex], loops.next[vertex]
+            loops.remove(vertex)
+            waiting.extend(v for v in neighbours if unwanted[v])
+    return loops.outline()
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(K,) cross products of vectors (K, 2)."""
+    product: FloatArray = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return product
