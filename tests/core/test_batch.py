@@ -1,0 +1,220 @@
+"""Batches: order, failures, cancelling, going on, and workers that die."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import (
+    BatchProgress,
+    FlowError,
+    Hierarchy,
+    InvalidMeshError,
+    Mesh,
+    NestedCagesError,
+    NestingError,
+    Outcome,
+    ReinflationError,
+    Settings,
+    nested_cages,
+    nested_cages_many,
+)
+from shapes import annulus, assert_nested, islands, ring, star
+
+BOW_TIE = shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])
+
+
+def glyphs(count: int) -> list[Mesh]:
+    return [star(3 + k % 5, 40 + k) for k in range(count)]
+
+
+def outermost(hierarchy: Hierarchy) -> Mesh:
+    return hierarchy.cages[-1]
+
+
+def half(mesh: Mesh) -> list[int]:
+    return [len(mesh.vertices) // 2]
+
+
+@pytest.fixture(scope="module")
+def processes() -> Iterator[Executor]:
+    with ProcessPoolExecutor(2) as pool:
+        yield pool
+
+
+@pytest.fixture(params=["here", "threads", "processes", "maker"])
+def executor(request: pytest.FixtureRequest, processes: Executor) -> Iterator[object]:
+    if request.param == "threads":
+        with ThreadPoolExecutor(2) as pool:
+            yield pool
+    else:
+        yield {"here": None, "processes": processes, "maker": lambda: ProcessPoolExecutor(1)}[request.param]
+
+
+def test_results_come_in_order_and_equal_single_runs(executor: Executor | None) -> None:
+    shapes = glyphs(6)
+    seen: list[BatchProgress] = []
+    outcomes = nested_cages_many(shapes, [16], executor=executor, progress=seen.append)
+    assert [outcome.key for outcome in outcomes] == list(range(6))
+    for shape, outcome in zip(shapes, outcomes, strict=True):
+        assert (outcome.unwrap().fine.vertices == shape.vertices).all()
+        assert (outcome.result.cages[0].vertices == nested_cages(shape, [16]).cages[0].vertices).all()
+        assert outcome.seconds > 0.0
+    assert [each.finished for each in seen] == [1, 2, 3, 4, 5, 6]
+    assert seen[-1].fraction == 1.0
+    assert {each.outcome.key for each in seen} == set(range(6))
+
+
+def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
+    shapes = {"a": star(5, 50), "bow tie": BOW_TIE, "text": "no shape", "b": shapely.Point(0, 0).buffer(1)}
+    outcomes = nested_cages_many(shapes, [12], executor=executor)
+    assert [outcome.key for outcome in outcomes] == ["a", "bow tie", "text", "b"]
+    assert [type(outcome.error) for outcome in outcomes] == [type(None), InvalidMeshError, InvalidMeshError, type(None)]
+    assert_nested(outcomes[3].result.cages[0], Mesh.from_geometry(shapes["b"]))
+    with pytest.raises(InvalidMeshError, match="crosses itself"):
+        outcomes[1].unwrap()
+    (small,) = nested_cages_many([star(5, 50)], [20, 2], Settings(clearance=1e-3), executor=executor)
+    assert isinstance(small.error, NestingError)
+
+
+def test_levels_by_key_and_by_function(executor: Executor | None) -> None:
+    shapes = {"a": star(5, 50), "b": star(4, 60)}
+    by_key = nested_cages_many(shapes, {"a": [20, 10], "b": [8]}, executor=executor)
+    assert [[len(cage.vertices) for cage in outcome.result.cages] for outcome in by_key] == [[20, 10], [8]]
+    by_function = nested_cages_many(shapes, half, executor=executor, keep=outermost)
+    assert [len(outcome.result.vertices) for outcome in by_function] == [25, 30]
+    with pytest.raises(NestedCagesError, match="no entry for the shape 'b'"):
+        nested_cages_many(shapes, {"a": [8]})
+
+
+def test_an_empty_batch() -> None:
+    assert nested_cages_many([], [8], executor=ThreadPoolExecutor) == []
+
+
+def test_cancelled_and_gone_on_with(executor: Executor | None) -> None:
+    def stop(progress: BatchProgress) -> None:
+        if progress.finished == 3:
+            raise KeyboardInterrupt
+
+    shapes = {f"glyph {k}": shape for k, shape in enumerate(glyphs(12))}
+    finished: dict[str, Outcome] = {}
+    with pytest.raises(KeyboardInterrupt):
+        nested_cages_many(shapes, [12], executor=executor, progress=stop, finished=finished)
+    assert len(finished) == 3
+    before = dict(finished)
+    seen: list[object] = []
+    outcomes = nested_cages_many(
+        shapes, [12], executor=executor, progress=lambda each: seen.append(each.outcome.key), finished=finished
+    )
+    assert [outcome.key for outcome in outcomes] == list(shapes)
+    assert all(outcomes[list(shapes).index(key)] is outcome for key, outcome in before.items())
+    assert set(seen) == shapes.keys() - before.keys()
+    assert finished.keys() == shapes.keys()
+
+
+def test_failed_shapes_are_tried_again_when_going_on() -> None:
+    finished = {0: Outcome(0, error=NestingError("no")), 1: Outcome(1, result="kept")}
+    first, second = nested_cages_many(glyphs(2), [12], finished=finished)
+    assert isinstance(first.result, Hierarchy)
+    assert second.result == "kept"
+
+
+# Workers that die
+
+
+class Deadly:
+    """A shape that kills the worker that makes it: always, or until it has left a mark in a file."""
+
+    def __init__(self, mark: Path | None = None) -> None:
+        self.mark = mark
+
+    @property
+    def __geo_interface__(self) -> dict[str, object]:
+        if self.mark is None or not self.mark.exists():
+            if self.mark is not None:
+                self.mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return star(5, 50).__geo_interface__
+
+
+def test_none_is_lost_when_a_worker_is_killed(tmp_path: Path) -> None:
+    shapes: list[object] = [*glyphs(12)]
+    shapes.insert(5, Deadly(tmp_path / "mark"))
+    with ProcessPoolExecutor(2) as pool:
+        outcomes = nested_cages_many(shapes, [12], executor=pool)
+        with pytest.raises(BrokenExecutor):
+            pool.submit(abs, 1)
+    assert [outcome.key for outcome in outcomes] == list(range(13))
+    assert [outcome.error for outcome in outcomes] == [None] * 13
+
+
+def test_a_deadly_shape_is_found_out_and_the_others_survive() -> None:
+    shapes: dict[str, object] = {f"glyph {k}": shape for k, shape in enumerate(glyphs(8))}
+    shapes["deadly"] = Deadly()
+    shapes.update({f"more {k}": shape for k, shape in enumerate(glyphs(4))})
+    outcomes = {
+        outcome.key: outcome for outcome in nested_cages_many(shapes, [12], executor=lambda: ProcessPoolExecutor(2))
+    }
+    assert list(outcomes) == list(shapes)
+    assert "whenever it made the shape 'deadly'" in str(outcomes.pop("deadly").error)
+    assert [outcome.error for outcome in outcomes.values()] == [None] * 12
+
+
+def fail_to_start() -> None:
+    raise RuntimeError("no licence")
+
+
+def test_workers_that_never_start_end_the_batch() -> None:
+    with pytest.raises(NestedCagesError, match="in a row without one outcome"):
+        nested_cages_many(glyphs(20), [12], executor=lambda: ProcessPoolExecutor(1, initializer=fail_to_start))
+
+
+def test_an_executor_that_cannot_be_replaced_says_so() -> None:
+    class Dead(Executor):
+        def submit(self, *_: object, **__: object) -> Future:
+            raise BrokenExecutor("dead")
+
+    with pytest.raises(NestedCagesError, match="workers of the Dead died"):
+        nested_cages_many(glyphs(1), [12], executor=Dead())
+
+
+# What travels between processes
+
+
+def test_meshes_settings_and_results_travel() -> None:
+    for mesh in (annulus(12), islands(), Mesh.from_loops([ring(5)]).moved(2.0 * ring(5))):
+        copy = pickle.loads(pickle.dumps(mesh))
+        assert (copy.vertices == mesh.vertices).all()
+        assert (copy.edges == mesh.edges).all()
+        assert copy.is_validated == mesh.is_validated
+        assert not copy.vertices.flags.writeable
+        assert copy.area == mesh.area
+    hierarchy = nested_cages(star(5, 50), [20, 10])
+    copy = pickle.loads(pickle.dumps(hierarchy))
+    assert all((a.vertices == b.vertices).all() for a, b in zip(copy.cages, hierarchy.cages, strict=True))
+    assert (copy.levels[0].reinflation.cage_steps == hierarchy.levels[0].reinflation.cage_steps).all()
+    assert copy.levels[0].report == hierarchy.levels[0].report
+    assert pickle.loads(pickle.dumps(Settings(clearance=0.1))) == Settings(clearance=0.1)
+
+
+@pytest.mark.parametrize("kind", [NestedCagesError, InvalidMeshError, FlowError, ReinflationError, NestingError])
+def test_errors_travel_with_what_was_finished(kind: type[NestedCagesError]) -> None:
+    error = kind("Too small at (1, 2).", partial=np.arange(3))
+    copy = pickle.loads(pickle.dumps(error))
+    assert type(copy) is kind
+    assert str(copy) == "Too small at (1, 2)."
+    assert copy.partial.tolist() == [0, 1, 2]
+    try:
+        nested_cages(star(5, 50), [20, 10], Settings(clearance=10.0))
+    except NestedCagesError as raised:
+        again = pickle.loads(pickle.dumps(raised))
+        assert str(again) == str(raised)
+        assert isinstance(again.partial, Hierarchy)
