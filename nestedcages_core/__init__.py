@@ -5,6 +5,7 @@ Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. 
 
 from __future__ import annotations
 
+from .batch import BatchProgress, Outcome, nested_cages_many
 from .contact import IPC
 from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
 from .decimation import ArcLength, OnCurve, OuterHull
@@ -50,6 +51,7 @@ __all__ = [
     "IPC",
     "ArcLength",
     "Area",
+    "BatchProgress",
     "BoundaryARAP",
     "Certificate",
     "ElementEnergy",
@@ -72,6 +74,7 @@ __all__ = [
     "NestingReport",
     "NoEnergy",
     "OnCurve",
+    "Outcome",
     "OuterHull",
     "PiecewiseLinear",
     "Progress",
@@ -95,6 +98,7 @@ __all__ = [
     "from_svg",
     "grids",
     "nested_cages",
+    "nested_cages_many",
     "read_geojson",
     "read_png",
     "read_svg",
