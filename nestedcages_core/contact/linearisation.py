@@ -118,7 +118,9 @@ def resolve_corners(
     distance, parameter, normal = contacts.distance.copy(), contacts.parameter.copy(), contacts.normal.copy()
     on_line = contacts.on_line.copy()
     distance[put] = offset[line]
-    parameter[put] = (to[line] * edge[line]).sum(axis=1) / length[line] ** 2
+    # a cage edge turns about the place on its line; a fine edge, which may be very short, is moved along with its end
+    turning = line & (inner > 0.0)
+    parameter[ends[turning]] = (to[turning] * edge[turning]).sum(axis=1) / length[turning] ** 2
     turned = inner[line] / length[line]
     normal[put, 0], normal[put, 1] = -turned * edge[line, 1], turned * edge[line, 0]
     on_line[put] = True

@@ -22,6 +22,13 @@ from ..mesh import Mesh
 from ..solver.banded import BandOrder
 
 
+TOO_WIDE = 3.0
+"""Times the reach that is asked for at which a list is too wide."""
+
+SMALL_LIST = 1000
+"""Number of pairs up to which a list is never too wide."""
+
+
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """What does not change while a cage is pushed: which vertices are joined by edges, and how much boundary each
@@ -160,8 +167,9 @@ class CandidateList:
 
     def within(self, x: FloatArray, reach: float, skin: float) -> Pairs:
         """Pairs that contain all those closer than ``reach`` at x; when built anew, the list also covers ``skin`` on
-        top."""
-        if self._pairs is None or self._x is None or self._radius < reach + self._approach(x):
+        top. It is also built anew when it reaches much farther than is asked for."""
+        wide = self._radius > TOO_WIDE * (reach + skin) and self._pairs is not None and len(self._pairs) > SMALL_LIST
+        if self._pairs is None or self._x is None or wide or self._radius < reach + self._approach(x):
             self._radius = reach + skin
             self._x = x.copy()
             self._pairs = find_pairs(self.bodies, x, self._radius)

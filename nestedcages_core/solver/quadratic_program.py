@@ -1,6 +1,6 @@
 """Convex quadratic programs over the vertices of a cage, by Mehrotra's predictor-corrector interior-point method.
 
-    minimise   G·D + ½ Dᵀ (W + δ I) D + |e|² / (2 ε)
+    minimise   G·D + ½ Dᵀ (W + δ I) D + ½ Σ e² / ε
     subject to r + J D + e ≥ 0,   |D_i| ≤ Δ_i in each coordinate
 
 with the shift δ raised until the matrix of the Newton system is positive definite. Without softness (ε = 0) the
@@ -20,11 +20,11 @@ from .._types import FloatArray
 from ..energies import Blocks
 from .banded import BandedSystem, BandOrder, Rows
 
-START_MULTIPLIER = 0.1
-"""Multipliers start at this fraction of the largest entry of the gradient, slacks at least at this fraction of the
-radius."""
+START_MULTIPLIER, START_SLACK = 1.0, 0.1
+"""Multipliers start at this fraction of their expected size, slacks at least at this fraction of the radius (of five
+values each, those with which typical programs need the fewest systems)."""
 
-STEP_TO_BOUNDARY = 0.98
+STEP_TO_BOUNDARY = 0.99
 """Fraction of the way to the nearest bound that a step may take."""
 
 SMALLEST_CENTRING = 1e-4
@@ -59,8 +59,8 @@ class QuadraticProgram:
     """(m,) Δ > 0, largest motion of each vertex along each axis."""
     shift: float = 0.0
     """First δ ≥ 0."""
-    softness: float = 0.0
-    """ε ≥ 0; 0 makes the constraints hard."""
+    softness: FloatArray | None = None
+    """(K,) ε ≥ 0 of each row; 0 makes it hard, and None all of them."""
     scale: float | None = None
     """Size that the multipliers are expected to have; None: the largest entry of G."""
     order: BandOrder | None = None
@@ -107,9 +107,9 @@ class InteriorPoint:
 class _Iteration:
     """State of one solve, the unknowns in the band's order.
 
-    Slacks and multipliers are ordered: K rows, then the 2m lower, then the 2m upper bounds. With one step length for
-    primal and dual variables the residuals of feasibility and stationarity shrink by the same factor, so they need not
-    be computed anew, and the predicted decrease follows from them without a product with W.
+    Slacks and multipliers are ordered: K rows, then the 2m lower, then the 2m upper bounds. The residuals of
+    feasibility and stationarity are linear in the steps, so they are kept up to date instead of computed anew, and the
+    predicted decrease follows from them without a product with W.
     """
 
     def __init__(self, method: InteriorPoint, program: QuadraticProgram) -> None:
@@ -134,28 +134,30 @@ class _Iteration:
         self.D = np.zeros(size)
         self.spread = np.zeros(K + 2 * size)
         self.s = np.concatenate([program.offset, radius, radius])
-        np.maximum(self.s[:K], START_MULTIPLIER * self.length, out=self.s[:K])
+        np.maximum(self.s[:K], START_SLACK * self.length, out=self.s[:K])
         self.z = np.full(len(self.s), START_MULTIPLIER * self.scale)
         self.z[:K] *= np.minimum(1.0, self.length / self.s[:K])
         self.primal = np.zeros(len(self.s))
-        self.primal[:K] = program.offset - self.s[:K] + self.softness * self.z[:K]
+        self.primal[:K] = program.offset - self.s[:K]
+        if self.softness is not None:
+            self.primal[:K] += self.softness * self.z[:K]
         self.dual = self.G - self.system.transposed(self.z)
 
     def run(self, absolute: float) -> Solution:
         method, K = self.method, self.K
-        allowed = method.primal * self.length, method.dual * self.scale
-        worst = np.array([np.abs(self.primal[:K]).max(initial=0.0), np.abs(self.dual).max()])
         converged = False
         for iteration in range(method.iterations + 1):
             complementarity = float(self.z @ self.s)
             decrease = -0.5 * float(self.D @ (self.G + self.dual) + self.spread @ self.z)
-            small = complementarity <= method.complementarity * abs(decrease) + absolute
-            converged = small and bool((worst <= allowed).all())
+            converged = (
+                complementarity <= method.complementarity * abs(decrease) + absolute
+                and float(np.abs(self.primal[:K]).max(initial=0.0)) <= method.primal * self.length
+                and float(np.abs(self.dual).max()) <= method.dual * self.scale
+            )
             if converged or iteration == method.iterations:
                 break
             self._factorise()
-            step = self._step(complementarity / len(self.s))
-            worst *= 1.0 - step
+            self._step(complementarity / len(self.s))
         return Solution(
             self.D[self.unknowns], self.z[:K].copy(), self.shift, decrease, iteration, converged
         )  # fmt: skip
@@ -163,7 +165,7 @@ class _Iteration:
     def _factorise(self) -> None:
         """Factorise the Newton system, with a larger shift where it is not positive definite."""
         self.denominator = self.s
-        if self.softness > 0.0:
+        if self.softness is not None:
             self.denominator = self.s.copy()
             self.denominator[: self.K] += self.softness * self.z[: self.K]
         self.h = self.z / self.denominator
@@ -173,26 +175,29 @@ class _Iteration:
             self.dual = self.dual + (larger - self.shift) * self.D  # the shift is part of the objective
             self.shift = larger
 
-    def _step(self, mean: float) -> float:
-        """One predictor-corrector step from the mean complementarity; its length."""
+    def _step(self, mean: float) -> None:
+        """One predictor-corrector step from the mean complementarity."""
         s, z = self.s, self.z
         affine = -z * (s + self.primal)
         d, spread, ds, dz = self._direction(affine)
         after = float((z + min(1.0, _reach(z, dz)) * dz) @ (s + min(1.0, _reach(s, ds)) * ds)) / len(s)
         centring = min(max((after / mean) ** 3, SMALLEST_CENTRING), 1.0)
         d, spread, ds, dz = self._direction(affine + (centring * mean - ds * dz))
-        step = STEP_TO_BOUNDARY * min(_reach(s, ds), _reach(z, dz))
-        if step < FAILED_CORRECTOR:
+        step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
+        if max(step, dual_step) < FAILED_CORRECTOR:
             d, spread, ds, dz = self._direction(affine + mean)
-            step = STEP_TO_BOUNDARY * min(_reach(s, ds), _reach(z, dz))
-        step = min(step, 1.0)
+            step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
+        step, dual_step = min(step, 1.0), min(dual_step, 1.0)
+        # a whole step would undo both residuals: A d + primal + ε dz = ds and (W + δ I) d + dual = Aᵀ dz
+        curved = self.system.transposed(dz) - self.dual
+        self.dual = (1.0 - dual_step) * self.dual + (step - dual_step) * curved
+        self.primal = (1.0 - step) * self.primal
+        if self.softness is not None:
+            self.primal[: self.K] += (dual_step - step) * self.softness * dz[: self.K]
         self.D = self.D + step * d
         self.spread = self.spread + step * spread
         self.s = s + step * ds
-        self.z = z + step * dz
-        self.primal = (1.0 - step) * self.primal
-        self.dual = (1.0 - step) * self.dual
-        return step
+        self.z = z + dual_step * dz
 
     def _direction(self, products: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Newton direction d with its changes of the rows, of the slacks and of the multipliers.
@@ -204,7 +209,7 @@ class _Iteration:
         spread = self.system.constraints(d)
         dz = y - self.h * spread
         ds = spread + self.primal
-        if self.softness > 0.0:
+        if self.softness is not None:
             ds[: self.K] += self.softness * dz[: self.K]
         return d, spread, ds, dz
 

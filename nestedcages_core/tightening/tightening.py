@@ -20,16 +20,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .._types import FloatArray
-from ..contact.ccd import impacts
 from ..contact.linearisation import Contacts, constraint_rows, measure, resolve_corners
 from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy, signed_area
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
 from .curvature import EdgeLoads, contact_curvature
-from .restoration import restore
 from .trial import find_trial
 from .trust_region import TrustRegion
+from .widening import widen
 
 logger = logging.getLogger(__name__)
 
@@ -127,8 +126,14 @@ class _Run:
         self.loads = EdgeLoads.none(bodies.m)
 
     def minimise(self) -> TighteningOutcome:
-        if not self._reach_clearance():
-            return self._outcome(0, False, "The clearance cannot be reached.")
+        widened = widen(
+            self.bodies, self.x, self.clearance, self.candidates, self.settings.solver,
+            lambda x: self.on_step(x[: self.m].copy()),
+        )  # fmt: skip
+        self.x, self.own_clearance = widened.x, widened.own
+        self.systems += widened.systems
+        if widened.closest >= 0:
+            return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
         settings, energy, successor = self.settings, self.energy, self.bodies.cage_successor
         region = TrustRegion.start(self.m, settings, self.bodies.cage_edge_length)
         value = first_value = energy.value(self.x[: self.m], successor)
@@ -167,23 +172,6 @@ class _Run:
                 return self._outcome(iteration, False, "No step, however short, lowers the energy.")
         return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
 
-    def _reach_clearance(self) -> bool:
-        """Bring all distances to the clearance; whether that succeeded."""
-        longest = LONGEST_MOTION * self.settings.first_radius * self.bodies.cage_edge_length
-        pairs = self.candidates.within(self.x, self.clearance + 2.0 * longest, 2.0 * longest)
-        contacts = measure(pairs, self.x)
-        required = self._required(pairs)
-        if not bool((contacts.distance < required).any()):
-            return True
-        tried, after = restore(self.bodies, pairs, self.x, required, contacts.side)
-        motion = tried - self.x
-        hit, _ = impacts(pairs, self.x, motion, contacts.distance)
-        if len(hit) or bool((after.distance < required).any()) or float(np.abs(motion).max()) > longest:
-            return False
-        self.x = tried
-        self.on_step(self.x[: self.m].copy())
-        return True
-
     def _solve(self, pairs: Pairs, contacts: Contacts, region: TrustRegion, absolute: float) -> Solution:
         """The quadratic program at the current cage; keeps the loads of the edges for the next one."""
         cage, successor = self.x[: self.m], self.bodies.cage_successor
@@ -216,6 +204,9 @@ class _Run:
         required = np.full(len(pairs), self.clearance)
         required[pairs.cage_cage] = self.own_clearance
         return required
+
+    def _name(self, vertex: int) -> str:
+        return f"cage vertex {vertex}" if vertex < self.m else f"fine vertex {vertex - self.m}"
 
     def _outcome(self, iterations: int, converged: bool, reason: str) -> TighteningOutcome:
         return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, converged, reason)
