@@ -21,7 +21,6 @@ from ..distance import PointEdge, point_edge
 from ..mesh import Mesh
 from ..solver.banded import BandOrder
 
-
 TOO_WIDE = 3.0
 """Times the reach that is asked for at which a list is too wide."""
 

@@ -140,7 +140,7 @@ class _Way:
                 if stalled > STALLED_ITERATIONS:
                     return False
 
-            part = np.minimum(pace, stride / np.maximum(length, stride))
+            part: FloatArray = np.minimum(pace, stride / np.maximum(length, stride))
             longest = float((part * length).max())
             radius = min(max(REACH * longest, self.gap), LONGEST_REACH * self.unit)
             answer = self.answer.to(part[:, None] * way, self.x, radius)

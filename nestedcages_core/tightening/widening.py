@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
+from .._types import FloatArray, IntArray
 from ..contact.cage_answer import CageAnswer, Distances
 from ..contact.ccd import impacts
 from ..contact.linearisation import Contacts, measure
@@ -119,7 +119,7 @@ def _required(pairs: Pairs, clearance: float, own: float) -> FloatArray:
     return required
 
 
-def _short(pairs: Pairs, contacts: Contacts, clearance: float, own: float) -> np.ndarray:
+def _short(pairs: Pairs, contacts: Contacts, clearance: float, own: float) -> IntArray:
     """Pairs that are too close."""
     return np.flatnonzero(contacts.distance < _required(pairs, clearance, own))
 
