@@ -18,7 +18,7 @@ class LinkedLoops:
     """Doubly linked loops with their edges in a grid. A vertex keeps its number; an edge has that of its start."""
 
     def __init__(self, outline: Outline, reach: float) -> None:
-        """reach: largest distance from the centre, in diagonals, that vertices are expected to have."""
+        """reach: largest distance from the centre, in diameters, that vertices are expected to have."""
         vertices = outline.vertices
         self.sizes = list(outline.sizes)
         self.total = total = len(vertices)
@@ -31,13 +31,12 @@ class LinkedLoops:
         self.next: list[int] = outline.successor.tolist()
         self.previous: list[int] = outline.predecessor.tolist()
         self.alive = [True] * total
-        low, high = vertices.min(axis=0), vertices.max(axis=0)
-        self.diagonal = float(np.hypot(*(high - low)))
-        self.centre: tuple[float, float] = tuple((0.5 * (low + high)).tolist())
-        self.ulp = float(np.spacing(max(np.abs(vertices).max(), reach * self.diagonal)))
+        self.centre: tuple[float, float] = tuple(outline.centre.tolist())
+        self.diameter = outline.diameter
+        far = reach * self.diameter
+        self.ulp = float(np.spacing(max(np.abs(vertices).max(), far)))
         self.margin = MARGIN_ULPS * self.ulp
-        origin = self.centre[0] - reach * self.diagonal, self.centre[1] - reach * self.diagonal
-        self.grid = EdgeGrid(total, origin)
+        self.grid = EdgeGrid(total, (self.centre[0] - far, self.centre[1] - far))
         for edge in range(total):
             self._insert_edge(edge)
 

@@ -23,7 +23,7 @@ from .progressive_hull import ProgressiveHull, Weights
 from .unrolled import unroll
 
 OFFSET = 5e-5
-"""Distance, in diagonals, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""
+"""Distance, in diameters, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""
 
 SAME_AREA = 1e-9
 """Relative difference of area below which two hulls are the same one."""
@@ -83,7 +83,7 @@ class _Search:
         self.minimum = self.unrolled.minimum(budget)
         self.total = budget.total if self.per_loop is None else sum(self.minimum)
         self.clearance = clearance
-        self.distance = OFFSET * fine.diagonal
+        self.distance = OFFSET * self.unrolled.outline.diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
     def with_clearance(self) -> list[Outline]:

@@ -52,6 +52,20 @@ class Outline:
         """The edges, each by its start."""
         return BoxTree(self.vertices, self.vertices[self.successor])
 
+    @cached_property
+    def centre(self) -> FloatArray:
+        """(2,) centre of gravity of the loops as wires: the same in every direction the shape may be turned to."""
+        here = self.vertices - self.vertices[0]
+        there = here[self.successor]
+        lengths = np.hypot(*(there - here).T)
+        centre: FloatArray = self.vertices[0] + lengths @ (0.5 * (here + there)) / lengths.sum()
+        return centre
+
+    @cached_property
+    def diameter(self) -> float:
+        """Diameter of the circle around the centre that holds the loops."""
+        return 2.0 * float(np.hypot(*(self.vertices - self.centre).T).max())
+
     @property
     def area(self) -> float:
         """Area of the solid: loops that run clockwise count negative."""

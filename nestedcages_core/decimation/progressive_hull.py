@@ -30,7 +30,7 @@ NUDGES = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
 """Units in the last place by which a new vertex is pushed outwards until the exact tests hold."""
 
 NEGLIGIBLE_AREA = 1e-15
-"""Area in squared diagonals that is nothing but round-off; moves that cost less are free."""
+"""Area in squared diameters that is nothing but round-off; moves that cost less are free."""
 
 REACH_GROWTH, REACH_ROUNDS = 4.0, 5
 """How much farther new vertices may lie, and how often, when no move is left within reach."""
@@ -63,7 +63,7 @@ class Weights:
     loops: tuple[float, ...] = ()
     """Factor per loop; empty for none."""
     reach: float = 1.5
-    """Largest distance of new vertices from the centre, along each axis, in diagonals."""
+    """Largest distance of new vertices from the centre, in diameters."""
     seed: int = 0
 
 
@@ -75,12 +75,12 @@ class ProgressiveHull:
         self.weights = weights
         self.minimum = list(minimum)
         self.loops = loops = LinkedLoops(outline, weights.reach)
-        self.reach = weights.reach * loops.diagonal
+        self.reach = weights.reach * loops.diameter
         draw = random.Random(weights.seed).gauss
         self.factor = [exp(weights.noise * draw(0.0, 1.0)) if weights.noise else 1.0 for _ in range(loops.total)]
         if weights.loops:
             self.factor = [f * weights.loops[k] for f, k in zip(self.factor, loops.loop_of, strict=True)]
-        self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diagonal**2)
+        self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
         self._consider_all()
 
     def run(self, count: int) -> Outline:
@@ -179,8 +179,8 @@ class ProgressiveHull:
             self.queue.push(2 * b + 1, self.factor[b] * (weight * area + weights.spike * height_squared), x, y)
 
     def _within_reach(self, x: float, y: float) -> bool:
-        centre, reach = self.loops.centre, self.reach
-        return -reach < x - centre[0] < reach and -reach < y - centre[1] < reach
+        x, y = x - self.loops.centre[0], y - self.loops.centre[1]
+        return x * x + y * y < self.reach * self.reach
 
     # What is done, if nothing is in the way
 

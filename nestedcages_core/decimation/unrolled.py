@@ -47,7 +47,7 @@ class Unrolled:
 
 def unroll(fine: Mesh) -> Unrolled:
     """The loops of a mesh, largest first, each from the vertex farthest from its centre on."""
-    tie = TIE * fine.diagonal
+    tie, corner = TIE * fine.diagonal, fine.vertices.min(axis=0)
     rings, keys = [], []
     for loop, area in zip(fine.loops, fine.loop_areas, strict=True):
         points = fine.vertices[loop]
@@ -59,7 +59,7 @@ def unroll(fine: Mesh) -> Unrolled:
         cells = np.round(offsets[farthest] / tie)
         start = farthest[np.lexsort((cells[:, 1], cells[:, 0]))[0]]
         rings.append(np.roll(loop, -start))
-        keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - fine.vertices[0]) / tie)))
+        keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - corner) / tie)))
     order = np.array(sorted(range(len(rings)), key=keys.__getitem__), dtype=np.int64)
     ordered = tuple(rings[k] for k in order)
     places = np.concatenate([np.arange(len(ring)) for ring in ordered])
