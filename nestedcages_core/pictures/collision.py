@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from .._types import AnyArray, BoolArray, FloatArray
 from ..errors import NestedCagesError
-from ..hierarchy import Settings, nested_cages
+from ..hierarchy import Hierarchy, Progress, Settings, nested_cages
 from ..mesh import Mesh
 from .boundary import boundary_of_pixels
 
@@ -37,12 +38,27 @@ def collision_outline(
     holes: bool = False,
     settings: Settings | None = None,
 ) -> Mesh:
-    """An outline of so many vertices, or of fewer where the pixels have fewer corners, around all opaque pixels.
+    """An outline of so many vertices around all opaque pixels; see `picture_cages` for the options."""
+    made = picture_cages(picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings)
+    return made.cages[0]
+
+
+def picture_cages(
+    picture: AnyArray,
+    levels: Sequence[int],
+    *,
+    padding: float = 0.0,
+    threshold: float = 0.0,
+    holes: bool = False,
+    settings: Settings | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Hierarchy:
+    """Cages around all opaque pixels, with so many vertices each or fewer where the pixels have fewer corners.
 
     picture: as `alpha_channel` reads it; unit: pixels, x to the right and y downwards, pixel (row, column) the square
-    from (column, row) on; padding: distance in pixels that the outline keeps from them; threshold: opacity above which
-    a pixel counts as opaque; holes: whether holes are kept open. Parts and holes with no room for the padding are
-    joined and closed.
+    from (column, row) on; padding: distance in pixels that the cages keep from them and from each other; threshold:
+    opacity above which a pixel counts as opaque; holes: whether holes are kept open. Parts and holes with no room for
+    the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
     """
@@ -50,20 +66,20 @@ def collision_outline(
         raise NestedCagesError(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
+
+    def around(fine: Mesh, with_settings: Settings) -> Hierarchy:
+        return nested_cages(fine, [min(k, len(fine.vertices)) for k in levels], with_settings, progress=progress)
+
     fine = boundary_of_pixels(_without_holes(opaque, holes))
     if padding == 0.0:
-        return _cage(fine, vertices, chosen)
+        return around(fine, chosen)
     try:
-        return _cage(fine, vertices, replace(chosen, clearance=padding))
+        return around(fine, replace(chosen, clearance=padding))
     except NestedCagesError:
         grown = _grown(opaque, padding, holes)
         if len(grown.loops) == len(fine.loops):
             raise
-        return _cage(grown, vertices, chosen)
-
-
-def _cage(fine: Mesh, vertices: int, settings: Settings) -> Mesh:
-    return nested_cages(fine, [min(vertices, len(fine.vertices))], settings).cages[0]
+        return around(grown, chosen)
 
 
 def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
