@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -82,7 +82,7 @@ def to_svg(shapes: Mesh | Sequence[Mesh] | Mapping[str, Mesh], *, view_box: Sequ
     for k, (name, mesh) in reversed(list(enumerate(named.items()))):
         colour = COLOURS[k % len(COLOURS)]
         lines.append(
-            f'  <path id={quoteattr(name)} fill="{colour}" fill-opacity="{0.9 if k == 0 else 0.15}" '
+            f'  <path id="{html.escape(name)}" fill="{colour}" fill-opacity="{0.9 if k == 0 else 0.15}" '
             f'fill-rule="evenodd" stroke="{colour}" stroke-width="{STROKE * diagonal:.3g}" stroke-linejoin="round"\n'
             f'    d="{path_data(mesh)}"/>'
         )

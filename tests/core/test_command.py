@@ -185,7 +185,7 @@ def test_interrupting_ends_with_its_status(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("nestedcages_core.command.nested_cages", interrupted)
+    monkeypatch.setattr("nestedcages_core.command.run.nested_cages", interrupted)
     assert main([str(drawing), "--levels", "24"]) == 130
     assert "interrupted" in capsys.readouterr().err
 

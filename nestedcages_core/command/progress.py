@@ -1,0 +1,48 @@
+"""Progress for people, on the standard error stream."""
+
+from __future__ import annotations
+
+from typing import TextIO
+
+from ..batch import BatchProgress
+from ..hierarchy import Progress
+
+BAR = 24
+"""Characters of the progress bar."""
+
+
+class ProgressLine:
+    """Progress for people: a bar that moves on a terminal, a line per stage elsewhere."""
+
+    def __init__(self, stream: TextIO, *, silent: bool) -> None:
+        self.stream = stream
+        self.silent = silent
+        self.moving = stream.isatty()
+        self.last = ""
+        self.seen: set[str] = set()
+
+    def of_run(self, progress: Progress) -> None:
+        stage = f"level {progress.level + 1}, {progress.stage}"
+        self._show(progress.fraction, progress.message if self.moving else stage)
+
+    def of_batch(self, progress: BatchProgress) -> None:
+        self._show(progress.fraction, f"{progress.finished} of {progress.total} features")
+
+    def _show(self, fraction: float, text: str) -> None:
+        if self.silent:
+            return
+        if self.moving:
+            full = round(BAR * fraction)
+            shown = f"[{'#' * full}{'.' * (BAR - full)}] {100 * fraction:3.0f} % {text}"
+            self.stream.write("\r" + shown.ljust(len(self.last)))
+            self.last = shown
+        elif text not in self.seen:
+            self.stream.write(f"{100 * fraction:3.0f} % {text}\n")
+            self.seen.add(text)
+        self.stream.flush()
+
+    def end(self) -> None:
+        """Leave the line."""
+        if self.moving and self.last:
+            self.stream.write("\n")
+        self.last = ""
