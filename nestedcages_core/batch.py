@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, MutableMapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
@@ -230,6 +230,8 @@ class _Crew:
 
     def _another(self) -> Executor:
         """A new executor like the one that died."""
+        from concurrent.futures import ProcessPoolExecutor  # brings multiprocessing, which few need
+
         dead = self.executor
         if self.own:
             dead.shutdown(wait=False, cancel_futures=True)
