@@ -8,7 +8,16 @@ from __future__ import annotations
 from .batch import BatchProgress, Outcome, nested_cages_many
 from .contact import IPC
 from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
-from .decimation import ArcLength, OnCurve, OuterHull
+from .decimation import (
+    ArcLength,
+    DouglasPeucker,
+    EdgeCollapse,
+    LevelSet,
+    OnCurve,
+    OuterHull,
+    OwnDecimation,
+    Visvalingam,
+)
 from .energies import (
     Area,
     BoundaryARAP,
@@ -36,10 +45,11 @@ from .exchange import (
     write_geojson,
     write_svg,
 )
-from .flow import FlowResult, TwoSidedFlow
+from .flow import FlowResult, SignedDistanceFlow, TwoSidedFlow
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
 from .mesh import Mesh
 from .pictures import alpha_channel, boundary_of_pixels, collision_outline, read_png
+from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff
 from .reinflation import Reinflation
 from .solver import ProjectedNewton
 from .tightening import Tightening
@@ -54,10 +64,14 @@ __all__ = [
     "BatchProgress",
     "BoundaryARAP",
     "Certificate",
+    "DouglasPeucker",
+    "EdgeCollapse",
     "ElementEnergy",
+    "EvenSamples",
     "Feature",
     "FlowError",
     "FlowResult",
+    "GaussLegendre",
     "Grids",
     "Harmonic",
     "Hierarchy",
@@ -65,8 +79,10 @@ __all__ = [
     "InteriorARAP",
     "InvalidMeshError",
     "Level",
+    "LevelSet",
     "MeanValue",
     "Mesh",
+    "Midpoint",
     "MotionCertificate",
     "NestedCagesError",
     "NestedCagesRun",
@@ -76,16 +92,20 @@ __all__ = [
     "OnCurve",
     "Outcome",
     "OuterHull",
+    "OwnDecimation",
     "PiecewiseLinear",
     "Progress",
     "ProjectedNewton",
+    "QuadraticFallOff",
     "Reinflation",
     "ReinflationError",
     "Settings",
     "ShapeKeeping",
+    "SignedDistanceFlow",
     "StepDisplacement",
     "Tightening",
     "TwoSidedFlow",
+    "Visvalingam",
     "WeightedSum",
     "alpha_channel",
     "boundary_of_pixels",

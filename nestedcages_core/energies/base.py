@@ -42,7 +42,8 @@ class Blocks:
         """The (2 count, 2 count) matrix."""
         values, (rows, columns) = self._entries()
         size = 2 * count
-        return np.bincount(rows * size + columns, values, size * size).reshape(size, size)
+        entries: FloatArray = np.bincount(rows * size + columns, values, size * size).astype(np.float64, copy=False)
+        return entries.reshape(size, size)
 
     def sparse(self, count: int) -> sp.csr_matrix:
         """The (2 count, 2 count) matrix in compressed rows."""
