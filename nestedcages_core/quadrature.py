@@ -14,6 +14,7 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from ._types import FloatArray
+from .errors import FlowError
 from .mesh import Mesh
 
 
@@ -44,6 +45,7 @@ class QuadraticFallOff:
     @property
     def rule(self) -> EdgeRule:
         """(Q,) t = k / Q and (1 - t)², normalised."""
+        _check(self.samples)
         parameters = np.arange(self.samples) / self.samples
         return _normalised(parameters, (1.0 - parameters) ** 2)
 
@@ -67,6 +69,7 @@ class GaussLegendre:
     @property
     def rule(self) -> EdgeRule:
         """(Q,) Gauss-Legendre points on [0, 1] and weights w (1 - t), normalised."""
+        _check(self.points)
         nodes, weights = roots_legendre(self.points)
         parameters = 0.5 * (nodes + 1.0)
         return _normalised(parameters, weights * (1.0 - parameters))
@@ -81,6 +84,7 @@ class EvenSamples:
     @property
     def rule(self) -> EdgeRule:
         """(Q,) t = (k + 1/2) / Q and 1 - t, normalised."""
+        _check(self.samples)
         parameters = (np.arange(self.samples) + 0.5) / self.samples
         return _normalised(parameters, 1.0 - parameters)
 
@@ -105,6 +109,11 @@ def vertex_samples(mesh: Mesh, quadrature: Quadrature) -> VertexSamples:
     both = length_forth + length_back
     share = np.divide(length_forth, both, out=np.full_like(both, 0.5), where=both > 0.0)
     return VertexSamples(points, np.concatenate([share[:, None] * weights, (1.0 - share)[:, None] * weights], axis=1))
+
+
+def _check(count: int) -> None:
+    if count < 1:
+        raise FlowError(f"A quadrature needs at least one sample per edge, not {count}; use 1 or more.")
 
 
 def _normalised(parameters: FloatArray, weights: FloatArray) -> EdgeRule:
