@@ -6,7 +6,7 @@ Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. 
 from __future__ import annotations
 
 from .batch import BatchProgress, Outcome, nested_cages_many
-from .contact import IPC
+from .contact import IPC, AllPairs, Cells, NoFilter, PaperContact, Repairs, SequentialQP, SmallestDistance, TimeOfImpact
 from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
 from .decimation import (
     ArcLength,
@@ -45,13 +45,13 @@ from .exchange import (
     write_geojson,
     write_svg,
 )
-from .flow import FlowResult, SignedDistanceFlow, TwoSidedFlow
+from .flow import FlowResult, PaperFlow, SignedDistanceFlow, TwoSidedFlow
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
 from .mesh import Mesh
 from .pictures import alpha_channel, boundary_of_pixels, collision_outline, read_png
 from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff
 from .reinflation import Reinflation
-from .solver import ProjectedNewton
+from .solver import GradientDescent, ProjectedNewton
 from .tightening import Tightening
 from .verification import Certificate, MotionCertificate, verify, verify_motion
 
@@ -59,10 +59,12 @@ __version__ = "0.1.0"
 
 __all__ = [
     "IPC",
+    "AllPairs",
     "ArcLength",
     "Area",
     "BatchProgress",
     "BoundaryARAP",
+    "Cells",
     "Certificate",
     "DouglasPeucker",
     "EdgeCollapse",
@@ -72,6 +74,7 @@ __all__ = [
     "FlowError",
     "FlowResult",
     "GaussLegendre",
+    "GradientDescent",
     "Grids",
     "Harmonic",
     "Hierarchy",
@@ -89,21 +92,28 @@ __all__ = [
     "NestingError",
     "NestingReport",
     "NoEnergy",
+    "NoFilter",
     "OnCurve",
     "Outcome",
     "OuterHull",
     "OwnDecimation",
+    "PaperContact",
+    "PaperFlow",
     "PiecewiseLinear",
     "Progress",
     "ProjectedNewton",
     "QuadraticFallOff",
     "Reinflation",
     "ReinflationError",
+    "Repairs",
+    "SequentialQP",
     "Settings",
     "ShapeKeeping",
     "SignedDistanceFlow",
+    "SmallestDistance",
     "StepDisplacement",
     "Tightening",
+    "TimeOfImpact",
     "TwoSidedFlow",
     "Visvalingam",
     "WeightedSum",

@@ -9,13 +9,16 @@ import numpy as np
 from .._types import FloatArray
 from ..distance import PointEdge, distance_gradient
 from ..energies import Blocks, CageEnergy
+from ..energies.containment import Containment
 from ..energies.restoring import Restoring
 from ..solver import Model
-from .barrier import barrier, barrier_hessian_factors
+from .barrier import BarrierTerms, barrier, barrier_hessian_factors
 from .barrier_ranges import BarrierRanges
-from .ccd import impacts, largest_safe_step
+from .ccd import impacts
 from .condensation import newton_direction
-from .pairs import Bodies, CandidateList, Pairs
+from .pair_search import Candidates
+from .pairs import Bodies, Pairs
+from .step_filter import StepFilter, TimeOfImpact
 
 CAGE_VERTEX_WEIGHT = 0.25
 """Boundary length that a cage vertex stands for in C-F pairs, as a fraction of the mean coarse edge length."""
@@ -28,6 +31,9 @@ REST_MARGIN = 0.2
 
 SKIN = 0.5
 """Skin of the candidate list as a fraction of the mean coarse edge length."""
+
+EXACT = TimeOfImpact()
+"""The filter of steps unless another one is chosen."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,8 @@ class IncrementalPotential:
         restoring: Restoring,
         weights: Weights,
         ranges: BarrierRanges,
-        candidates: CandidateList,
+        candidates: Candidates,
+        step_filter: StepFilter = EXACT
     ) -> None:
         self.bodies = bodies
         self.energy = energy
@@ -62,6 +69,8 @@ class IncrementalPotential:
         self.weights = weights
         self.ranges = ranges
         self.candidates = candidates
+        self.step_filter = step_filter
+        self.containment = None if step_filter.safe else Containment(bodies.cage_successor, bodies.fine_successor)
         self.skin = SKIN * bodies.cage_edge_length
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
@@ -71,33 +80,23 @@ class IncrementalPotential:
         """The energy at x (m + n, 2); infinite at contact and for a negative area."""
         m = self.bodies.m
         cages = self.energy.value(x[:m], self.bodies.cage_successor)
-        if not np.isfinite(cages):
+        if not np.isfinite(cages) or (self.containment is not None and self.containment.value(x) > 0.0):
             return np.inf
         pairs, pair, d_hat = self._active(x)
         terms = barrier(pair.distance, d_hat)
         contact = float(self._pair_weight(pairs, d_hat) @ terms.value)
         return self.weights.restoring * self.restoring.value(x[m:]) + self.weights.cages * cages + contact
 
+    def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
+        """Value and gradient at x."""
+        return self._slope(x, *self._barriers(x))
+
     def newton(self, x: FloatArray) -> Model:
         """Value, gradient and projected Newton direction at x, all with respect to (C; F)."""
-        m, n = self.bodies.m, self.bodies.n
-        pairs, pair, d_hat = self._active(x)
-        weight = self._pair_weight(pairs, d_hat)
-        terms = barrier(pair.distance, d_hat)
-        cage, fine = x[:m], x[m:]
-        value = (
-            self.weights.restoring * self.restoring.value(fine)
-            + self.weights.cages * self.energy.value(cage, self.bodies.cage_successor)
-            + float(weight @ terms.value)
-        )
+        pairs, pair, weight, terms = self._barriers(x)
+        value, gradient = self._slope(x, pairs, pair, weight, terms)
+        cage = x[: self.bodies.m]
         corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1)
-        push = ((weight * terms.first)[:, None] * distance_gradient(pair)).reshape(-1, 2)
-        gradient = np.empty_like(x)
-        for axis in (0, 1):
-            gradient[:, axis] = np.bincount(corners.ravel(), push[:, axis], m + n)
-        gradient[:m] += self.weights.cages * self.energy.gradient(cage, self.bodies.cage_successor)
-        gradient[m:] += self.weights.restoring * self.restoring.gradient(fine)
-
         factors = barrier_hessian_factors(terms, weight, pair, x[pairs.start], x[pairs.end])
         own = Blocks.sum([(self.weights.cages, self.energy.projected_hessian(cage, self.bodies.cage_successor))])
         stiffness = self.weights.restoring * self.restoring.weight
@@ -109,7 +108,7 @@ class IncrementalPotential:
         m = self.bodies.m
         cage, fine = float(np.sqrt(squared[:m].max())), float(np.sqrt(squared[m:].max()))
         pairs, pair = self._measure(x, self.ranges.largest + cage + max(cage, fine))
-        return largest_safe_step(pairs, x, direction, pair.distance)
+        return self.step_filter.fraction(pairs, x, direction, pair.distance)
 
     def finished(self, x: FloatArray) -> bool:
         """Whether the fine mesh can go straight to its target without coming much closer to the cage anywhere."""
@@ -122,6 +121,26 @@ class IncrementalPotential:
         if (after <= REST_MARGIN * np.minimum(pair.distance, self.ranges.largest)).any():
             return False
         return len(impacts(pairs, x, motion, pair.distance)[0]) == 0
+
+    def _barriers(self, x: FloatArray) -> tuple[Pairs, PointEdge, FloatArray, BarrierTerms]:
+        """The pairs within their range, their distances, weights and barriers."""
+        pairs, pair, d_hat = self._active(x)
+        return pairs, pair, self._pair_weight(pairs, d_hat), barrier(pair.distance, d_hat)
+
+    def _slope(
+        self, x: FloatArray, pairs: Pairs, pair: PointEdge, weight: FloatArray, terms: BarrierTerms
+    ) -> tuple[float, FloatArray]:
+        m, successor = self.bodies.m, self.bodies.cage_successor
+        cage, fine = x[:m], x[m:]
+        value = (
+            self.weights.restoring * self.restoring.value(fine)
+            + self.weights.cages * self.energy.value(cage, successor)
+            + float(weight @ terms.value)
+        )
+        gradient = sum_at_corners(pairs, (weight * terms.first)[:, None] * distance_gradient(pair), len(x))
+        gradient[:m] += self.weights.cages * self.energy.gradient(cage, successor)
+        gradient[m:] += self.weights.restoring * self.restoring.gradient(fine)
+        return value, gradient
 
     def _measure(self, x: FloatArray, reach: float) -> tuple[Pairs, PointEdge]:
         """All candidate pairs within reach and their distances, remembered for the last x."""
@@ -145,3 +164,13 @@ class IncrementalPotential:
         weight[pairs.cage_cage] = OWN_VERTEX_WEIGHT * self.bodies.cage_edge_length
         weight *= self.weights.barrier / d_hat
         return weight
+
+
+def sum_at_corners(pairs: Pairs, push: FloatArray, count: int) -> FloatArray:
+    """(count, 2) sum of what K pairs contribute at their corners: ``push`` (K, 6) in the order (point, start, end)."""
+    corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1).ravel()
+    shares = push.reshape(-1, 2)
+    total = np.empty((count, 2))
+    for axis in (0, 1):
+        total[:, axis] = np.bincount(corners, shares[:, axis], count)
+    return total

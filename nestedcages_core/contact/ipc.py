@@ -4,7 +4,7 @@ free steps."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from ..solver import Solver
 from .barrier_ranges import BarrierRanges
 from .base import ContactOutcome
 from .incremental_potential import IncrementalPotential, Weights
-from .pairs import Bodies, CandidateList
+from .pair_search import BroadPhase, Cells
+from .pairs import Bodies
+from .step_filter import StepFilter, TimeOfImpact
 
 STIFFER = 4.0
 """Factor on λ_R when the minimum of the energy leaves the fine mesh short of its target."""
@@ -51,6 +53,10 @@ class IPC:
     """λ_B · d̂."""
     stride: float = 0.5
     """Longest motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
+    step_filter: StepFilter = field(default_factory=TimeOfImpact)
+    """What bounds a step before the line search."""
+    broad_phase: BroadPhase = field(default_factory=Cells)
+    """Which pairs are looked at."""
 
     def reinflate(
         self,
@@ -68,7 +74,7 @@ class IPC:
         base = max(self.barrier_range * bodies.cage_edge_length, CLEARANCE_RANGE * clearance)
         home = path[-1]
         local = BarrierRanges.local(bodies, x[:m], home, base)
-        candidates = CandidateList(bodies)
+        candidates = self.broad_phase.candidates(bodies)
         iterations = 0
         for target in _waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
             stiffness, shortening = self.restoring / base, 1.0
@@ -82,6 +88,7 @@ class IPC:
                     Weights(stiffness, self.cages, self.barrier),
                     local.scaled(shortening),
                     candidates,
+                    self.step_filter,
                 )
                 solution = solver.minimise(objective, x, on_step)
                 x = solution.x

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .base import Model, Objective, Solution, Solver
+from .gradient_descent import GradientDescent
 from .newton import ProjectedNewton
 
-__all__ = ["Model", "Objective", "ProjectedNewton", "Solution", "Solver"]
+__all__ = ["GradientDescent", "Model", "Objective", "ProjectedNewton", "Solution", "Solver"]

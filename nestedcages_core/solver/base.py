@@ -26,6 +26,10 @@ class Objective(Protocol):
         """The objective; infinite where the state is invalid."""
         ...
 
+    def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
+        """Value and gradient; the value may be infinite, the gradient may not."""
+        ...
+
     def newton(self, x: FloatArray) -> Model:
         """Value, gradient and projected Newton direction at a valid state."""
         ...
