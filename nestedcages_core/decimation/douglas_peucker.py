@@ -43,10 +43,12 @@ class DouglasPeucker:
         crossing: set[Chord] = set()
         for _ in range(REPAIRS):
             chosen = division.chosen(total, limits, crossing)
-            added = division.crossing(chosen) - crossing
-            if not added:
+            found = division.crossing(chosen)
+            if not found:
                 return followed(unrolled, division.outline(chosen), budget, fine)
-            crossing |= added
+            if found <= crossing:
+                break
+            crossing |= found
         raise NestingError(
             f"{total} vertices are too few for chords that follow the mesh without crossing; ask for more, or use the "
             "outer hull."
