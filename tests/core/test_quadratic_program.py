@@ -1,0 +1,199 @@
+"""Quadratic programs against independent solvers, and the systems inside them against full matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog, minimize
+
+from nestedcages_core.energies import Blocks
+from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
+from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
+
+EXACT = InteriorPoint(iterations=80, complementarity=1e-10, primal=1e-10, dual=1e-10)
+
+
+def random_rows(rng: np.random.Generator, m: int, counts: tuple[int, int, int]) -> list[Rows]:
+    """Groups of rows over one, two and three vertices."""
+    groups = []
+    for width, count in zip((1, 2, 3), counts, strict=True):
+        vertex = np.array([rng.permutation(m)[:width] for _ in range(count)], np.int64).reshape(count, width).T
+        angle = rng.uniform(0.0, 2.0 * np.pi, count)
+        groups.append(Rows(vertex, rng.normal(size=(width, count)), np.stack([np.cos(angle), np.sin(angle)])))
+    return groups
+
+
+def full_rows(groups: list[Rows], m: int) -> np.ndarray:
+    """The matrix J, entry by entry."""
+    lines = []
+    for group in groups:
+        for k in range(group.count):
+            line = np.zeros((m, 2))
+            for vertex, weight in zip(group.vertex[:, k], group.weight[:, k], strict=True):
+                line[vertex] += weight * group.direction[:, k]
+            lines.append(line.ravel())
+    return np.array(lines).reshape(-1, 2 * m)
+
+
+def random_program(seed: int, m: int = 7, counts: tuple[int, int, int] = (6, 9, 5)) -> QuadraticProgram:
+    """A strictly convex program over a ring of m vertices with a few far couplings."""
+    rng = np.random.default_rng(seed)
+    ring = np.arange(m)
+    diagonal = rng.normal(size=(m, 2, 2))
+    diagonal = diagonal @ diagonal.transpose(0, 2, 1) + 6.0 * np.eye(2)
+    hessian = Blocks(
+        np.concatenate([ring, ring]),
+        np.concatenate([ring, np.roll(ring, -1)]),
+        np.concatenate([diagonal, rng.normal(size=(m, 2, 2))]),
+    )
+    return QuadraticProgram(
+        rng.normal(size=(m, 2)),
+        hessian,
+        random_rows(rng, m, counts),
+        rng.uniform(0.0, 0.2, sum(counts)),
+        rng.uniform(0.1, 1.0, m),
+    )
+
+
+def objective(program: QuadraticProgram):
+    W, G = program.hessian.dense(len(program.radius)), program.gradient.ravel()
+    return lambda d: G @ d + 0.5 * d @ W @ d, lambda d: G + W @ d
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_solution_is_that_of_an_independent_solver(seed: int) -> None:
+    program = random_program(seed)
+    m = len(program.radius)
+    J, box = full_rows(program.rows, m), np.repeat(program.radius, 2)
+    value, gradient = objective(program)
+    reference = minimize(
+        value,
+        np.zeros(2 * m),
+        jac=gradient,
+        method="SLSQP",
+        bounds=list(zip(-box, box, strict=True)),
+        constraints=[{"type": "ineq", "fun": lambda d: program.offset + J @ d, "jac": lambda d: J}],
+        options={"ftol": 1e-14, "maxiter": 500},
+    )
+    solution = EXACT.solve(program)
+    assert solution.converged and solution.shift == 0.0
+    np.testing.assert_allclose(solution.step.ravel(), reference.x, atol=1e-6)
+    assert -solution.decrease == pytest.approx(reference.fun, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_linear_programs(seed: int) -> None:
+    program = random_program(seed)
+    m = len(program.radius)
+    nothing = Blocks(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 2, 2)))
+    program = QuadraticProgram(program.gradient, nothing, program.rows, program.offset, program.radius)
+    box = np.repeat(program.radius, 2)
+    reference = linprog(
+        program.gradient.ravel(),
+        A_ub=-full_rows(program.rows, m),
+        b_ub=program.offset,
+        bounds=list(zip(-box, box, strict=True)),
+    )
+    solution = EXACT.solve(program)
+    assert solution.converged
+    assert -solution.decrease == pytest.approx(reference.fun, rel=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_soft_rows_give_way_by_their_softness(seed: int) -> None:
+    program = random_program(seed)
+    m, K = len(program.radius), len(program.offset)
+    J, box = full_rows(program.rows, m), np.repeat(program.radius, 2)
+    softness = np.random.default_rng(seed).uniform(0.01, 0.5, K)
+    offset = program.offset - 0.3  # not all can be met
+    value, gradient = objective(program)
+
+    def penalised(d: np.ndarray) -> float:
+        return value(d) + 0.5 * float((np.minimum(offset + J @ d, 0.0) ** 2 / softness).sum())
+
+    def slope(d: np.ndarray) -> np.ndarray:
+        return gradient(d) + J.T @ (np.minimum(offset + J @ d, 0.0) / softness)
+
+    bounds = list(zip(-box, box, strict=True))
+    reference = minimize(penalised, np.zeros(2 * m), jac=slope, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15})
+    soft = QuadraticProgram(program.gradient, program.hessian, program.rows, offset, program.radius, softness=softness)
+    solution = EXACT.solve(soft)
+    assert solution.converged
+    np.testing.assert_allclose(solution.step.ravel(), reference.x, atol=1e-5)
+    missed = np.maximum(-(offset + J @ solution.step.ravel()), 0.0)
+    np.testing.assert_allclose(solution.multipliers * softness, missed, atol=1e-7)
+
+
+def test_conditions_of_optimality_hold() -> None:
+    program = random_program(11, m=30, counts=(20, 60, 10))
+    m = len(program.radius)
+    J, box = full_rows(program.rows, m), np.repeat(program.radius, 2)
+    solution = EXACT.solve(program)
+    d, z = solution.step.ravel(), solution.multipliers
+    slack = program.offset + J @ d
+    assert slack.min() > -1e-8 and z.min() >= 0.0 and float(z @ slack) < 1e-7
+    stationarity = objective(program)[1](d) - J.T @ z
+    free = np.abs(d) < box - 1e-6
+    np.testing.assert_allclose(stationarity[free], 0.0, atol=1e-6)
+    assert np.all(stationarity[~free] * d[~free] <= 1e-6)  # the bounds push inwards
+
+
+def test_an_indefinite_program_is_made_convex_by_the_least_shift_tried() -> None:
+    ring = np.arange(4)
+    saddle = np.broadcast_to(np.diag([1.0, -1.0]), (4, 2, 2))
+    program = QuadraticProgram(np.ones((4, 2)), Blocks(ring, ring, saddle), [], np.zeros(0), np.full(4, 0.1))
+    solution = EXACT.solve(program)
+    assert solution.converged and solution.shift >= 0.0
+    np.testing.assert_allclose(np.abs(solution.step[:, 1]), 0.1, atol=1e-6)  # the bounds end the descent
+
+
+def test_nothing_to_gain_takes_no_step() -> None:
+    program = random_program(5)
+    still = QuadraticProgram(
+        np.zeros_like(program.gradient), program.hessian, program.rows, program.offset, program.radius, scale=1.0
+    )
+    assert np.abs(EXACT.solve(still).step).max() < 1e-7
+
+
+@pytest.mark.parametrize("counts", [(6, 9, 5), (0, 12, 0), (4, 0, 0), (0, 0, 0)])
+def test_band_holds_the_matrices(counts: tuple[int, int, int]) -> None:
+    program = random_program(2, m=12, counts=counts)
+    m, rng = 12, np.random.default_rng(0)
+    order = BandOrder.of(m, program.hessian.row, program.hessian.column).including(program.hessian, program.rows)
+    system = BandedSystem(order, program.hessian, program.rows)
+    unknown = (2 * order.position[:, None] + np.arange(2)).ravel()  # place of every unknown in the band
+    J = full_rows(program.rows, m)
+    A = np.concatenate([J, np.eye(2 * m), -np.eye(2 * m)])
+    d, z = rng.normal(size=2 * m), rng.normal(size=len(A))
+    ordered = np.empty(2 * m)
+    ordered[unknown] = d
+    constraints, transposed = system.constraints(ordered), system.transposed(z)
+    K = len(J)
+    np.testing.assert_allclose(constraints[:K], J @ d, atol=1e-13)
+    np.testing.assert_allclose(constraints[K : K + 2 * m], ordered)
+    np.testing.assert_allclose(constraints[K + 2 * m :], -ordered)
+    bounds = z[K : K + 2 * m] - z[K + 2 * m :]
+    np.testing.assert_allclose(transposed[unknown], J.T @ z[:K] + bounds[unknown], atol=1e-13)
+
+    h = rng.uniform(0.1, 2.0, len(A))
+    system.set_matrix(h)
+    assert system.factorise(0.7)
+    box = (h[K : K + 2 * m] + h[K + 2 * m :])[unknown]
+    M = program.hessian.dense(m) + J.T @ (h[:K, None] * J) + np.diag(box) + 0.7 * np.eye(2 * m)
+    np.testing.assert_allclose(system.solve(ordered)[unknown], np.linalg.solve(M, d), rtol=1e-9, atol=1e-12)
+
+
+def test_the_order_of_a_ring_is_a_narrow_band() -> None:
+    m = 40
+    order = BandOrder.of(m, np.arange(m), np.roll(np.arange(m), -1))
+    assert sorted(order.position) == list(range(m))
+    assert order.spread == 2
+
+
+def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
+    ring = np.arange(3)
+    hessian = Blocks(ring, ring, np.broadcast_to(-np.eye(2), (3, 2, 2)))
+    system = BandedSystem(BandOrder.of(3, ring, ring), hessian, [])
+    system.set_matrix(np.full(12, 0.1))
+    assert not system.factorise(0.0)
+    assert system.factorise(5.0)
