@@ -1,0 +1,56 @@
+"""The stories in examples/ run in their small form, write what they say, and draw something."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from nestedcages_core import from_engine_json, read_geojson, read_svg, verify
+
+pytest.importorskip("matplotlib")
+from matplotlib.image import imread
+
+ROOT = Path(__file__).resolve().parents[1]
+STORIES = ("bend", "coast", "five_levels", "logo", "poisson", "sprite_outline")
+
+
+@pytest.mark.parametrize("story", STORIES)
+def test_a_story_runs_and_draws_its_picture(story: str, tmp_path: Path) -> None:
+    command = [sys.executable, f"examples/{story}.py", "--small", "--output", str(tmp_path)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "MPLCONFIGDIR": str(tmp_path / "matplotlib")}
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=170, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    picture = tmp_path / f"{story}.png"
+    assert f"Wrote {picture}" in done.stdout
+    pixels = imread(picture)
+    assert min(pixels.shape[:2]) > 200
+    assert (pixels[:, :, :3].min(axis=2) < 0.9).mean() > 0.02
+    _check_files(story, tmp_path)
+
+
+def _check_files(story: str, folder: Path) -> None:
+    """What a story writes beside its picture can be read and holds."""
+    if story == "sprite_outline":
+        text = (folder / "fox_outline.json").read_text()
+        assert len(from_engine_json(text).vertices) == 16
+        assert json.loads(text)["triangles"]
+    elif story == "logo":
+        parts = [read_svg(folder / "logo_cages.svg", element=name) for name in ("shape", "cage-1", "cage-2")]
+        assert verify(parts[1], parts[0])
+        assert verify(parts[2], parts[1])
+    elif story == "five_levels":
+        parts = [read_svg(folder / "five_levels.svg", element=name) for name in ("shape", "cage-1", "cage-2", "cage-3")]
+        assert all(verify(outer, inner) for inner, outer in pairwise(parts))
+    elif story == "coast":
+        features = json.loads((folder / "coast.geojson").read_text())["features"]
+        assert len(features) == 2
+        (folder / "one.geojson").write_text(json.dumps(features[0]))
+        assert read_geojson(folder / "one.geojson").area > 0.0
