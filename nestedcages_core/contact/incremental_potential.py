@@ -29,6 +29,9 @@ OWN_VERTEX_WEIGHT = 0.1
 REST_MARGIN = 0.2
 """Fraction of its distance that every pair must keep when the fine mesh goes the rest of its way at once."""
 
+LONGEST_MOTION = 1.0
+"""Longest motion of a vertex in one step, as a fraction of the mean coarse edge length: farther ones meet too much."""
+
 SKIN = 0.5
 """Skin of the candidate list as a fraction of the mean coarse edge length."""
 
