@@ -6,7 +6,18 @@ Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. 
 from __future__ import annotations
 
 from .batch import BatchProgress, Outcome, nested_cages_many
-from .contact import IPC, AllPairs, Cells, NoFilter, PaperContact, Repairs, SequentialQP, SmallestDistance, TimeOfImpact
+from .contact import (
+    IPC,
+    AllPairs,
+    Cells,
+    NoFilter,
+    PaperContact,
+    Repairs,
+    SequentialQP,
+    SmallestDistance,
+    TimeOfImpact,
+    VelocityFilter,
+)
 from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
 from .decimation import (
     ArcLength,
@@ -115,6 +126,7 @@ __all__ = [
     "Tightening",
     "TimeOfImpact",
     "TwoSidedFlow",
+    "VelocityFilter",
     "Visvalingam",
     "WeightedSum",
     "alpha_channel",

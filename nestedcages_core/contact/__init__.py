@@ -9,6 +9,7 @@ from .paper import PaperContact, Repairs
 from .paper_potential import PaperWeights
 from .sequential_qp import SequentialQP
 from .step_filter import NoFilter, SmallestDistance, StepFilter, TimeOfImpact
+from .velocity_filter import VelocityFilter
 
 __all__ = [
     "IPC",
@@ -25,4 +26,5 @@ __all__ = [
     "SmallestDistance",
     "StepFilter",
     "TimeOfImpact",
+    "VelocityFilter",
 ]

@@ -76,7 +76,7 @@ class IPC:
         local = BarrierRanges.local(bodies, x[:m], home, base)
         candidates = self.broad_phase.candidates(bodies)
         iterations = 0
-        for target in _waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
+        for target in waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
             stiffness, shortening = self.restoring / base, 1.0
             stiffenings = shortenings = 0
             step_energy = energy.after(x[:m])
@@ -106,7 +106,7 @@ class IPC:
         return ContactOutcome(x, True, iterations)
 
 
-def _waypoints(start: FloatArray, path: Sequence[FloatArray], stride: float) -> Iterator[FloatArray]:
+def waypoints(start: FloatArray, path: Sequence[FloatArray], stride: float) -> Iterator[FloatArray]:
     """The targets of the path, with evenly spaced ones between where a vertex would move farther than ``stride``."""
     for target in path:
         motion = target - start
