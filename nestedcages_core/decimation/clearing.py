@@ -14,6 +14,7 @@ from .enclosure import Enclosure
 from .linked_loops import LinkedLoops
 from .offset import strict_offset
 from .outline import Outline
+from .progressive_hull import ProgressiveHull, Weights
 
 RESERVE = 1.05
 """Outlines are moved to so many clearances where there is room: what comes next needs some."""
@@ -23,6 +24,9 @@ WIDENINGS = 6
 
 FILLINGS = 4
 """Rounds of filling narrow gaps; the first fills them all unless something lies in them."""
+
+TRIFLE = 0.2
+"""Size in clearances of details that are built over where they keep an outline from reaching the clearance."""
 
 GAP = 2.2
 """Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
@@ -36,7 +40,8 @@ def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline
         if not tight.any():
             break
         size = len(outline.vertices)
-        outline = _filled(outline, tight | _in_narrow_gaps(outline, tight, GAP * clearance))
+        outline = _without(outline, tight | _in_narrow_gaps(outline, tight, GAP * clearance))
+        outline = without_trifles(outline, (TRIFLE * clearance) ** 2)
         if len(outline.vertices) == size:
             break
     return outline
@@ -97,13 +102,26 @@ def _covered(count: int, first: IntArray, last: IntArray, begin: IntArray, size:
     return covered
 
 
-def _filled(outline: Outline, unwanted: BoolArray) -> Outline:
+def without_gaps(outline: Outline, width: float) -> Outline:
+    """The outline with all gaps filled that are narrower than `width`, however narrow."""
+    unwanted = _in_narrow_gaps(outline, np.ones(len(outline.vertices), dtype=bool), width)
+    return _without(outline, unwanted, exact=True) if unwanted.any() else outline
+
+
+def without_trifles(outline: Outline, area: float) -> Outline:
+    """The outline without those details that cost less than an area to build over: short edges keep steps short."""
+    minimum = [LEAST_PER_LOOP] * len(outline.sizes)
+    return ProgressiveHull(outline, Weights(pivot=None), minimum).run(sum(minimum), area)
+
+
+def _without(outline: Outline, unwanted: BoolArray, *, exact: bool = False) -> Outline:
     """The outline without those of the unwanted (n,) vertices that can be dropped: the pockets that they line."""
     loops = LinkedLoops(outline, reach=1.0)
     waiting = deque(np.flatnonzero(unwanted).tolist())
     while waiting:
         vertex = waiting.popleft()
-        if loops.alive[vertex] and loops.sizes[loops.loop_of[vertex]] > LEAST_PER_LOOP and loops.may_drop(vertex):
+        spare = loops.alive[vertex] and loops.sizes[loops.loop_of[vertex]] > LEAST_PER_LOOP
+        if spare and loops.may_drop(vertex, exact=exact):
             neighbours = loops.previous[vertex], loops.next[vertex]
             loops.remove(vertex)
             waiting.extend(v for v in neighbours if unwanted[v])

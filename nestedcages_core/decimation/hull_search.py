@@ -32,10 +32,10 @@ FEWEST_RESTARTS = 4
 SPIKE_VARIATIONS = (0.0, 0.1, 0.3)
 """Weights against spikes that early restarts try, all else even."""
 
-RESCUES = 60
-"""Further restarts, with wilder weights, while no run has come down to the wanted number."""
+RESCUES = 40
+"""Runs with wilder weights if no restart comes down to the wanted number."""
 
-RESCUE_WHOLE = 600
+RESCUE_WHOLE = 400
 """Size up to which every second rescue begins at the outline itself."""
 
 
@@ -97,10 +97,7 @@ def search_hulls(
     Deterministic for a seed.
     """
     both = len(outline.vertices) <= STAGE_TWICE
-    size = max(STAGE_LEAST, STAGE_FACTOR * count)
-    # until there, pivots are dearer than anything else, and looking for them would cost a third of the time
-    bulk = [replace(weights, pivot=None) for weights in ((EVEN, ROUGH) if both else (ROUGH,))]
-    stages = [prepare(ProgressiveHull(outline, weights, minimum).run(size)) for weights in bulk]
+    stages = [prepare(stage) for stage in _stages(outline, count, minimum, (EVEN, ROUGH) if both else (ROUGH,))]
     moves = max(1, len(stages[0].vertices) - count)
     runs = max(1, min(restarts, max(FEWEST_RESTARTS, RESTART_MOVES // moves)))
     rng = random.Random(seed)
@@ -109,11 +106,30 @@ def search_hulls(
     hulls = []
     for stage, chosen in zip(cycle(stages), weights, strict=False):
         hulls.append(ProgressiveHull(stage, chosen, minimum).run(count))
-    for rescue in range(RESCUES):
-        if min(len(hull.vertices) for hull in hulls) <= count:
-            break
-        if rescue == 1 and len(outline.vertices) <= RESCUE_WHOLE:
-            stages.append(prepare(outline))
-        chosen = RESCUE.draw(rng, len(outline.sizes))
-        hulls.append(ProgressiveHull(stages[rescue % len(stages)], chosen, minimum).run(count))
+    if all(len(hull.vertices) > count for hull in hulls):
+        hulls = _rescues(outline, count, minimum, seed, prepare)
     return sorted(hulls, key=lambda hull: (max(count, len(hull.vertices)), hull.area))
+
+
+def _stages(outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]) -> list[Outline]:
+    """Where restarts begin. Until there pivots are dearer than other moves, and to look for them costs a third of the
+    time."""
+    size = max(STAGE_LEAST, STAGE_FACTOR * count)
+    return [ProgressiveHull(outline, replace(chosen, pivot=None), minimum).run(size) for chosen in weights]
+
+
+def _rescues(
+    outline: Outline, count: int, minimum: Sequence[int], seed: int, prepare: Callable[[Outline], Outline]
+) -> list[Outline]:
+    """Hulls by runs that are the same for every count, so that the smallest one found can be asked for."""
+    starts = [prepare(stage) for stage in _stages(outline, sum(minimum), minimum, (EVEN,))]
+    if len(outline.vertices) <= RESCUE_WHOLE:
+        starts.append(prepare(outline))
+    rng = random.Random(seed)
+    hulls: list[Outline] = []
+    for k in range(RESCUES):
+        chosen = RESCUE.draw(rng, len(outline.sizes))
+        hulls.append(ProgressiveHull(starts[k % len(starts)], chosen, minimum).run(count))
+        if len(hulls[-1].vertices) <= count:
+            break
+    return hulls

@@ -78,20 +78,29 @@ class LinkedLoops:
         for edge in changed:
             self._insert_edge(edge)
 
-    def may_drop(self, b: int) -> bool:
+    def may_drop(self, b: int, *, exact: bool = False) -> bool:
         """Whether the triangle at a vertex lies outside of the solid (exactly) and nothing else is in it."""
         X, Y = self.x, self.y
         a, c = self.previous[b], self.next[b]
         corners = X[a], Y[a], X[c], Y[c], X[b], Y[b]
         side = orientation_sign(*corners)
-        return side == 0 or (side > 0 and not self.vertex_in_triangle(*corners, own=(a, b, c)))
+        return side == 0 or (side > 0 and not self.vertex_in_triangle(*corners, own=(a, b, c), exact=exact))
 
     # What lies in the way: closed counter-clockwise triangles, widened by the margin; doubtful cases count as hits
 
     def vertex_in_triangle(
-        self, ax: float, ay: float, bx: float, by: float, cx: float, cy: float, *, own: tuple[int, ...]
+        self,
+        ax: float,
+        ay: float,
+        bx: float,
+        by: float,
+        cx: float,
+        cy: float,
+        *,
+        own: tuple[int, ...],
+        exact: bool = False,
     ) -> bool:
-        """Whether a vertex other than the triangle's `own` lies in it."""
+        """Whether a vertex other than the triangle's `own` lies in it; exact: without the margin."""
         X, Y, margin = self.x, self.y, self.margin
         low_x, high_x, low_y, high_y = min(ax, bx, cx), max(ax, bx, cx), min(ay, by, cy), max(ay, by, cy)
         low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
@@ -106,6 +115,7 @@ class LinkedLoops:
                 and vx * (y - by) - vy * (x - bx) >= v
                 and wx * (y - cy) - wy * (x - cx) >= w
                 and vertex not in own
+                and not (exact and _is_outside(x, y, ax, ay, bx, by, cx, cy))
             ):
                 return True
         return False
@@ -143,3 +153,12 @@ class LinkedLoops:
             if min(sides) <= beside and max(sides) >= -beside:
                 return True
         return False
+
+
+def _is_outside(x: float, y: float, ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> bool:
+    """Whether a point lies outside of a closed counter-clockwise triangle; exact."""
+    return (
+        orientation_sign(ax, ay, bx, by, x, y) < 0
+        or orientation_sign(bx, by, cx, cy, x, y) < 0
+        or orientation_sign(cx, cy, ax, ay, x, y) < 0
+    )

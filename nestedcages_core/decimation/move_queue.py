@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from heapq import heapify, heappop, heappush
+from math import inf
 
 COST_SPLITTER = 2.0**27 + 1.0
 """Rounds costs to 26 bits, so that equal moves of a symmetric shape tie whatever the round-off (Dekker 1971)."""
@@ -38,13 +39,16 @@ class MoveQueue:
         else:
             self._waiting.append((cost, slot, self._stamps[slot], *place))
 
-    def pop(self) -> tuple[int, tuple[float, ...]] | None:
-        """Slot and place of the cheapest move, which is discarded; None if there is none."""
+    def pop(self, dearest: float = inf) -> tuple[int, tuple[float, ...]] | None:
+        """Slot and place of the cheapest move, which is discarded; None if there is none that costs up to `dearest`."""
         stamps = self._stamps
         while True:
             while self._heap:
-                _, slot, stamp, *place = heappop(self._heap)
+                cost, slot, stamp, *place = heappop(self._heap)
                 if stamps[int(slot)] == stamp:
+                    if cost > dearest:
+                        heappush(self._heap, (cost, slot, stamp, *place))
+                        return None
                     return int(slot), tuple(place)
             waiting = [move for move in self._waiting if stamps[int(move[1])] == move[2]]
             if not waiting:

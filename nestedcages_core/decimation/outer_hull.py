@@ -14,16 +14,18 @@ from ..mesh import Mesh
 from ..mesh.validation import place as in_words
 from .apportion import padded
 from .base import Budget, Count, checked_budget
-from .clearing import RESERVE, cleared
+from .clearing import RESERVE, cleared, without_gaps, without_trifles
 from .enclosure import Enclosure
 from .hull_search import search_hulls
 from .offset import strict_offset
 from .outline import Outline
-from .progressive_hull import ProgressiveHull, Weights
 from .unrolled import unroll
 
 OFFSET = 5e-5
 """Distance, in diameters, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""
+
+HAIR = 1e-9
+"""Width in diameters of gaps that are filled to begin with: no cage could keep a distance in them."""
 
 SAME_AREA = 1e-9
 """Relative difference of area below which two hulls are the same one."""
@@ -55,16 +57,14 @@ class OuterHull:
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
         search = _Search(self, fine, checked_budget(fine, count), clearance)
-        smallest: Outline | None = None
-        for hulls in (search.with_clearance, search.around_offset, search.around_fine):
+        too_large: list[Outline] = []
+        for hulls in (search.with_clearance, search.around_offset, search.without_trifles):
             found = hulls()
-            certified = list(islice(search.certified(found), keep))
-            if certified:
+            if certified := list(islice(search.certified(found), keep)):
                 return certified
-            if found and (smallest is None or len(found[0].vertices) < len(smallest.vertices)):
-                smallest = found[0]
-        if smallest and len(smallest.vertices) > search.total:
-            raise NestingError(search.unreachable(smallest))
+            too_large += [hull for hull in found[:1] if len(hull.vertices) > search.total]
+        if too_large:
+            raise NestingError(search.unreachable(min(too_large, key=search.rank)))
         raise NestingError(
             f"There is no room for a cage near {in_words(search.tightest())}: a gap there is as small as "
             "floating-point numbers can tell at these coordinates; widen it, or move the shape closer to the origin."
@@ -83,7 +83,8 @@ class _Search:
         self.minimum = self.unrolled.minimum(budget)
         self.total = budget.total if self.per_loop is None else sum(self.minimum)
         self.clearance = clearance
-        self.distance = OFFSET * self.unrolled.outline.diameter
+        self.start = without_gaps(self.unrolled.outline, HAIR * self.unrolled.outline.diameter)
+        self.distance = OFFSET * self.start.diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
     def with_clearance(self) -> list[Outline]:
@@ -94,15 +95,12 @@ class _Search:
         """Hulls of a small offset: for loops that the clearance would wall in."""
         return self._offset_hulls(self.distance, _unchanged)
 
-    def around_fine(self) -> list[Outline]:
-        """Hulls of the fine mesh itself, offset afterwards: for gaps that have no room until they are filled."""
-        result = []
-        for hull in self._hulls(self.unrolled.outline, _unchanged):
-            outline, stuck = strict_offset(hull, self.distance, self.enclosure.tree)
-            if len(stuck) == 0:
-                # every corner that was cut has a vertex too many
-                result.append(ProgressiveHull(self._cleared(outline), Weights(), self.minimum).run(self.total))
-        return sorted(result, key=lambda outline: (max(self.total, len(outline.vertices)), outline.area))
+    def without_trifles(self) -> list[Outline]:
+        """Hulls that build over details which are hardly more than round-off; none if those left room."""
+        if len(self.stuck) == 0:
+            return []
+        self.start = without_trifles(self.start, 0.0)
+        return self.with_clearance()
 
     def certified(self, hulls: Sequence[Outline]) -> Iterator[Mesh]:
         """Meshes of those of the hulls that are small enough, different, and strictly enclose the fine mesh."""
@@ -117,9 +115,13 @@ class _Search:
                 if self.enclosure.holds(mesh):
                     yield mesh
 
+    def rank(self, hull: Outline) -> tuple[int, float]:
+        """Small enough first, then by area."""
+        return max(self.total, len(hull.vertices)), hull.area
+
     def tightest(self) -> FloatArray:
         """A place where there is no room."""
-        place: FloatArray = self.unrolled.outline.vertices[self.stuck[0] if len(self.stuck) else 0]
+        place: FloatArray = self.start.vertices[self.stuck[0] if len(self.stuck) else 0]
         return place
 
     def unreachable(self, best: Outline) -> str:
@@ -133,10 +135,9 @@ class _Search:
         )
 
     def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> list[Outline]:
-        start, self.stuck = strict_offset(self.unrolled.outline, distance, self.enclosure.tree)
-        return [] if len(self.stuck) else self._hulls(start, prepare)
-
-    def _hulls(self, start: Outline, prepare: Callable[[Outline], Outline]) -> list[Outline]:
+        start, self.stuck = strict_offset(self.start, distance, self.enclosure.tree)
+        if len(self.stuck):
+            return []
         return search_hulls(
             start, self.total, self.minimum, restarts=self.method.restarts, seed=self.method.seed, prepare=prepare
         )

@@ -16,7 +16,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, hypot
+from math import exp, hypot, inf
 
 from ..predicates import orientation_sign
 from .linked_loops import LinkedLoops
@@ -83,18 +83,18 @@ class ProgressiveHull:
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
         self._consider_all()
 
-    def run(self, count: int) -> Outline:
-        """Remove vertices until `count` are left, or as many as can be removed."""
+    def run(self, count: int, dearest: float = inf) -> Outline:
+        """Remove vertices until `count` are left, or as many as can be removed by moves that cost up to `dearest`."""
         loops = self.loops
         rounds = 0
         while loops.total > count:
-            move = self.queue.pop()
+            move = self.queue.pop(dearest)
             if move is not None:
                 slot, place = move
                 if loops.sizes[loops.loop_of[slot // 2]] > self.minimum[loops.loop_of[slot // 2]]:
                     make = self._extend if slot % 2 else self._pivot if place else self._drop
                     make(slot // 2, *place)
-            elif rounds == REACH_ROUNDS or loops.sizes == self.minimum:
+            elif dearest < inf or rounds == REACH_ROUNDS or loops.sizes == self.minimum:
                 break
             else:
                 rounds += 1
