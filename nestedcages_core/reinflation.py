@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,7 +54,7 @@ def reinflate(
     coarse: Mesh,
     flow_steps: FloatArray,
     *,
-    contact: Contact,
+    contacts: Sequence[Contact],
     energy: CageEnergy,
     solver: Solver,
     clearance: float,
@@ -62,14 +62,16 @@ def reinflate(
 ) -> Reinflation:
     """Walk the flow's steps (J + 1, n, 2) back while the cage, starting as the coarse mesh, is pushed out.
 
-    ReinflationError when the fine mesh cannot be brought home, or when exact predicates refuse what came out; its
-    ``partial``
-    is the reinflation so far.
+    contacts: ways to resolve contact; each begins anew where the one before could not bring the fine mesh home.
+    ReinflationError when none can, or when exact predicates refuse what came out; its ``partial`` is the reinflation
+    so far.
     """
     bodies = Bodies.of(coarse, fine)
+    containment = Containment(bodies.cage_successor, bodies.fine_successor)
     start = np.concatenate([coarse.vertices, flow_steps[-1]])
-    steps = [start]
+    path = list(flow_steps[-2::-1])
     way = float(np.abs(flow_steps[-1] - flow_steps[0]).sum())
+    steps: list[FloatArray] = []
 
     def on_step(x: FloatArray) -> None:
         steps.append(x)
@@ -77,21 +79,23 @@ def reinflate(
             left = float(np.abs(x[bodies.m :] - flow_steps[0]).sum())
             progress(1.0 - left / way if way > 0.0 else 1.0, f"step {len(steps) - 1}")
 
-    path = list(flow_steps[-2::-1])
-    if path:
-        outcome = contact.reinflate(
-            bodies, start, path, clearance=clearance, energy=energy, solver=solver, on_step=on_step
-        )
-        result = _recorded(steps, bodies.m, outcome.iterations)
-        if not outcome.came_home:
-            raise ReinflationError(f"Reinflation stopped: {outcome.reason}; {REMEDY}.", partial=result)
-    else:
-        result = _recorded(steps, bodies.m, 0)
-    vertex = Containment(bodies.cage_successor, bodies.fine_successor).first_contact(steps[-1])
-    if vertex is not None:
-        which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"
-        raise ReinflationError(f"Reinflation ended in contact at {which}; {REMEDY}.", partial=result)
-    return result
+    reason = ""
+    for contact in contacts:
+        steps[:] = [start]
+        iterations, came_home = 0, True
+        if path:
+            outcome = contact.reinflate(
+                bodies, start, path, clearance=clearance, energy=energy, solver=solver, on_step=on_step
+            )
+            iterations, came_home, reason = outcome.iterations, outcome.came_home, outcome.reason
+        if came_home:
+            vertex = containment.first_contact(steps[-1])
+            if vertex is None:
+                return _recorded(steps, bodies.m, iterations)
+            which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"
+            reason = f"it ended in contact at {which}"
+    partial = _recorded(steps, bodies.m, 0) if steps else None
+    raise ReinflationError(f"Reinflation did not bring the fine mesh home: {reason}; {REMEDY}.", partial=partial)
 
 
 def _recorded(steps: list[FloatArray], m: int, iterations: int) -> Reinflation:

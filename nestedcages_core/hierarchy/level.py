@@ -95,7 +95,7 @@ class LevelBuilder:
             self.unit_fine,
             unit_coarse,
             unit_flow.steps,
-            contact=settings.contact,
+            contacts=settings.contacts,
             energy=expansion,
             solver=settings.solver,
             clearance=frame.length(wanted),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..contact import IPC, Contact
+from ..contact import IPC, Contact, SequentialQP
 from ..decimation import Decimation, OuterHull
 from ..energies import Area, Energy
 from ..errors import NestedCagesError
@@ -39,8 +40,8 @@ class Settings:
     """What the cage minimises, on the way of the fine mesh home and once it is there."""
     expansion_energy: Energy | None = None
     """What it minimises on the way home instead, for contacts that minimise; None: the same."""
-    contact: Contact = field(default_factory=IPC)
-    """How contact is resolved on the way home."""
+    contact: Contact | Sequence[Contact] = field(default_factory=lambda: (SequentialQP(), IPC()))
+    """How contact is resolved on the way home; of several, each begins anew where the one before got stuck."""
     solver: Solver = field(default_factory=ProjectedNewton)
     """How contacts that minimise an energy do so."""
     tightening: Tightening = field(default_factory=Tightening)
@@ -54,3 +55,8 @@ class Settings:
             )
         if self.starts < 1:
             raise NestedCagesError(f"The number of starts must be at least 1, not {self.starts!r}.")
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts to try, in turn."""
+        return tuple(self.contact) if isinstance(self.contact, Sequence) else (self.contact,)

@@ -117,8 +117,8 @@ def _bernstein(
     def products(u: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         first = u[:, 0] * (w[:, 1] if cross else w[:, 0])
         second = u[:, 1] * (w[:, 0] if cross else w[:, 1])
-        total: FloatArray = first - second if cross else first + second
-        return total, np.abs(first) + np.abs(second)
+        total = first + (-second if cross else second)
+        return np.asarray(total), np.abs(first) + np.abs(second)
 
     (low, low_size), (high, high_size) = products(u0, w0), products(u1, w1)
     (one, one_size), (other, other_size) = products(u0, w1), products(u1, w0)

@@ -28,7 +28,7 @@ def home_again(fine: Mesh, coarse: Mesh, start: np.ndarray) -> Reinflation:
         fine,
         coarse,
         np.stack([fine.vertices, start]),
-        contact=IPC(),
+        contacts=[IPC()],
         energy=Area(),
         solver=ProjectedNewton(),
         clearance=1e-5,
