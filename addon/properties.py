@@ -87,7 +87,7 @@ class GenerationProperties:
         default=True,
     )
     thickness: FloatProperty(  # type: ignore[valid-type]
-        name="Render Thickness",
+        name="Line Thickness",
         description="Thickness of the lines of drawing and cages in renders; 0 leaves them out of renders",
         default=0.0,
         min=0.0,

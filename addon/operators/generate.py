@@ -85,6 +85,7 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
                 raise Refusal("The scene of the drawing is gone, so its cages were dropped")
             outcome = self._write(scene, job)
             _show_colours(context)
+            _redraw(context)
             return outcome
         except Refusal as refusal:
             self.cancel(context)

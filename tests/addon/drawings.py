@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+import pytest
 import shapely
 from numpy.typing import NDArray
 
@@ -108,13 +109,18 @@ def hair(name: str, loops: Sequence[Loop], cyclic: bool = True, kind: str = "POL
     points = np.concatenate([raised(loop) for loop in loops]).astype(np.float32)
     data.attributes["position"].data.foreach_set("vector", points.ravel())
     data.attributes.new("cyclic", "BOOLEAN", "CURVE").data.foreach_set("value", [cyclic] * len(loops))
-    data.set_types(type=kind)
+    if hasattr(data, "set_types"):
+        data.set_types(type=kind)
+    elif kind != "CATMULL_ROM":
+        pytest.skip("before Blender 4.4, scripts cannot set the type of curves")
     return add(name, data)
 
 
 def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
     """A Grease Pencil object of version 3 with one stroke per loop."""
-    data = bpy.data.grease_pencils.new(name)
+    data = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils).new(name)
+    if not hasattr(bpy.types, "GreasePencilDrawing"):
+        pytest.skip("Blender 4.2 has no Grease Pencil of version 3")
     drawing = data.layers.new("Lines").frames.new(1).drawing
     drawing.add_strokes([len(loop) for loop in loops])
     for stroke, loop in zip(drawing.strokes, loops, strict=True):
