@@ -91,7 +91,7 @@ def test_when_no_velocity_is_found_the_error_names_the_vertex(monkeypatch: pytes
     steps = np.stack([home.vertices, home.vertices * np.repeat([0.93, 1.12], 16)[:, None]])
     with pytest.raises(ReinflationError, match="fine vertex") as caught:
         reinflate(
-            home, cage, steps, contact=VelocityFilter(), energy=NoEnergy(), solver=ProjectedNewton(), clearance=1e-5
+            home, cage, steps, contacts=[VelocityFilter()], energy=NoEnergy(), solver=ProjectedNewton(), clearance=1e-5
         )
     way = caught.value.partial
     assert verify_motion(cage, home, way.cage_steps, way.fine_steps)
