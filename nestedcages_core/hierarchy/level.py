@@ -95,7 +95,7 @@ class LevelBuilder:
             self.unit_fine,
             unit_coarse,
             unit_flow.steps,
-            contacts=settings.contacts,
+            contacts=settings.contacts(len(coarse.vertices), len(self.fine.vertices)),
             energy=expansion,
             solver=settings.solver,
             clearance=frame.length(wanted),
