@@ -5,7 +5,7 @@ from before.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import bpy
@@ -53,11 +53,23 @@ def write(
     """
     for result in results:
         _check_replaceable(scene, result)
-    collections = [_write_one(scene, result, timing) for result in results]
-    for result, collection in zip(results, collections, strict=True):
-        for obj in members(collection):
-            looks.set_thickness(obj, obj[LEVEL], thickness / result.drawing.frame.scale)
+    before = set(_everything())
+    try:
+        collections = [_write_one(scene, result, timing) for result in results]
+        for result, collection in zip(results, collections, strict=True):
+            for obj in members(collection):
+                looks.set_thickness(obj, obj[LEVEL], thickness / result.drawing.frame.scale)
+    except BaseException:
+        bpy.data.batch_remove([item for item in _everything() if item not in before])
+        raise
     return collections
+
+
+def _everything() -> Iterator[bpy.types.ID]:
+    """All data-blocks of the kinds that are written."""
+    data = bpy.data
+    for kind in (data.collections, data.objects, data.meshes, data.actions, data.node_groups, data.materials):
+        yield from kind
 
 
 def _check_replaceable(scene: bpy.types.Scene, result: Result) -> None:

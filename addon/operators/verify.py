@@ -47,10 +47,13 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
             if obj.type == "MESH" and obj.data.is_editable and select_points(context, obj, np.concatenate(points)):
                 at_fault.append(obj)
         for finding in findings:
-            obj = next(obj for obj in objects if obj.name == finding.cage)
-            if output.LEVEL in obj:
-                obj["nested_cages_check"] = say("Frame {frame}: ", frame=context.scene.frame_current) + finding.sentence
-            self.report({"INFO"} if finding.holds else {"WARNING"}, finding.sentence)
+            cage = next(obj for obj in objects if obj.name == finding.cage)
+            if output.LEVEL in cage:
+                verdict = "Holds on frame {frame}" if finding.holds else "Broken on frame {frame}"
+                cage["nested_cages_check"] = say(verdict, frame=context.scene.frame_current)
+                cage["nested_cages_finding"] = finding.sentence
+        for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in findings):
+            self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault:
             for obj in context.selected_objects:
                 obj.select_set(False)

@@ -335,6 +335,20 @@ def test_a_refused_second_run_keeps_the_first(addon) -> None:
     assert snapshot() == before
 
 
+def test_a_fault_while_writing_leaves_nothing_behind(addon, monkeypatch) -> None:
+    poly_curve("Drawing", [star()])
+    bpy.context.view_layer.update()
+    before = snapshot()
+
+    def fault(*_):
+        raise MemoryError("no room")
+
+    monkeypatch.setattr(addon.animation, "add_markers", fault)
+    with pytest.raises(RuntimeError, match="no room"):
+        generate()
+    assert snapshot() == before
+
+
 def test_undo_and_redo(addon) -> None:
     poly_curve("Drawing", [star()])
     bpy.context.view_layer.update()

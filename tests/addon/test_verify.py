@@ -31,7 +31,8 @@ def move(obj, index, place):
 def test_untouched_cages_hold(cages) -> None:
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     for cage in cages[1:]:
-        assert "encloses" in cage["nested_cages_check"] and "not" not in cage["nested_cages_check"]
+        assert cage["nested_cages_check"].startswith("Holds on frame")
+        assert cage["nested_cages_finding"].startswith(f"'{cage.name}' encloses")
     assert not any(selected(obj) for obj in cages)
     assert bpy.context.view_layer.objects.active.name == "Drawing"
 
@@ -40,7 +41,8 @@ def test_a_cage_that_was_pushed_in_is_found_with_its_vertices(cages) -> None:
     fine, inner, outer = cages
     move(inner, 3, (0.0, 0.0, 0.0))
     bpy.ops.object.nested_cages_verify()
-    assert "does not enclose 'Drawing Fine'" in inner["nested_cages_check"]
+    assert inner["nested_cages_check"].startswith("Broken on frame")
+    assert "does not enclose 'Drawing Fine'" in inner["nested_cages_finding"]
     assert 3 in selected(inner)
     assert len(selected(inner)) < 8
     assert selected(fine)
