@@ -4,7 +4,7 @@ For a motion E of the fine mesh the answer D is the solution of a proximal quadr
 order,
 
     minimise   ½ |D|² + ½ Σ e² / ε
-    subject to d + ∂d·(D, E) + e ≥ wanted distance,   |D_i| ≤ Δ in each coordinate,
+    subject to d + ∂d·(D, E) + e ≥ wanted distance,   |D_i| ≤ Δ along and across the cage,
 
 soft in e so that it always has a solution. Every contact wants two distances. One that it must nearly keep, so that the
 motion can go on: half of what it has, down to the clearance. And a larger one for which the cage makes room where it is
@@ -22,7 +22,7 @@ from .._types import FloatArray
 from ..energies import Blocks
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
-from .linearisation import Contacts, change, constraint_rows, measure, resolve_corners
+from .linearisation import Contacts, change, constraint_rows, local_axes, measure, resolve_corners
 from .pairs import Bodies, CandidateList, Pairs
 from .pruning import not_implied
 
@@ -109,6 +109,7 @@ class CageAnswer:
             rows,
             room,
             np.full(m, radius),
+            local_axes(self.bodies, x),
             softness=softness,
             order=self.bodies.cage_order,
             scale=max(longest, SMALLEST_SCALE * gap),

@@ -86,6 +86,16 @@ def change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> FloatArray:
     return out
 
 
+def local_axes(bodies: Bodies, x: FloatArray) -> FloatArray:
+    """(m, 2, 2) two perpendicular axes at every cage vertex of x (m + n, 2): along the cage, and across it."""
+    cage = x[: bodies.m]
+    along = cage[bodies.cage_successor] - cage[bodies.cage_predecessor]
+    length = np.hypot(along[:, 0], along[:, 1])
+    along = np.where(length[:, None] > SMALLEST_LENGTH, along, [1.0, 0.0])
+    along /= np.maximum(length, SMALLEST_LENGTH)[:, None]
+    return np.stack([along, np.stack([-along[:, 1], along[:, 0]], axis=1)], axis=1)
+
+
 def resolve_corners(
     bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, least: float
 ) -> tuple[Pairs, Contacts]:
@@ -94,9 +104,8 @@ def resolve_corners(
     least: a line counts only where the point is at least so far on its right side.
     """
     keep = contacts.on_line.copy()
-    own = pairs.cage_cage
-    keep[own] |= contacts.parameter[own] < 1.0  # the two edges of a corner name the same two vertices
-    ends = np.flatnonzero(~contacts.on_line[: own.start])
+    keep[pairs.cage_cage] = True  # on which side of a corner of the cage its other vertices are is not known
+    ends = np.flatnonzero(~contacts.on_line[: pairs.cage_cage.start])
     if len(ends) == 0:
         return pairs, contacts
     inner = np.where(

@@ -82,10 +82,11 @@ class BandOrder:
 class BandedSystem:
     """W and all constraints over 2m unknowns, x before y within a vertex, the vertices in the band's order.
 
-    The constraints are A = (J; I; -I): the rows J, then the lower and the upper bound of every unknown.
+    The constraints are A = (J; R; -R): the rows J, then lower and upper bounds of the motion of every vertex along two
+    axes of its own, given as ``axes`` (m, 2, 2): vertex, axis, component.
     """
 
-    def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows]) -> None:
+    def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows], axes: FloatArray) -> None:
         size = 2 * len(order.position)
         height = 2 * order.spread + 2  # diagonals stored: the main one and 2 spread + 1 below
         self._shape = size, height
@@ -98,17 +99,18 @@ class BandedSystem:
         self._W = np.bincount(_place(row, column, height).ravel(), value.ravel(), size * height)
 
         # the entries of A, and the products of the entries of each row, by which h is multiplied for Aᵀ diag(h) A
-        every, ones = np.arange(size), np.ones(size)
         matrix, products = _SparseRows(), _SparseRows()
         for group in rows:
-            entries = group.entries()
-            unknown = (2 * order.position[group.vertex][:, None, :] + _AXES[:, None]).reshape(entries.shape)
-            matrix.add(unknown, entries)
-            first, second = _TRIANGLES[len(group.vertex)]
-            products.add(_place(unknown[first], unknown[second], height), entries[first] * entries[second])
+            unknown = (2 * order.position[group.vertex][:, None, :] + _AXES[:, None]).reshape(2 * len(group.vertex), -1)
+            matrix.add(unknown, group.entries())
+            products.add(*_products(unknown, group.entries(), height))
+        turned = np.empty((size // 2, 2, 2))
+        turned[order.position] = axes
+        entries = turned.reshape(size, 2).T
+        unknown = np.repeat(np.arange(0, size, 2), 2) + _AXES[:, None]
         for sign in (1.0, -1.0):
-            matrix.add(every[None], sign * ones[None])
-            products.add((every * height)[None], ones[None])
+            matrix.add(unknown, sign * entries)
+            products.add(*_products(unknown, entries, height))
         self._A = csr_array(matrix.parts(), shape=(matrix.count, size))
         self._A_transposed = csc_array(matrix.parts(), shape=(size, matrix.count))
         self._products = csc_array(products.parts(), shape=(size * height, matrix.count))
@@ -143,7 +145,6 @@ class BandedSystem:
 
 
 _AXES = np.array([0, 1])
-_TRIANGLES = {width: np.triu_indices(2 * width) for width in (1, 2, 3)}
 
 
 class _SparseRows:
@@ -169,6 +170,12 @@ class _SparseRows:
         """Entries, their columns, and where the rows begin."""
         indices, ends = np.concatenate(self._indices), np.concatenate(self._ends)
         return np.concatenate(self._data), indices.astype(np.int32), ends.astype(np.int32)
+
+
+def _products(unknown: IntArray, entries: FloatArray, height: int) -> tuple[IntArray, FloatArray]:
+    """Places in the band and values of the products of the entries (length, K) of each row at the unknowns named."""
+    first, second = np.triu_indices(len(entries))
+    return _place(unknown[first], unknown[second], height), entries[first] * entries[second]
 
 
 def _place(row: IntArray, column: IntArray, height: int) -> IntArray:

@@ -1,7 +1,7 @@
 """Convex quadratic programs over the vertices of a cage, by Mehrotra's predictor-corrector interior-point method.
 
     minimise   G·D + ½ Dᵀ (W + δ I) D + ½ Σ e² / ε
-    subject to r + J D + e ≥ 0,   |D_i| ≤ Δ_i in each coordinate
+    subject to r + J D + e ≥ 0,   |D_i| ≤ Δ_i along two axes
 
 with the shift δ raised until the matrix of the Newton system is positive definite. Without softness (ε = 0) the
 constraints hold strictly (e = 0). Complementarity, feasibility and stationarity are solved for together, first for the
@@ -34,7 +34,7 @@ FAILED_CORRECTOR = 0.02
 """Step lengths below which the corrector is dropped for a plain centring step."""
 
 FIRST_SHIFT = 0.05
-"""First shift δ tried when the Newton system is not positive definite, relative to the largest entry of W."""
+"""First shift δ tried when the Newton system is not positive definite, relative to the largest block of W."""
 
 SHIFT_GROWTH = 3.0
 """Factor of the further tries."""
@@ -56,13 +56,16 @@ class QuadraticProgram:
     offset: FloatArray
     """(K,) r, the value of each constraint at D = 0."""
     radius: FloatArray
-    """(m,) Δ > 0, largest motion of each vertex along each axis."""
+    """(m,) Δ > 0, largest motion of each vertex along each of its axes."""
+    axes: FloatArray
+    """(m, 2, 2) the two axes of each vertex: vertex, axis, component. Axes that turn with the cage make its motion
+    independent of the coordinates."""
     shift: float = 0.0
     """First δ ≥ 0."""
     softness: FloatArray | None = None
     """(K,) ε ≥ 0 of each row; 0 makes it hard, and None all of them."""
     scale: float | None = None
-    """Size that the multipliers are expected to have; None: the largest entry of G."""
+    """Size that the multipliers are expected to have; None: the length of the longest row of G."""
     order: BandOrder | None = None
     """A numbering of the vertices that will do unless the rows couple distant ones; None: one is made."""
 
@@ -97,7 +100,7 @@ class InteriorPoint:
     primal: float = 1e-3
     """Largest violation of a constraint at the end, relative to the mean radius."""
     dual: float = 0.02
-    """Largest entry of the residual of stationarity at the end, relative to the scale of the multipliers."""
+    """Longest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
 
     def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> Solution:
         """Solve; ``absolute`` is a complementarity, in units of the energy, that is small enough in any case."""
@@ -117,7 +120,7 @@ class _Iteration:
         m, self.K = len(program.radius), len(program.offset)
         order = program.order or BandOrder.of(m, program.hessian.row, program.hessian.column)
         order = order.including(program.hessian, program.rows)
-        self.system = BandedSystem(order, program.hessian, program.rows)
+        self.system = BandedSystem(order, program.hessian, program.rows, program.axes)
         self.unknowns = 2 * order.position[:, None] + np.arange(2)
         size = 2 * m
         self.G, radius = np.empty(size), np.empty(size)
@@ -126,8 +129,8 @@ class _Iteration:
         self.softness = program.softness
         self.shift = program.shift
         self.length = float(radius.mean())
-        self.scale = program.scale or max(float(np.abs(self.G).max()), TINY)
-        self.first_shift = FIRST_SHIFT * float(np.abs(program.hessian.value).max(initial=0.0)) or FIRST_SHIFT
+        self.scale = program.scale or max(_longest(self.G), TINY)
+        self.first_shift = FIRST_SHIFT * block_scale(program.hessian) or FIRST_SHIFT
 
         # start: slacks at least a little inside, multipliers so that no product is larger than the others
         K = self.K
@@ -152,7 +155,7 @@ class _Iteration:
             converged = (
                 complementarity <= method.complementarity * abs(decrease) + absolute
                 and float(np.abs(self.primal[:K]).max(initial=0.0)) <= method.primal * self.length
-                and float(np.abs(self.dual).max()) <= method.dual * self.scale
+                and _longest(self.dual) <= method.dual * self.scale
             )
             if converged or iteration == method.iterations:
                 break
@@ -212,6 +215,16 @@ class _Iteration:
         if self.softness is not None:
             ds[: self.K] += self.softness * dz[: self.K]
         return d, spread, ds, dz
+
+
+def block_scale(hessian: Blocks) -> float:
+    """Largest Frobenius norm of a block."""
+    return float(np.sqrt((hessian.value**2).sum(axis=(1, 2)).max(initial=0.0)))
+
+
+def _longest(vectors: FloatArray) -> float:
+    """Length of the longest of the vectors whose components follow each other."""
+    return float(np.sqrt((vectors.reshape(-1, 2) ** 2).sum(axis=1).max()))
 
 
 def _reach(x: FloatArray, dx: FloatArray) -> float:

@@ -46,17 +46,22 @@ class EdgeLoads:
         return cls(*(load.astype(np.float64, copy=False) for load in loads))  # integers when there are no contacts
 
 
-def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads) -> Blocks:
-    """-Σ z ∂²d of the contacts on the inner side of the cage (m, 2), three blocks per edge."""
+def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius: FloatArray) -> Blocks:
+    """-Σ z ∂²d of the contacts on the inner side of the cage (m, 2), three blocks per edge.
+
+    radius: (m,) how far each vertex is about to move. An edge that is shorter than that counts as so long, for its own
+    curvature holds only for motions that are shorter than itself.
+    """
     edge = cage[bodies.cage_successor] - cage
     length = np.hypot(edge[:, 0], edge[:, 1])
     tangent = edge / length[:, None]
     normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
     tn = tangent[:, :, None] * normal[:, None, :]
     nt = tn.transpose(0, 2, 1)
-    nn = normal[:, :, None] * normal[:, None, :] * (loads.gap / length**2)[:, None, None]
+    length = np.maximum(length, np.maximum(radius, radius[bodies.cage_successor]))
     at_start = ((loads.force - loads.moment) / length)[:, None, None]
     at_end = (loads.moment / length)[:, None, None]
+    nn = normal[:, :, None] * normal[:, None, :] * (loads.gap / length**2)[:, None, None]
     vertex = np.arange(bodies.m)
     after = bodies.cage_successor
     return Blocks(

@@ -20,13 +20,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .._types import FloatArray
-from ..contact.linearisation import Contacts, constraint_rows, measure, resolve_corners
-from ..contact.pairs import Bodies, CandidateList, Pairs
-from ..contact.pruning import not_implied
-from ..energies import Blocks, CageEnergy, signed_area
-from ..solver.quadratic_program import InteriorPoint, QuadraticProgram, Solution
-from .curvature import EdgeLoads, contact_curvature
-from .trial import find_trial
+from ..contact.pairs import Bodies, CandidateList
+from ..energies import CageEnergy, signed_area
+from ..solver.quadratic_program import InteriorPoint, Solution
+from ..solver.softest_motion import softest_motion
+from .curvature import EdgeLoads
+from .model import Model, Wanted, model_at
+from .trial import Trial, find_trial
 from .trust_region import TrustRegion
 from .widening import widen
 
@@ -35,20 +35,22 @@ logger = logging.getLogger(__name__)
 INSIDE = 1e-7
 """The distance aimed at is larger than the clearance by this fraction, so that no later rounding eats it."""
 
-THINNING = 0.02
-"""Contacts whose constraints others imply up to this fraction of the clearance are left out; restoration makes up for
-them."""
-
 STILL = 1e-2
 """Fraction of the tolerance below which one predicted decrease is enough: further steps would not change the
 outline."""
 
-LONGEST_MOTION = 1.5
-"""Longest motion of a vertex in one step with its restoration, in radii; √2 without it. Pairs are looked for so far."""
-
 COMPLEMENTARITY = 0.1
 """Complementarity of a quadratic program that is small enough, as a fraction of the decrease at which tightening
 stops."""
+
+ACTIVE = 1e-3
+"""Constraints whose multipliers are larger than this fraction of the largest are held on the way off a saddle."""
+
+ESCAPE = 0.5
+"""Length of the step off a saddle, in first radii."""
+
+ESCAPES = 8
+"""Cap on those steps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,18 +121,16 @@ class _Run:
         self.settings, self.bodies, self.energy, self.on_step = settings, bodies, energy, on_step
         self.x = x
         self.clearance = clearance * (1.0 + INSIDE)
-        self.own_clearance = self.clearance
         self.m = bodies.m
         self.candidates = CandidateList(bodies)
         self.systems = 0
-        self.loads = EdgeLoads.none(bodies.m)
 
     def minimise(self) -> TighteningOutcome:
         widened = widen(
             self.bodies, self.x, self.clearance, self.candidates, self.settings.solver,
             lambda x: self.on_step(x[: self.m].copy()),
         )  # fmt: skip
-        self.x, self.own_clearance = widened.x, widened.own
+        self.x, self.wanted = widened.x, Wanted(self.clearance, widened.own)
         self.systems += widened.systems
         if widened.closest >= 0:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
@@ -141,21 +141,19 @@ class _Run:
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
         if slope * region.largest <= negligible:
             return self._outcome(0, True, "The cage is at a minimum of its energy.")
-        quiet = 0
+        loads = EdgeLoads.none(self.m)
+        quiet = escapes = 0
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
-            longest = LONGEST_MOTION * float(region.radius.max())
-            pairs = self.candidates.within(self.x, self.clearance + 2.0 * longest, 2.0 * longest)
-            contacts = measure(pairs, self.x)
-            solution = self._solve(pairs, contacts, region, COMPLEMENTARITY * negligible)
-            trial = find_trial(
-                self.bodies, pairs, contacts, self.x, solution.step,
-                required=self._required(pairs), longest=longest, value=value, decrease=solution.decrease, energy=energy,
-            )  # fmt: skip
+            model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region, loads)
+            solution = settings.solver.solve(model.program, COMPLEMENTARITY * negligible)
+            self.systems += solution.iterations
+            loads = model.loads(solution)
+            trial = self._try(model, solution.step, value, solution.decrease)
             logger.debug(
                 "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e, "
                 "radius %.1e, shortened %d",
-                iteration, value, solution.decrease, value - trial.value if trial.accepted else 0.0, len(pairs),
+                iteration, value, solution.decrease, value - trial.value, len(model.pairs),
                 solution.iterations, "" if solution.converged else "!", solution.shift, float(np.median(region.radius)),
                 int((trial.fraction < 1.0).sum()),
             )  # fmt: skip
@@ -163,47 +161,48 @@ class _Run:
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
             still = quiet > 0 and solution.decrease < STILL * threshold
             region.update(solution, trial, value, self.clearance, self.x[: self.m])
-            if trial.accepted:
-                self.x, value = trial.x, trial.value
-                self.on_step(self.x[: self.m].copy())
+            value = self._accept(trial)
             if still or quiet >= settings.patience:
-                return self._outcome(iteration, True, "The predicted decrease of the energy is below the tolerance.")
-            if region.collapsed:
+                escape = self._escape(model, solution, value) if escapes < ESCAPES else None
+                if escape is None or value - escape.value < negligible:
+                    return self._outcome(iteration, True, "The model predicts no further decrease of the energy.")
+                logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
+                value = self._accept(escape)
+                region.reset()
+                quiet, escapes = 0, escapes + 1
+            elif region.collapsed:
                 return self._outcome(iteration, False, "No step, however short, lowers the energy.")
         return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
 
-    def _solve(self, pairs: Pairs, contacts: Contacts, region: TrustRegion, absolute: float) -> Solution:
-        """The quadratic program at the current cage; keeps the loads of the edges for the next one."""
-        cage, successor = self.x[: self.m], self.bodies.cage_successor
-        reach = np.zeros(len(self.x))
-        reach[: self.m] = region.radius * np.sqrt(2.0)
-        approach = reach.take(pairs.point) + np.maximum(reach.take(pairs.start), reach.take(pairs.end))
-        near = contacts.distance - self._required(pairs) < approach
-        pairs, contacts = pairs.subset(near), contacts.where(near)
-        pairs, contacts = resolve_corners(self.bodies, pairs, contacts, self.x, self.clearance)
-        room = contacts.distance - self._required(pairs)
-        keep = not_implied(pairs, contacts, room, THINNING * self.clearance)
-        pairs, contacts, room = pairs.subset(keep), contacts.where(keep), room[keep]
-        curvature = contact_curvature(self.bodies, cage, self.loads)
-        program = QuadraticProgram(
-            self.energy.gradient(cage, successor),
-            Blocks.sum([(1.0, self.energy.hessian(cage, successor)), (1.0, curvature)]),
-            constraint_rows(pairs, contacts),
-            np.maximum(room, 0.0),
-            region.radius,
-            shift=region.shift,
-            order=self.bodies.cage_order,
-        )
-        solution = self.settings.solver.solve(program, absolute)
-        self.systems += solution.iterations
-        self.loads = EdgeLoads.of(pairs, contacts, solution.multipliers, self.m)
-        return solution
+    def _try(self, model: Model, step: FloatArray, value: float, decrease: float) -> Trial:
+        return find_trial(
+            self.bodies, model.pairs, model.contacts, self.x, step,
+            required=model.required, longest=model.longest, value=value, decrease=decrease, energy=self.energy,
+        )  # fmt: skip
 
-    def _required(self, pairs: Pairs) -> FloatArray:
-        """(K,) distance that each pair must keep."""
-        required = np.full(len(pairs), self.clearance)
-        required[pairs.cage_cage] = self.own_clearance
-        return required
+    def _accept(self, trial: Trial) -> float:
+        """Go where the trial led, if anywhere; the energy there."""
+        if trial.accepted:
+            self.x = trial.x
+            self.on_step(self.x[: self.m].copy())
+        return trial.value
+
+    def _escape(self, model: Model, solution: Solution, value: float) -> Trial | None:
+        """A step off a saddle that lowers the energy; None at a local minimum.
+
+        The model is that of the step before, which was short; its contacts are measured anew.
+        """
+        multipliers = solution.multipliers
+        active = multipliers > ACTIVE * multipliers.max(initial=0.0)
+        softest = softest_motion(model.program, self.bodies.cage_order, active)
+        if softest is None:
+            return None
+        length = ESCAPE * self.settings.first_radius * self.bodies.cage_edge_length
+        decrease = -0.5 * softest.curvature * length**2
+        model = model.measured_at(self.x)
+        trials = [self._try(model, sign * length * softest.motion, value, decrease) for sign in (1.0, -1.0)]
+        best = min(trials, key=lambda trial: trial.value)
+        return best if best.accepted else None
 
     def _name(self, vertex: int) -> str:
         return f"cage vertex {vertex}" if vertex < self.m else f"fine vertex {vertex - self.m}"

@@ -79,7 +79,9 @@ def find_trial(
             tried_value = energy.value(tried[:m], bodies.cage_successor)
             if tried_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
                 return Trial(tried, fraction, tried_value, True)
-            fraction *= SHORTEN
+            # vertices that were shortened by themselves may have left a step that goes uphill
+            shortest = float(fraction.min())
+            fraction = np.full(m, shortest if shortest < float(fraction.max()) else SHORTEN * shortest)
             continue
         vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]])
         vertex = np.unique(vertex[vertex < m])

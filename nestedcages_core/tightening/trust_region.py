@@ -40,6 +40,8 @@ class TrustRegion:
     """(m,) Δ."""
     shift: float
     """δ."""
+    first: float
+    """First Δ."""
     largest: float
     """Largest Δ allowed."""
     unit: float
@@ -47,7 +49,12 @@ class TrustRegion:
 
     @classmethod
     def start(cls, m: int, settings: Tightening, unit: float) -> TrustRegion:
-        return cls(np.full(m, settings.first_radius * unit), FIRST_SHIFT, settings.largest_radius * unit, unit)
+        first = settings.first_radius * unit
+        return cls(np.full(m, first), FIRST_SHIFT, first, settings.largest_radius * unit, unit)
+
+    def reset(self) -> None:
+        """All radii at least as large as at the start."""
+        self.radius = np.maximum(self.radius, self.first)
 
     @property
     def collapsed(self) -> bool:
@@ -56,13 +63,14 @@ class TrustRegion:
 
     def update(self, solution: Solution, trial: Trial, value: float, clearance: float, cage: FloatArray) -> None:
         """Learn from a trial; value and cage (m, 2) are those before it."""
-        longest = np.abs(solution.step).max(axis=1)
+        longest = np.hypot(solution.step[:, 0], solution.step[:, 1])
         if not trial.accepted:
             self.radius = np.maximum(np.minimum(self.radius, 0.3 * longest.max()), 1e-7 * self.unit)
             self.shift = max(3.0 * self.shift, 1e-2)
             return
         gain = (value - trial.value) / max(solution.decrease, TINY)
-        correction = np.abs(trial.x[: len(cage)] - cage - trial.fraction[:, None] * solution.step).max(axis=1)
+        corrected = trial.x[: len(cage)] - cage - trial.fraction[:, None] * solution.step
+        correction = np.hypot(corrected[:, 0], corrected[:, 1])
         share = correction / np.maximum(longest, TINY)
         whole = trial.fraction >= 1.0
         bad = ~whole | ((share > 0.6) & (correction > clearance))

@@ -35,7 +35,7 @@ SHORT_STEP = 0.1
 PROGRESS, PATIENCE = 0.99, 8
 """The sum of what is missing must shrink by this factor within so many steps."""
 
-ROOM_OF_OWN = 0.5
+ROOM_OF_OWN = 0.1
 """Parts of the cage that are closer to each other than the clearance need only keep this fraction of their distance."""
 
 

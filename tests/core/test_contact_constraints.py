@@ -52,7 +52,7 @@ def test_rows_are_the_derivatives_of_the_distances(around: tuple[Bodies, np.ndar
 
 
 def test_change_includes_the_motion_of_the_fine_mesh(around: tuple[Bodies, np.ndarray, Pairs]) -> None:
-    bodies, x, pairs = around
+    _, x, pairs = around
     motion = np.random.default_rng(1).normal(size=x.shape)
     h = 1e-6
     difference = (measure(pairs, x + h * motion).distance - measure(pairs, x - h * motion).distance) / (2 * h)
@@ -74,7 +74,7 @@ def test_curvature_is_the_second_derivative_of_the_loaded_distances(
     pairs, contacts = pairs.subset(inner), contacts.where(inner)
     z = rng.uniform(0.1, 1.0, len(pairs))
     loads = EdgeLoads.of(pairs, contacts, z, bodies.m)
-    H = contact_curvature(bodies, x[: bodies.m], loads).dense(bodies.m)
+    H = contact_curvature(bodies, x[: bodies.m], loads, np.zeros(bodies.m)).dense(bodies.m)
     direction = rng.normal(size=2 * bodies.m)
     step = np.zeros_like(x)
     step[: bodies.m] = direction.reshape(-1, 2)

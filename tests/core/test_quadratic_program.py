@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize
@@ -9,6 +11,7 @@ from scipy.optimize import linprog, minimize
 from nestedcages_core.energies import Blocks
 from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
+from nestedcages_core.solver.softest_motion import softest_motion
 
 EXACT = InteriorPoint(iterations=80, complementarity=1e-10, primal=1e-10, dual=1e-10)
 
@@ -52,7 +55,13 @@ def random_program(seed: int, m: int = 7, counts: tuple[int, int, int] = (6, 9, 
         random_rows(rng, m, counts),
         rng.uniform(0.0, 0.2, sum(counts)),
         rng.uniform(0.1, 1.0, m),
+        upright(m),
     )
+
+
+def upright(m: int) -> np.ndarray:
+    """Axes along the coordinates."""
+    return np.broadcast_to(np.eye(2), (m, 2, 2))
 
 
 def objective(program: QuadraticProgram):
@@ -86,7 +95,7 @@ def test_linear_programs(seed: int) -> None:
     program = random_program(seed)
     m = len(program.radius)
     nothing = Blocks(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 2, 2)))
-    program = QuadraticProgram(program.gradient, nothing, program.rows, program.offset, program.radius)
+    program = QuadraticProgram(program.gradient, nothing, program.rows, program.offset, program.radius, upright(m))
     box = np.repeat(program.radius, 2)
     reference = linprog(
         program.gradient.ravel(),
@@ -115,9 +124,9 @@ def test_soft_rows_give_way_by_their_softness(seed: int) -> None:
         return gradient(d) + J.T @ (np.minimum(offset + J @ d, 0.0) / softness)
 
     bounds = list(zip(-box, box, strict=True))
-    reference = minimize(penalised, np.zeros(2 * m), jac=slope, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15})
-    soft = QuadraticProgram(program.gradient, program.hessian, program.rows, offset, program.radius, softness=softness)
-    solution = EXACT.solve(soft)
+    options = {"ftol": 1e-15}
+    reference = minimize(penalised, np.zeros(2 * m), jac=slope, method="L-BFGS-B", bounds=bounds, options=options)
+    solution = EXACT.solve(replace(program, offset=offset, softness=softness))
     assert solution.converged
     np.testing.assert_allclose(solution.step.ravel(), reference.x, atol=1e-5)
     missed = np.maximum(-(offset + J @ solution.step.ravel()), 0.0)
@@ -141,7 +150,8 @@ def test_conditions_of_optimality_hold() -> None:
 def test_an_indefinite_program_is_made_convex_by_the_least_shift_tried() -> None:
     ring = np.arange(4)
     saddle = np.broadcast_to(np.diag([1.0, -1.0]), (4, 2, 2))
-    program = QuadraticProgram(np.ones((4, 2)), Blocks(ring, ring, saddle), [], np.zeros(0), np.full(4, 0.1))
+    hessian = Blocks(ring, ring, saddle)
+    program = QuadraticProgram(np.ones((4, 2)), hessian, [], np.zeros(0), np.full(4, 0.1), upright(4))
     solution = EXACT.solve(program)
     assert solution.converged and solution.shift >= 0.0
     np.testing.assert_allclose(np.abs(solution.step[:, 1]), 0.1, atol=1e-6)  # the bounds end the descent
@@ -149,10 +159,40 @@ def test_an_indefinite_program_is_made_convex_by_the_least_shift_tried() -> None
 
 def test_nothing_to_gain_takes_no_step() -> None:
     program = random_program(5)
-    still = QuadraticProgram(
-        np.zeros_like(program.gradient), program.hessian, program.rows, program.offset, program.radius, scale=1.0
-    )
+    still = replace(program, gradient=np.zeros_like(program.gradient), scale=1.0)
     assert np.abs(EXACT.solve(still).step).max() < 1e-7
+
+
+def turned_axes(m: int, angles: np.ndarray) -> np.ndarray:
+    """(m, 2, 2) axes turned by the angles."""
+    c, s = np.cos(angles), np.sin(angles)
+    return np.stack([np.stack([c, s], axis=1), np.stack([-s, c], axis=1)], axis=1).reshape(m, 2, 2)
+
+
+def test_motions_are_bounded_along_the_axes_of_each_vertex() -> None:
+    program = random_program(8)
+    m = len(program.radius)
+    axes = turned_axes(m, np.linspace(0.0, 2.0, m))
+    far = replace(program, gradient=100.0 * program.gradient, axes=axes)
+    along = np.einsum("mac,mc->ma", axes, EXACT.solve(far).step)
+    assert np.all(np.abs(along) <= program.radius[:, None] * (1.0 + 1e-9))
+    assert np.abs(along / program.radius[:, None]).max() > 0.999
+
+
+def test_turning_everything_turns_the_solution() -> None:
+    program = random_program(9)
+    m = len(program.radius)
+    (turn,) = turned_axes(1, np.array([0.7]))  # rows are images of the coordinate axes
+    turned = replace(
+        program,
+        gradient=program.gradient @ turn,
+        hessian=replace(program.hessian, value=turn.T @ program.hessian.value @ turn),
+        rows=[replace(group, direction=turn.T @ group.direction) for group in program.rows],
+        axes=upright(m) @ turn,
+    )
+    one, other = InteriorPoint().solve(program), InteriorPoint().solve(turned)
+    assert one.iterations == other.iterations
+    np.testing.assert_allclose(other.step, one.step @ turn, atol=1e-10)
 
 
 @pytest.mark.parametrize("counts", [(6, 9, 5), (0, 12, 0), (4, 0, 0), (0, 0, 0)])
@@ -160,26 +200,23 @@ def test_band_holds_the_matrices(counts: tuple[int, int, int]) -> None:
     program = random_program(2, m=12, counts=counts)
     m, rng = 12, np.random.default_rng(0)
     order = BandOrder.of(m, program.hessian.row, program.hessian.column).including(program.hessian, program.rows)
-    system = BandedSystem(order, program.hessian, program.rows)
+    axes = turned_axes(m, rng.uniform(0.0, 6.0, m))
+    system = BandedSystem(order, program.hessian, program.rows, axes)
     unknown = (2 * order.position[:, None] + np.arange(2)).ravel()  # place of every unknown in the band
     J = full_rows(program.rows, m)
-    A = np.concatenate([J, np.eye(2 * m), -np.eye(2 * m)])
+    R = np.zeros((2 * m, 2 * m))  # bounds, in the band's order of vertices
+    for vertex, place in enumerate(order.position):
+        R[2 * place : 2 * place + 2, 2 * vertex : 2 * vertex + 2] = axes[vertex]
+    A = np.concatenate([J, R, -R])
     d, z = rng.normal(size=2 * m), rng.normal(size=len(A))
     ordered = np.empty(2 * m)
     ordered[unknown] = d
-    constraints, transposed = system.constraints(ordered), system.transposed(z)
-    K = len(J)
-    np.testing.assert_allclose(constraints[:K], J @ d, atol=1e-13)
-    np.testing.assert_allclose(constraints[K : K + 2 * m], ordered)
-    np.testing.assert_allclose(constraints[K + 2 * m :], -ordered)
-    bounds = z[K : K + 2 * m] - z[K + 2 * m :]
-    np.testing.assert_allclose(transposed[unknown], J.T @ z[:K] + bounds[unknown], atol=1e-13)
-
+    np.testing.assert_allclose(system.constraints(ordered), A @ d, atol=1e-13)
+    np.testing.assert_allclose(system.transposed(z)[unknown], A.T @ z, atol=1e-13)
     h = rng.uniform(0.1, 2.0, len(A))
     system.set_matrix(h)
     assert system.factorise(0.7)
-    box = (h[K : K + 2 * m] + h[K + 2 * m :])[unknown]
-    M = program.hessian.dense(m) + J.T @ (h[:K, None] * J) + np.diag(box) + 0.7 * np.eye(2 * m)
+    M = program.hessian.dense(m) + A.T @ (h[:, None] * A) + 0.7 * np.eye(2 * m)
     np.testing.assert_allclose(system.solve(ordered)[unknown], np.linalg.solve(M, d), rtol=1e-9, atol=1e-12)
 
 
@@ -193,7 +230,28 @@ def test_the_order_of_a_ring_is_a_narrow_band() -> None:
 def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
     ring = np.arange(3)
     hessian = Blocks(ring, ring, np.broadcast_to(-np.eye(2), (3, 2, 2)))
-    system = BandedSystem(BandOrder.of(3, ring, ring), hessian, [])
+    system = BandedSystem(BandOrder.of(3, ring, ring), hessian, [], upright(3))
     system.set_matrix(np.full(12, 0.1))
     assert not system.factorise(0.0)
     assert system.factorise(5.0)
+
+
+def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() -> None:
+    m = 6
+    ring = np.arange(m)
+    saddle = np.broadcast_to(np.diag([1.0, -0.5]), (m, 2, 2))
+    couplings = np.broadcast_to(0.05 * np.eye(2), (m, 2, 2))
+    hessian = Blocks.sum([(1.0, Blocks(ring, ring, saddle)), (1.0, Blocks(ring, np.roll(ring, -1), couplings))])
+    upwards = np.broadcast_to(np.array([[0.0], [1.0]]), (2, m))
+    held = Rows(ring[None], np.ones((1, m)), upwards)
+    program = QuadraticProgram(np.zeros((m, 2)), hessian, [held], np.zeros(m), np.ones(m), upright(m))
+    order = BandOrder.of(m, ring, np.roll(ring, -1))
+    some = ring < 4
+    softest = softest_motion(program, order, some)
+    assert softest is not None
+    d = softest.motion.ravel()
+    assert np.abs(softest.motion[some, 1]).max() < 1e-4
+    assert np.hypot(*softest.motion.T).max() == pytest.approx(1.0)
+    assert d @ hessian.dense(m) @ d == pytest.approx(softest.curvature, rel=1e-3)
+    assert softest.curvature < -0.3
+    assert softest_motion(program, order, np.ones(m, bool)) is None

@@ -1,0 +1,105 @@
+"""The quadratic program that models the energy and the distances at a cage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .._types import FloatArray
+from ..contact.linearisation import Contacts, constraint_rows, local_axes, measure, resolve_corners
+from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..contact.pruning import not_implied
+from ..energies import Blocks, CageEnergy
+from ..solver.quadratic_program import QuadraticProgram, Solution
+from .curvature import EdgeLoads, contact_curvature
+from .trust_region import TrustRegion
+
+THINNING = 0.02
+"""Contacts whose constraints others imply up to this fraction of the clearance are left out; restoration makes up for
+them."""
+
+LONGEST_MOTION = 1.5
+"""Longest motion of a vertex in one step with its restoration, in radii; √2 without it. Pairs are looked for so far."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Distances that the cage must keep; both lengths."""
+
+    clearance: float
+    """From the fine mesh."""
+    own: float
+    """From other parts of itself."""
+
+    def of(self, pairs: Pairs) -> FloatArray:
+        """(K,) distance that each pair must keep."""
+        required = np.full(len(pairs), self.clearance)
+        required[pairs.cage_cage] = self.own
+        return required
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The program at a cage, and all contacts around it."""
+
+    program: QuadraticProgram
+    pairs: Pairs
+    """All pairs that can meet in a step."""
+    contacts: Contacts
+    """Their contacts."""
+    required: FloatArray
+    """(K,) distances that they must keep."""
+    longest: float
+    """Longest motion of a vertex for which they are complete."""
+    _rows: Pairs
+    _row_contacts: Contacts
+
+    def measured_at(self, x: FloatArray) -> Model:
+        """The same pairs at x (m + n, 2), not far from where the model was made."""
+        return replace(self, contacts=measure(self.pairs, x))
+
+    def loads(self, solution: Solution) -> EdgeLoads:
+        """The loads of the edges in the solution of the program."""
+        m = len(self.program.radius)
+        return EdgeLoads.of(self._rows, self._row_contacts, solution.multipliers, m)
+
+
+def model_at(
+    x: FloatArray,
+    bodies: Bodies,
+    candidates: CandidateList,
+    energy: CageEnergy,
+    wanted: Wanted,
+    region: TrustRegion,
+    loads: EdgeLoads,
+) -> Model:
+    """The model at x (m + n, 2), with the curvature that the contacts have under the ``loads``."""
+    m = bodies.m
+    longest = LONGEST_MOTION * float(region.radius.max())
+    pairs = candidates.within(x, wanted.clearance + 2.0 * longest, 2.0 * longest)
+    contacts = measure(pairs, x)
+    required = wanted.of(pairs)
+
+    reach = np.zeros(len(x))
+    reach[:m] = region.radius * np.sqrt(2.0)
+    approach = reach.take(pairs.point) + np.maximum(reach.take(pairs.start), reach.take(pairs.end))
+    near = contacts.distance - required < approach
+    some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
+    room = contact.distance - wanted.of(some)
+    keep = not_implied(some, contact, room, THINNING * wanted.clearance)
+    some, contact = some.subset(keep), contact.where(keep)
+
+    cage, successor = x[:m], bodies.cage_successor
+    curvature = contact_curvature(bodies, cage, loads, region.radius)
+    program = QuadraticProgram(
+        energy.gradient(cage, successor),
+        Blocks.sum([(1.0, energy.hessian(cage, successor)), (1.0, curvature)]),
+        constraint_rows(some, contact),
+        np.maximum(room[keep], 0.0),
+        region.radius,
+        local_axes(bodies, x),
+        shift=region.shift,
+        order=bodies.cage_order,
+    )
+    return Model(program, pairs, contacts, required, longest, some, contact)

@@ -1,0 +1,256 @@
+"""Tightening: cages at a local optimum, at the clearance, by motions that meet nothing."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import Mesh
+from nestedcages_core.broad_phase import smallest_distance
+from nestedcages_core.contact.linearisation import measure
+from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
+from nestedcages_core.energies import Area
+from nestedcages_core.solver.quadratic_program import InteriorPoint
+from nestedcages_core.tightening import Tightening, TighteningOutcome
+from nestedcages_core.tightening.restoration import restore
+from nestedcages_core.tightening.widening import widen
+from shapes import annulus, assert_nested, letter_a, polygon, ring, star
+
+CLEARANCE = 1e-5
+"""As a fraction of the diagonal."""
+
+
+def tighten(
+    fine: Mesh, coarse: Mesh, clearance: float | None = None, settings: Tightening | None = None
+) -> tuple[TighteningOutcome, list[np.ndarray]]:
+    """The outcome, and the cage before and after every step."""
+    steps = [coarse.vertices]
+    outcome = (settings or Tightening()).run(
+        Bodies.of(coarse, fine),
+        coarse.vertices,
+        fine.vertices,
+        clearance=CLEARANCE * fine.diagonal if clearance is None else clearance,
+        energy=Area(),
+        on_step=steps.append,
+    )
+    return outcome, steps
+
+
+def wide_annulus(count: int = 16) -> Mesh:
+    """Around annulus(...): outer ring grown, hole shrunk."""
+    return Mesh.from_loops([ring(count, 1.15), ring(count, 0.42)])
+
+
+def wide_letter() -> Mesh:
+    """A generous outline of the letter A."""
+    outside = polygon(letter_a()).buffer(0.1, join_style="mitre").simplify(0.02)
+    return Mesh.from_geometry(outside)
+
+
+def distance_of(cage: Mesh, fine: Mesh) -> float:
+    """By shapely: between the two boundaries."""
+    lines = [
+        shapely.MultiLineString([mesh.vertices[np.append(loop, loop[0])] for loop in mesh.loops])
+        for mesh in (cage, fine)
+    ]
+    return float(lines[0].distance(lines[1]))
+
+
+CASES = {
+    "annulus": (annulus(64), wide_annulus()),
+    "letter": (letter_a(), wide_letter()),
+    "star": (star(7, 140), Mesh.from_loops([ring(20, 1.6)])),
+    "triangle": (Mesh.from_loops([ring(30)]), Mesh.from_loops([ring(3, 3.0)])),
+}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def case(request: pytest.FixtureRequest) -> tuple[Mesh, Mesh, TighteningOutcome, list[np.ndarray]]:
+    fine, coarse = CASES[request.param]
+    return fine, coarse, *tighten(fine, coarse)
+
+
+def test_cage_is_nested_at_the_clearance(case: tuple[Mesh, Mesh, TighteningOutcome, list[np.ndarray]]) -> None:
+    fine, coarse, outcome, _ = case
+    cage = coarse.moved(outcome.cage)
+    assert outcome.converged, outcome.reason
+    assert_nested(cage, fine)
+    clearance = CLEARANCE * fine.diagonal
+    measured = distance_of(cage, fine)
+    assert clearance * (1.0 - 1e-9) <= measured <= clearance * 1.01
+    assert cage.area < coarse.area
+
+
+def test_every_instant_of_every_step_is_free_of_crossings(
+    case: tuple[Mesh, Mesh, TighteningOutcome, list[np.ndarray]],
+) -> None:
+    fine, coarse, outcome, steps = case
+    np.testing.assert_array_equal(steps[-1], outcome.cage)
+    inside = shapely.MultiLineString([fine.vertices[np.append(loop, loop[0])] for loop in fine.loops])
+    shapely.prepare(inside)
+    for before, after in itertools.pairwise(steps):
+        for s in np.linspace(0.0, 1.0, 6):
+            at = (1.0 - s) * before + s * after
+            rings = [shapely.LinearRing(at[loop]) for loop in coarse.loops]
+            assert all(one.is_simple for one in rings)
+            assert not any(one.intersects(other) for one, other in itertools.combinations(rings, 2))
+            assert not any(one.intersects(inside) for one in rings)
+
+
+def test_energy_falls_with_every_step(case: tuple[Mesh, Mesh, TighteningOutcome, list[np.ndarray]]) -> None:
+    _, coarse, _, steps = case
+    areas = [coarse.moved(step).area for step in steps]
+    assert all(after < before for before, after in itertools.pairwise(areas[1:]))
+
+
+def test_edges_are_flush_or_touch_at_their_middle(
+    case: tuple[Mesh, Mesh, TighteningOutcome, list[np.ndarray]],
+) -> None:
+    """The sign of a local optimum: the contacts of a free edge lie on both sides of its midpoint, or at it."""
+    fine, coarse, outcome, _ = case
+    bodies = Bodies.of(coarse, fine)
+    x = np.concatenate([outcome.cage, fine.vertices])
+    clearance = CLEARANCE * fine.diagonal
+    pairs = find_pairs(bodies, x, 1.2 * clearance)
+    contacts = measure(pairs, x)
+    held = set(pairs.point[pairs.cage_fine][contacts.on_line[pairs.cage_fine]].tolist())
+    held |= set(pairs.start[~contacts.on_line].tolist()) | set(pairs.end[~contacts.on_line].tolist())
+    balanced = free = 0
+    for edge in range(bodies.m):
+        if {edge, int(bodies.cage_successor[edge])} & held:
+            continue
+        touching = (pairs.start == edge) & (pairs.point >= bodies.m) & contacts.on_line
+        t = contacts.parameter[touching]
+        free += 1
+        balanced += len(t) > 0 and t.min() < 0.52 and t.max() > 0.48
+    assert balanced >= 0.9 * free
+
+
+def test_annulus_reaches_the_known_optimum() -> None:
+    """16 vertices around each of two rings of 256: edges touch at their middle, on the circles' own polygons."""
+    fine, coarse = annulus(256), wide_annulus()
+    outcome, _ = tighten(fine, coarse)
+    clearance = CLEARANCE * fine.diagonal
+    touch = np.pi / 256  # where an edge touches: at a vertex of the outer ring, between vertices of the hole
+    outer = 16 * np.tan(np.pi / 16) * (1.0 + clearance) ** 2
+    hole = 16 * np.tan(np.pi / 16) * (0.5 * np.cos(touch) * np.cos(np.pi / 16) - clearance) ** 2
+    area = coarse.moved(outcome.cage).area
+    assert area <= (outer - hole) * (1.0 + 2e-4)
+    assert outcome.iterations < 30
+
+
+def crooked() -> tuple[Mesh, Mesh]:
+    """A shape without symmetry, for a symmetric one has several best cages, and rounding chooses."""
+    turn = 2.0 * np.pi * np.arange(150) / 150
+    waves = ((2, 0.15, 0.3), (3, 0.2, 1.1), (5, 0.12, 2.0), (8, 0.05, 0.7))
+    radius = 1.0 + sum(a * np.cos(k * turn + phase) for k, a, phase in waves)
+    return Mesh.from_loops([radius[:, None] * ring(150)]), Mesh.from_loops([ring(14, 1.6, 0.2)])
+
+
+def test_result_does_not_depend_on_the_frame() -> None:
+    fine, coarse = crooked()
+    reference = tighten(fine, coarse, 1e-4)[0]
+    area = coarse.moved(reference.cage).area / fine.area
+    for scale, angle, shift in ((1e-6, 0.3, (0.0, 0.0)), (1e6, 2.0, (0.0, 0.0)), (1.0, 1.1, (3.0, -8.0))):
+        turn = scale * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        moved = [mesh.moved(mesh.vertices @ turn + scale * np.array(shift)) for mesh in (fine, coarse)]
+        outcome, _ = tighten(*moved, 1e-4 * scale)
+        assert outcome.iterations == reference.iterations
+        assert moved[1].moved(outcome.cage).area / moved[0].area == pytest.approx(area, rel=1e-6)
+
+
+def test_wider_clearance_is_kept_too() -> None:
+    fine, coarse = CASES["star"]
+    outcome, _ = tighten(fine, coarse, 0.05)
+    assert outcome.converged
+    assert 0.05 * (1.0 - 1e-9) <= distance_of(coarse.moved(outcome.cage), fine) <= 0.05 * 1.001
+
+
+def test_a_cage_that_is_too_close_is_widened_first() -> None:
+    fine = letter_a()
+    close = polygon(fine).buffer(1e-6 * fine.diagonal, join_style="mitre")
+    coarse = Mesh.from_geometry(close)
+    outcome, steps = tighten(fine, coarse, 1e-3)
+    assert len(steps) > 1
+    assert distance_of(coarse.moved(outcome.cage), fine) >= 1e-3 * (1.0 - 1e-9)
+
+
+def slit(width: float) -> tuple[Mesh, Mesh]:
+    """A block with a slit, and a cage that reaches into it."""
+    half = 0.5 * width
+    block = [[-1, -1], [1, -1], [1, 1], [half, 1], [half, 0], [-half, 0], [-half, 1], [-1, 1]]
+    inner = 0.25 * width
+    outline = [[-1.2, -1.2], [1.2, -1.2], [1.2, 1.2], [inner, 1.2], [inner, 0.5], [-inner, 0.5], [-inner, 1.2]]
+    return Mesh.from_loops([np.array(block)]), Mesh.from_loops([np.array([*outline, [-1.2, 1.2]])])
+
+
+def test_walls_of_a_slit_may_come_closer_to_each_other_than_the_clearance() -> None:
+    fine, coarse = slit(2.5e-3)
+    outcome, _ = tighten(fine, coarse, 1e-3)
+    cage = coarse.moved(outcome.cage)
+    assert outcome.converged, outcome.reason
+    assert_nested(cage, fine)
+    assert distance_of(cage, fine) >= 1e-3 * (1.0 - 1e-9)
+
+
+def test_no_room_for_the_clearance_is_said() -> None:
+    fine, coarse = slit(1e-3)
+    outcome, steps = tighten(fine, coarse, 1e-3)
+    assert not outcome.converged
+    assert "no room" in outcome.reason and "vertex" in outcome.reason
+    assert_nested(coarse.moved(outcome.cage), fine)
+    np.testing.assert_array_equal(steps[-1], outcome.cage)
+
+
+def test_caps_and_their_reasons() -> None:
+    fine, coarse = CASES["star"]
+    outcome, steps = tighten(fine, coarse, settings=Tightening(iterations=2))
+    assert not outcome.converged and outcome.iterations == 2 and "2 iterations" in outcome.reason
+    assert len(steps) <= 3
+
+
+def test_cancelling_ends_at_once() -> None:
+    class CancelledError(Exception):
+        pass
+
+    def cancel(cage: np.ndarray) -> None:
+        raise CancelledError
+
+    fine, coarse = CASES["star"]
+    with pytest.raises(CancelledError):
+        Tightening().run(
+            Bodies.of(coarse, fine), coarse.vertices, fine.vertices, clearance=1e-3, energy=Area(), on_step=cancel
+        )
+
+
+def test_restoration_brings_back_what_a_turn_took() -> None:
+    fine, coarse = Mesh.from_loops([ring(60)]), Mesh.from_loops([ring(8, 1.1)])
+    bodies = Bodies.of(coarse, fine)
+    x = np.concatenate([coarse.vertices, fine.vertices])
+    pairs = find_pairs(bodies, x, 1.0)
+    before = measure(pairs, x)
+    required = np.full(len(pairs), 1e-2)
+    turned = x.copy()
+    turned[:8] *= 0.985  # every edge through the shape's edge
+    assert measure(pairs, turned, before.side).distance.min() < 1e-2
+    restored, contacts = restore(bodies, pairs, turned, required, before.side)
+    assert contacts.distance.min() >= 1e-2
+    assert np.abs(restored - turned).max() < 0.05
+    np.testing.assert_array_equal(restored[8:], x[8:])
+
+
+def test_widening_shares_what_room_there_is() -> None:
+    fine, coarse = slit(2.5e-3)
+    bodies = Bodies.of(coarse, fine)
+    near = np.where(np.abs(coarse.vertices[:, :1]) < 0.1, 1.999 * np.array([[1.0, 1.0]]), 1.0)
+    cage = coarse.vertices * np.where(near > 1.5, [[1.999, 1.0]], 1.0)  # the walls almost touch those of the slit
+    x = np.concatenate([cage, fine.vertices])
+    clearance = 1e-3
+    widened = widen(bodies, x, clearance, CandidateList(bodies), InteriorPoint(), lambda x: None)
+    assert widened.closest == -1
+    cage, home = widened.x[: bodies.m], fine.vertices
+    assert smallest_distance(home, cage, cage[bodies.cage_successor]) >= clearance
+    assert smallest_distance(cage, home, home[bodies.fine_successor]) >= clearance
