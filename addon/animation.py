@@ -72,10 +72,11 @@ def add_steps(obj: bpy.types.Object, steps: NDArray[np.float32], frames: NDArray
     obj.data.vertices.foreach_get("co", basis.ravel())
     coordinates = basis.copy()
     runs = _runs_of_equal(steps)
+    at_rest = (steps == basis[:, :2]).all(axis=(1, 2))
     fcurves: list[tuple[str, list[float]]] = []
     add_basis(obj)
     for index, (first, last) in enumerate(runs):
-        if np.array_equal(steps[first], basis[:, :2]):
+        if at_rest[first]:
             continue
         coordinates[:, :2] = steps[first]
         key = obj.shape_key_add(name=f"{name} Step {first}", from_mix=False)
