@@ -19,13 +19,15 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint bench clean
+.PHONY: help demo test lint bench extension test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
 	@echo "make test    runs every test of the core and of the add-on"
 	@echo "make lint    runs ruff and mypy"
 	@echo "make bench   times the eight discs of the paper's Table 1 (DATA=path/to/table1.csv)"
+	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
+	@echo "make test-blender  runs the add-on's tests on every Blender supported"
 	@echo "make clean   removes the environments and everything built"
 
 demo: $(DEMO_ENV)/ready
@@ -43,8 +45,32 @@ lint: $(TEST_ENV)/ready
 bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python benchmarks/table1.py --data "$(DATA)"
 
+extension: $(DEMO_ENV)/ready
+	@$(DEMO_ENV)/bin/python examples/check_bpy.py
+	$(DEMO_ENV)/bin/python packaging/build_extension.py
+	$(DEMO_ENV)/bin/python packaging/try_extension.py
+
+# Blender as a Python module comes for one Python each; those of a Python that is not here are left out.
+BLENDERS_3.11 := 4.2.23 4.5.15 5.0.1
+BLENDERS_3.13 := 5.2.3
+test-blender:
+	@for version in 3.11 3.13; do \
+		if ! command -v python$$version >/dev/null 2>&1; then echo "No python$$version here: its Blenders are left out."; \
+			continue; fi; \
+		if [ $$version = 3.11 ]; then blenders="$(BLENDERS_3.11)"; scipy=1.15.3; \
+			else blenders="$(BLENDERS_3.13)"; scipy=1.17.1; fi; \
+		for blender in $$blenders; do \
+			env=.venv-bpy-$$blender; \
+			if [ ! -e $$env/ready ]; then python$$version -m venv --clear $$env && $$env/bin/python -m pip install --quiet \
+				--disable-pip-version-check bpy==$$blender scipy==$$scipy pytest pytest-timeout shapely hypothesis && \
+				touch $$env/ready || exit 1; fi; \
+			echo "== Blender $$blender"; \
+			$(if $(LIMIT),$(LIMIT) 600) $$env/bin/python -m pytest -q tests/addon || exit 1; \
+		done; \
+	done
+
 clean:
-	rm -rf $(DEMO_ENV) $(TEST_ENV) build .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+	rm -rf .venv-bpy-* $(DEMO_ENV) $(TEST_ENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
 
 # $(1): environment, $(2): extras of pyproject.toml. The file `ready` says that the installation went through.
 define environment
