@@ -19,11 +19,14 @@ from .progressive_hull import ProgressiveHull, Weights
 RESERVE = 1.05
 """Outlines are moved to so many clearances where there is room: what comes next needs some."""
 
-WIDENINGS = 6
-"""Rounds of moving those edges outwards that are too close; short edges allow only short steps."""
+WIDENINGS = 12
+"""Steps outwards in a row; each is limited by short edges and by the room in gaps."""
 
-FILLINGS = 4
-"""Rounds of filling narrow gaps; the first fills them all unless something lies in them."""
+PROGRESS = 0.97
+"""Fraction of the largest shortfall that a step must get below for another one to follow."""
+
+ROUNDS = 12
+"""Rounds of removing what is in the way of wider steps: small details first, then narrow gaps."""
 
 TRIFLE = 0.2
 """Size in clearances of details that are built over where they keep an outline from reaching the clearance."""
@@ -34,14 +37,15 @@ GAP = 2.2
 
 def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline:
     """The outline, moved outwards until it keeps the clearance; where a gap has no room for that, the gap is filled."""
-    for _ in range(FILLINGS):
+    for _ in range(ROUNDS):
         outline = _widened(outline, enclosure, RESERVE * clearance)
         tight = enclosure.shortfall(outline, clearance) > 0.0
         if not tight.any():
             break
         size = len(outline.vertices)
-        outline = _without(outline, tight | _in_narrow_gaps(outline, tight, GAP * clearance))
         outline = without_trifles(outline, (TRIFLE * clearance) ** 2)
+        if len(outline.vertices) == size:
+            outline = _without(outline, tight | _in_narrow_gaps(outline, tight, GAP * clearance))
         if len(outline.vertices) == size:
             break
     return outline
@@ -49,14 +53,16 @@ def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline
 
 def _widened(outline: Outline, enclosure: Enclosure, distance: float) -> Outline:
     """The outline with those edges moved outwards that are closer than `distance`, as far as there is room."""
+    last = np.inf
     for _ in range(WIDENINGS):
         missing = enclosure.shortfall(outline, distance)
-        if not missing.any():
+        worst = float(missing.max())
+        if worst == 0.0 or worst > PROGRESS * last:
             break
         wider, stuck = strict_offset(outline, missing, enclosure.tree)
         if len(stuck):
             break
-        outline = wider
+        outline, last = wider, worst
     return outline
 
 
