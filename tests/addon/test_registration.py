@@ -58,3 +58,16 @@ def test_the_panels_move_to_another_tab(extension) -> None:
     assert bpy.types.VIEW3D_PT_nested_cages.bl_category == "Animation"
     panels.move_to(panels.CATEGORY)
     assert bpy.types.VIEW3D_PT_nested_cages.bl_category == "Nested Cages"
+
+
+def test_a_missing_scipy_is_a_sentence(extension, addon, monkeypatch) -> None:
+    poly_curve("Drawing", [star()])
+    monkeypatch.delattr(extension, "nestedcages_core", raising=False)
+    for name in list(sys.modules):
+        if name.startswith(f"{extension.__name__}.nestedcages_core"):
+            monkeypatch.delitem(sys.modules, name)
+        elif name.partition(".")[0] == "scipy":
+            monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    with pytest.raises(RuntimeError, match="Nested Cages needs scipy"):
+        bpy.ops.object.nested_cages_generate(levels="12")
