@@ -20,12 +20,11 @@ TIE = 1e-9
 class Unrolled:
     """A mesh as loops in an order, and from a start each, that do not depend on how its vertices are numbered.
 
-    loop_order: (L,) for each loop of the outline its number in the mesh. rings: its vertices in the mesh.
+    loop_order: (L,) for each loop of the outline its number in the mesh.
     """
 
     outline: Outline
     loop_order: IntArray
-    rings: tuple[IntArray, ...]
 
     def per_loop(self, budget: Budget) -> IntArray | None:
         """(L,) the numbers per loop of a budget in the order of the outline, or None if it has none."""
@@ -66,4 +65,4 @@ def unroll(fine: Mesh) -> Unrolled:
     outline = Outline(
         fine.vertices[np.concatenate(ordered)], tuple(len(ring) for ring in ordered), np.stack((places, places), axis=1)
     )
-    return Unrolled(outline, order, ordered)
+    return Unrolled(outline, order)
