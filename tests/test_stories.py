@@ -17,7 +17,7 @@ pytest.importorskip("matplotlib")
 from matplotlib.image import imread
 
 ROOT = Path(__file__).resolve().parents[1]
-STORIES = ("bend", "coast", "five_levels", "logo", "poisson", "sprite_outline")
+STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "sprite_outline")
 
 
 @pytest.mark.parametrize("story", STORIES)
