@@ -120,15 +120,14 @@ def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, 
         count = level if isinstance(level, int) else max(least, round(total * level / 100.0))
         before = found[-1] if found else total
         if count > before:
-            inner = say("the level before it") if found else say("the drawing")
-            raise Refusal(
-                "'{name}': a level of {count} vertices is more than the {before} of {inner}; list fewer, from "
-                "finest to coarsest",
-                name=name,
-                count=count,
-                before=before,
-                inner=inner,
+            sentence = (
+                "'{name}': a level of {count} vertices is more than the {before} of the level before it; list levels "
+                "from finest to coarsest"
+                if found
+                else "'{name}': a level of {count} vertices is more than the {before} of the drawing; list fewer, or "
+                "give the drawing a higher resolution"
             )
+            raise Refusal(sentence, name=name, count=count, before=before)
         if count < least:
             raise Refusal(
                 "'{name}': {count} vertices are too few for its {loops} loops, which need three each",
