@@ -23,7 +23,7 @@ from ..energies import Blocks
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .ccd import impacts
-from .linearisation import Contacts, measure
+from .linearisation import Contacts, local_axes, measure
 from .pairs import Bodies, Pairs
 
 ROUNDS = 12
@@ -72,7 +72,9 @@ class ImpactZones:
     bodies: Bodies
     proximity: float
     """Distance below which pairs are pushed apart before they collide; a length."""
-    solver: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1))
+    solver: InteriorPoint = field(
+        default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1, primal=1e-4)
+    )
 
     def nearest(self, pairs: Pairs, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, int]:
         """A velocity (m + n, 2) near the wished one, equal to it on the fine mesh, and the systems solved.
@@ -84,7 +86,7 @@ class ImpactZones:
         velocity, systems = wished, 0
         for _ in range(ROUNDS):
             if len(rows.point):
-                velocity, count = self._project(rows, wished)
+                velocity, count = self._project(rows, wished, local_axes(self.bodies, x))
                 systems += count
             hit, time = impacts(pairs, x, velocity, contacts.distance, self.proximity)
             if len(hit) == 0:
@@ -119,7 +121,7 @@ class ImpactZones:
         margin = np.minimum(self.proximity, KEPT * contacts.distance[hit])
         return Impacts(p, a, b, parameter, normal, distance, np.minimum(margin, distance))
 
-    def _project(self, rows: Impacts, wished: FloatArray) -> tuple[FloatArray, int]:
+    def _project(self, rows: Impacts, wished: FloatArray, axes: FloatArray) -> tuple[FloatArray, int]:
         """The nearest velocity that keeps the rows."""
         m = self.bodies.m
         order = np.argsort(2 * (rows.point < m) + (rows.start < m), kind="stable")  # C-F is 2, F-C 1, C-C 3
@@ -149,6 +151,7 @@ class ImpactZones:
             groups,
             room,
             np.full(m, LARGEST_VELOCITY * largest),
+            axes,
             softness=np.full(len(t), SOFTNESS),
             order=self.bodies.cage_order,
             scale=largest,

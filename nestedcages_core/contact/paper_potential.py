@@ -57,6 +57,7 @@ class PaperPotential:
         self.weights, self.d_hat = weights, d_hat
         self.candidates, self.step_filter = candidates, step_filter
         self.ends_at_target = ends_at_target
+        self._ceiling = np.inf
         self._exact = Containment(bodies.cage_successor, bodies.fine_successor) if exact_containment else None
 
     def value(self, x: FloatArray) -> float:
@@ -66,12 +67,14 @@ class PaperPotential:
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
         """E and its gradient, which is that of its finite terms."""
         pairs, pair = self._within_range(x)
+        self._ceiling = np.inf
+        self._ceiling = self._value(x, pair)
         m, successor = self.bodies.m, self.bodies.cage_successor
         push = self.weights.barrier * self._barrier(pair).first
         gradient = sum_at_corners(pairs, push[:, None] * distance_gradient(pair), len(x))
         gradient[:m] += self.weights.cages * self.energy.gradient(x[:m], successor)
         gradient[m:] += self.weights.restoring * (x[m:] - self.target)
-        return self._value(x, pair), gradient
+        return self._ceiling, gradient
 
     def newton(self, x: FloatArray) -> Model:
         """E, its gradient and its projected Newton direction, which the paper leaves as further work."""
@@ -103,14 +106,20 @@ class PaperPotential:
         return bool((after > REST_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
 
     def _value(self, x: FloatArray, pair: PointEdge) -> float:
+        """E, or its finite terms alone where these already exceed E at the last slope: E_cont, the dearest term, then
+        refuses nothing that is not refused anyway."""
         m = self.bodies.m
         cages = self.energy.value(x[:m], self.bodies.cage_successor)
-        if not np.isfinite(cages) or not self._contained(x):
+        if not np.isfinite(cages):
             return np.inf
         away = x[m:] - self.target
         restoring = 0.5 * float((away * away).sum())
         contact = float(self._barrier(pair).value.sum())
-        return self.weights.restoring * restoring + self.weights.cages * cages + self.weights.barrier * contact
+        weights = self.weights
+        finite = weights.restoring * restoring + weights.cages * cages + weights.barrier * contact
+        if finite > self._ceiling or self._contained(x):
+            return finite
+        return np.inf
 
     def _contained(self, x: FloatArray) -> bool:
         """E_cont = 0, by parity as written or by exact predicates."""

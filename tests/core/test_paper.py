@@ -41,7 +41,7 @@ def run(
     steps = PaperFlow(exact_parity=repaired).run(fine, coarse).steps
     contact = contact or PaperContact(repairs=Repairs(repaired, repaired))
     solver = solver or GradientDescent(refuse_infinite=repaired)
-    return reinflate(fine, coarse, steps, contact=contact, energy=Area(), solver=solver, clearance=1e-5)
+    return reinflate(fine, coarse, steps, contacts=[contact], energy=Area(), solver=solver, clearance=1e-5)
 
 
 def test_table_1_has_the_excess_that_the_papers_program_reaches() -> None:
@@ -89,11 +89,11 @@ def test_an_infinite_start_energy_throws_the_mesh_unless_refused() -> None:
     for refuse in (False, True):
         with pytest.raises(ReinflationError, match="infinite"):
             reinflate(
-                fine, coarse, steps, contact=PaperContact(), energy=Area(),
+                fine, coarse, steps, contacts=[PaperContact()], energy=Area(),
                 solver=GradientDescent(refuse_infinite=refuse), clearance=1e-5,
             )  # fmt: skip
     exact = PaperContact(repairs=Repairs(parity=True, exact_home=True))
-    way = reinflate(fine, coarse, steps, contact=exact, energy=Area(), solver=GradientDescent(), clearance=1e-5)
+    way = reinflate(fine, coarse, steps, contacts=[exact], energy=Area(), solver=GradientDescent(), clearance=1e-5)
     assert np.array_equal(way.fine_steps[-1], fine.vertices)
 
 

@@ -1,0 +1,120 @@
+"""The methods that are compared, each a Settings object. A method that is not listed here is not in the comparison."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from nestedcages_core import (
+    IPC,
+    Area,
+    BoundaryARAP,
+    Cells,
+    GradientDescent,
+    InitialDisplacement,
+    InteriorARAP,
+    LevelSet,
+    NoEnergy,
+    NoFilter,
+    OnCurve,
+    OuterHull,
+    PaperContact,
+    PaperFlow,
+    ProjectedNewton,
+    Repairs,
+    SequentialQP,
+    Settings,
+    ShapeKeeping,
+    SmallestDistance,
+    StepDisplacement,
+    Tightening,
+    TimeOfImpact,
+    TwoSidedFlow,
+    VelocityFilter,
+)
+from nestedcages_core.contact import AllPairs, Contact
+from nestedcages_core.decimation import Decimation
+from nestedcages_core.energies import Energy
+
+
+class Method(NamedTuple):
+    """A method and what distinguishes it."""
+
+    name: str
+    settings: Settings
+
+
+PAPER = Settings(
+    fallback=None,
+    starts=1,
+    flow=PaperFlow(),
+    contact=PaperContact(),
+    solver=GradientDescent(steps=100),
+    tightening=Tightening(iterations=0),
+)
+"""Gurditta & Jacobson (2022) as written."""
+
+EXACT_FLOW = PaperFlow(exact_parity=True)
+REPAIRED = PaperContact(repairs=Repairs(parity=True, exact_home=True))
+DESCENT = GradientDescent(steps=100, refuse_infinite=True)
+
+PARITY = replace(PAPER, flow=EXACT_FLOW, contact=PaperContact(repairs=Repairs(parity=True)))
+FINITE = replace(PARITY, solver=DESCENT)
+HOME = replace(FINITE, contact=REPAIRED)
+BOUND = replace(HOME, contact=replace(REPAIRED, step_filter=SmallestDistance()))
+IMPACT = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact()))
+NEAR = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact(), broad_phase=Cells()))
+NEWTON = replace(NEAR, solver=ProjectedNewton())
+LOCAL = replace(NEWTON, contact=IPC())
+TWO_SIDED = replace(LOCAL, flow=TwoSidedFlow())
+TIGHT = replace(TWO_SIDED, tightening=Tightening())
+
+LADDER = (
+    Method("paper as written", PAPER),
+    Method("+ exact parity", PARITY),
+    Method("+ infinite energies refused", FINITE),
+    Method("+ exact home-coming", HOME),
+    Method("+ smallest distance bounds the step", BOUND),
+    Method("+ time of impact bounds it instead", IMPACT),
+    Method("+ pairs found by cells", NEAR),
+    Method("+ projected Newton", NEWTON),
+    Method("+ local ranges, weights per length: IPC", LOCAL),
+    Method("+ two-sided flow", TWO_SIDED),
+    Method("+ tightening: ours", TIGHT),
+)
+"""The paper turned into ours, one repair or improvement at a time; every line keeps those above it."""
+
+CONTACTS: dict[str, Contact] = {"IPC": IPC(), "sequential QP": SequentialQP(), "velocity filter": VelocityFilter()}
+
+STARTS: dict[str, Decimation] = {"flow": OnCurve(), "outer hull": OuterHull(), "level set": LevelSet()}
+"""How a vertex count becomes a coarse mesh: one on the curve, which needs the flow, or one that encloses already."""
+
+ENERGIES: dict[str, Energy] = {
+    "none": NoEnergy(),
+    "step displacement": StepDisplacement(),
+    "initial displacement": InitialDisplacement(),
+    "area": Area(),
+    "boundary ARAP": BoundaryARAP(),
+    "interior ARAP": InteriorARAP(),
+    "shape keeping": ShapeKeeping(),
+}
+
+FILTERS = {"none": NoFilter(), "smallest distance": SmallestDistance(), "time of impact": TimeOfImpact()}
+BROAD_PHASES = {"all pairs": AllPairs(), "cells": Cells()}
+
+
+def with_contact(name: str, start: str = "flow") -> Settings:
+    """Ours, with another contact and another start. The velocity filter expands without an energy, as the original
+    does, and leaves the area to the final pass."""
+    expansion = NoEnergy() if name == "velocity filter" else None
+    return replace(TIGHT, contact=CONTACTS[name], decimation=STARTS[start], expansion_energy=expansion)
+
+
+def alone(name: str) -> Settings:
+    """The contact without the tightening: what its own descent on the area reaches."""
+    return replace(TIGHT, contact=CONTACTS[name], tightening=Tightening(iterations=0))
+
+
+def with_energy(name: str) -> Settings:
+    """Ours, with another energy on the way home and in the final pass."""
+    return replace(TIGHT, energy=ENERGIES[name])

@@ -1,0 +1,135 @@
+"""The plots of the comparison."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+
+mpl.use("Agg")
+
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+
+from comparison.experiments import Results
+from comparison.measure import Measurement
+from data import Table1Row
+from nestedcages_core import Mesh
+
+FINE, COARSE, CAGE = "#d9a441", "#9aa5b1", "#1f4e79"
+DPI = 110
+
+
+def draw(axes: Axes, mesh: Mesh, colour: str, *, filled: bool = False, style: str = "-", width: float = 1.0) -> None:
+    """The outline of a mesh, or its solid."""
+    for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True):
+        closed = mesh.vertices[np.append(loop, loop[0])]
+        if filled:
+            axes.fill(closed[:, 0], closed[:, 1], color=colour if sign > 0 else "white", linewidth=0, zorder=1)
+        else:
+            axes.plot(closed[:, 0], closed[:, 1], style, color=colour, linewidth=width, zorder=3)
+
+
+def panel(axes: Axes, result: Measurement, title: str) -> None:
+    """Fine mesh, coarse mesh and cage of one run, in the units of the solvers."""
+    fine = result.fine
+    low, high = fine.vertices.min(axis=0), fine.vertices.max(axis=0)
+    draw(axes, fine.moved((fine.vertices - 0.5 * (low + high)) / fine.diagonal), FINE, filled=True)
+    if result.coarse is not None:
+        draw(axes, result.coarse, COARSE, style="--", width=0.8)
+    if result.cage is not None:
+        draw(axes, result.cage, CAGE, width=1.2)
+    outcome = f"{result.excess:.1f} %" if result.excess is not None else f"failed: {result.failed}"
+    axes.set_title(f"{title}\n{outcome}", fontsize=7)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    reach = 0.72
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-reach, reach)
+
+
+def gallery(results: Results, names: list[str], path: Path) -> None:
+    """Rows of shapes, columns of methods."""
+    rows = [shape for shape in results if any(name in results[shape] for name in names)]
+    figure, grid = plt.subplots(len(rows), len(names), figsize=(2.0 * len(names), 2.1 * len(rows)), squeeze=False)
+    for i, shape in enumerate(rows):
+        for j, name in enumerate(names):
+            panel(grid[i][j], results[shape][name], f"{shape}\n{name}" if j == 0 else name)
+    _save(figure, path)
+
+
+def strip(results: dict[str, Measurement], path: Path) -> None:
+    """One shape, one panel for each method."""
+    figure, grid = plt.subplots(1, len(results), figsize=(2.0 * len(results), 2.3), squeeze=False)
+    for axes, (name, result) in zip(grid[0], results.items(), strict=True):
+        panel(axes, result, name)
+    _save(figure, path)
+
+
+def table1(results: Results, rows: tuple[Table1Row, ...], path: Path) -> None:
+    """Excess and time over the number of fine vertices."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.4))
+    sizes = [row.fine_vertices for row in rows]
+    if all(row.reference_excess for row in rows):
+        left.plot(sizes, [row.reference_excess for row in rows], "x--", color="black", label="the paper's C++ program")
+        right.plot(
+            sizes, [row.reference_seconds for row in rows], "x--", color="black", label="the paper's C++ program"
+        )
+    for name in next(iter(results.values())):
+        found = [results[str(size)][name] for size in sizes]
+        left.plot(sizes, [result.excess for result in found], "o-", markersize=3, label=name)
+        right.plot(sizes, [result.total for result in found], "o-", markersize=3, label=name)
+    for axes, title in ((left, "excess in per cent"), (right, "CPU seconds")):
+        axes.set_xscale("log")
+        axes.set_xlabel("fine vertices")
+        axes.set_title(title, fontsize=9)
+        axes.grid(alpha=0.3)
+    right.set_yscale("log")
+    left.legend(fontsize=7)
+    _save(figure, path)
+
+
+def ladder(results: Results, path: Path) -> None:
+    """Time and excess while the paper turns into ours."""
+    names = list(next(iter(results.values())))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6), sharey=True)
+    place = np.arange(len(names))[::-1]
+    for shape, found in results.items():
+        left.plot([found[name].total for name in names], place, "o-", markersize=3, label=shape)
+        right.plot([np.nan if found[n].excess is None else found[n].excess for n in names], place, "o-", markersize=3)
+    left.set_yticks(place, names, fontsize=7)
+    left.set_xscale("log")
+    left.set_title("CPU seconds", fontsize=9)
+    right.set_title("excess in per cent", fontsize=9)
+    left.legend(fontsize=7)
+    for axes in (left, right):
+        axes.grid(alpha=0.3)
+    _save(figure, path)
+
+
+def starts(results: Results, path: Path) -> None:
+    """Excess and time of every contact from every start."""
+    names = list(next(iter(results.values())))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
+    place = np.arange(len(results))
+    marks, colours = ("o", "s", "^"), ("tab:blue", "tab:orange", "tab:green")
+    for k, name in enumerate(names):
+        found = [shape[name] for shape in results.values()]
+        shift = place + 0.07 * (k - 0.5 * (len(names) - 1))
+        style = {"color": colours[k // 3], "label": name, "markersize": 4}
+        left.plot(shift, [np.nan if not r.success else r.excess for r in found], marks[k % 3], **style)
+        right.plot(shift, [np.nan if not r.success else r.total for r in found], marks[k % 3], **style)
+    for axes, title in ((left, "excess in per cent"), (right, "CPU seconds")):
+        axes.set_xticks(place, list(results), fontsize=6, rotation=20)
+        axes.set_title(title, fontsize=9)
+        axes.grid(alpha=0.3)
+        axes.set_yscale("log")
+    right.legend(fontsize=5)
+    _save(figure, path)
+
+
+def _save(figure: plt.Figure, path: Path) -> None:
+    figure.tight_layout()
+    figure.savefig(path, dpi=DPI)
+    plt.close(figure)
