@@ -20,8 +20,8 @@ from .predicates import winding_number
 TREE_COST, TREE_START = 80, 20_000
 """Cost of the tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
 
-SAMPLES_PER_EDGE = 4
-"""Points of the tree per edge on average; long edges get more."""
+SAMPLES_PER_EDGE = 0.5
+"""Points of the tree per mean edge length: an edge of twice the mean length has one, longer ones have more."""
 
 SPARE_SAMPLES = 1000
 """Points of the tree on top of that, so that a few long edges are still resolved."""

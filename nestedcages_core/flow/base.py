@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
-
-import numpy as np
 
 from .._types import FloatArray
 from ..errors import FlowError
@@ -41,11 +39,14 @@ class FlowResult:
     iterations: int
     """Iterations over all stages, those whose step was rejected included."""
     stage: str
-    """The stage that succeeded, or the last one tried."""
-    reason: str = ""
-    """Empty, or the sentence that says why the last step is not inside."""
+    """The stage that succeeded, or the one that failed."""
     obstacle: Obstacle | None = None
-    """The same in parts, or None."""
+    """What is in the way of the last step, None if that is inside."""
+
+    @property
+    def reason(self) -> str:
+        """Why the last step is not inside, as a sentence; empty if it is."""
+        return "" if self.obstacle is None else self.obstacle.sentence()
 
 
 class FlowMethod(Protocol):
@@ -58,7 +59,6 @@ class FlowMethod(Protocol):
         """
 
 
-def stuck(obstacle: Obstacle, steps: Sequence[FloatArray], iterations: int, stage: str) -> FlowError:
-    """The error of a flow that did not get inside, with what it did as `partial`."""
-    sentence = obstacle.sentence()
-    return FlowError(sentence, partial=FlowResult(np.array(steps), iterations, stage, sentence, obstacle))
+def stuck(result: FlowResult) -> FlowError:
+    """The error of a flow that did not get inside."""
+    return FlowError(result.reason, partial=result)

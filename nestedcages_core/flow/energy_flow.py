@@ -19,10 +19,13 @@ HALVINGS = 7
 """Trials of the line search."""
 
 STALL_GAIN = 0.02
-"""A step that gains a smaller share of the energy counts as stalled; the next one is smoothed over half the length."""
+"""A step that gains a smaller share of the energy counts as stalled."""
 
-STALLS = 4
-"""Stalled steps in a row that end the descent."""
+SLOW_GAIN = 0.75
+"""A step that gains a smaller share of the energy is slow; the next one is smoothed over half the length."""
+
+PATIENCE, PATIENCE_SHARE = 4, 0.5
+"""The descent ends when this many steps have left more than this share of the energy."""
 
 LEAST_SMOOTHING = 0.01
 """Smallest smoothing length as a share of the first."""
@@ -35,12 +38,19 @@ MARGIN_STEPS = 3
 class Descent:
     """Outcome of one descent."""
 
+    start: FloatArray
+    """(n, 2) positions before the first step."""
     steps: list[FloatArray]
-    """Positions (n, 2) after each accepted step; the start is not among them."""
+    """Positions (n, 2) after each accepted step."""
     obstacle: Obstacle | None
     """None if the last position is certified inside, else what is in the way there."""
     iterations: int
     """Steps tried, rejected ones included."""
+
+    @property
+    def end(self) -> FloatArray:
+        """(n, 2) last positions."""
+        return self.steps[-1] if self.steps else self.start
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,30 +73,30 @@ class EnergyFlow:
         vertices, penetration = start, self.energy.at(start)
         steps: list[FloatArray] = []
         seem_inside: list[int] = []
-        smoothing, stalls, iterations = self.smoothing, 0, 0
+        energies = [penetration.energy]
+        smoothing = self.smoothing
         while True:
             inside = penetration.overlap < 0.0
             if inside:
                 seem_inside.append(len(steps))
-            content = penetration.comfortable or stalls > 0 or len(seem_inside) > MARGIN_STEPS
+            stalled = len(energies) > 1 and energies[-1] > (1.0 - STALL_GAIN) * energies[-2]
+            content = penetration.comfortable or stalled or len(seem_inside) > MARGIN_STEPS
             if inside and content and self.containment.obstacle(vertices) is None:
-                return Descent(steps, None, iterations)
-            if iterations >= limit or stalls > STALLS or penetration.energy == 0.0:
+                return Descent(start, steps, None, len(energies) - 1)
+            hopeless = len(energies) > PATIENCE and energies[-1] > PATIENCE_SHARE * energies[-1 - PATIENCE]
+            if len(energies) > limit or hopeless or penetration.energy == 0.0:
                 break
-            iterations += 1
             found = self._step(vertices, penetration, smoothing)
-            gain = 0.0
             if found is not None:
-                gain = 1.0 - found[1].energy / penetration.energy
                 vertices, penetration = found
                 steps.append(vertices)
-            stalls = 0 if gain >= STALL_GAIN else stalls + 1
-            if stalls:
+            energies.append(penetration.energy)
+            if energies[-1] > (1.0 - SLOW_GAIN) * energies[-2]:
                 smoothing = max(0.5 * smoothing, LEAST_SMOOTHING * self.smoothing)
         for count in reversed(seem_inside):
             if self.containment.obstacle(steps[count - 1] if count else start) is None:
-                return Descent(steps[:count], None, iterations)
-        return Descent(steps, self.containment.obstacle(vertices), iterations)
+                return Descent(start, steps[:count], None, len(energies) - 1)
+        return Descent(start, steps, self.containment.obstacle(vertices), len(energies) - 1)
 
     def _step(
         self, vertices: FloatArray, penetration: Penetration, smoothing: float

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from .._types import FloatArray, IntArray
+from .._types import BoolArray, FloatArray, IntArray
 from ..errors import FlowError
 from ..mesh import Mesh
 from ..predicates import BoxTree, orientation, ray_crossings
 from ..signed_distance import SignedDistance
-from .base import Obstacle, stuck
+from .base import FlowResult, Obstacle, stuck
 
 COVERED = -1
 """Partner of a fine hole that no coarse hole keeps open."""
@@ -102,22 +102,36 @@ def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:
 
 def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
     fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
-    if len(coarse_outers) == 1:
-        return np.zeros(len(fine_outers), np.int64)
     if len(fine_outers) < len(coarse_outers):
-        cause = f"The coarse mesh has {len(coarse_outers)} separate parts and the fine mesh only {len(fine_outers)}"
-        raise _mismatch(fine, cause, None, "remove the parts that hold nothing, or move holes back inside")
+        difference = _box_difference(boxes(fine)[fine_outers], boxes(coarse)[coarse_outers]).min(axis=0)
+        extra = coarse_outers[difference.argmax()]
+        x, y = coarse.vertices[coarse.loops[extra]].mean(axis=0).tolist()
+        cause = (
+            f"The coarse mesh has {len(coarse_outers)} separate parts for {len(fine_outers)} of the fine mesh,"
+            f" one of them (loop {extra})"
+        )
+        raise _mismatch(fine, cause, (x, y), "remove it, or move it inside if it is meant as a hole")
+    fine_boxes, coarse_boxes = boxes(fine)[fine_outers], boxes(coarse)[coarse_outers]
     if len(fine_outers) == len(coarse_outers):
         fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
-        cost = _box_difference(boxes(fine)[fine_outers], boxes(coarse)[coarse_outers]) / fine.diagonal
-        rows, columns = linear_sum_assignment(cost + IMPOSSIBLE * fewer)
-        return np.asarray(columns[np.argsort(rows)], np.int64)
-    component = _outside(fine, coarse).argmin(axis=1)
+        _, component = linear_sum_assignment(
+            _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + IMPOSSIBLE * fewer
+        )
+        around = coarse_boxes[component]
+        overlaps = ((fine_boxes[:, :2] < around[:, 2:]) & (around[:, :2] < fine_boxes[:, 2:])).all(axis=1)
+    else:
+        outside, overlapping = _fit(fine, coarse)
+        component = np.where(overlapping, outside, np.inf).argmin(axis=1)
+        overlaps = overlapping.any(axis=1)
+    lost = np.nonzero(~overlaps)[0]
+    if len(lost):
+        x, y = fine.vertices[fine.loops[fine_outers[lost[0]]]].mean(axis=0).tolist()
+        cause = f"No part of the coarse mesh overlaps outer loop {fine_outers[lost[0]]} of the fine mesh"
+        raise _mismatch(fine, cause, (x, y), "add a part there or move one over it")
     empty = np.setdiff1d(np.arange(len(coarse_outers)), component)
     if len(empty):
-        loop = coarse.loops[coarse_outers[empty[0]]]
-        x, y = coarse.vertices[loop].mean(axis=0).tolist()
-        cause = f"Coarse loop {coarse_outers[empty[0]]} holds no part of the fine mesh"
+        x, y = coarse.vertices[coarse.loops[coarse_outers[empty[0]]]].mean(axis=0).tolist()
+        cause = f"Outer loop {coarse_outers[empty[0]]} of the coarse mesh holds no part of the fine mesh"
         raise _mismatch(fine, cause, (x, y), "remove it or move it over the part it belongs to")
     return np.asarray(component, np.int64)
 
@@ -129,18 +143,28 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
         return
     candidates = np.nonzero((fine.loop_signs < 0) & (component[fine.component_of_loop] == k))[0]
     if len(holes) > len(candidates) or np.count_nonzero(component == k) > 1:
-        free = [not windings(coarse.vertices[coarse.loops[hole]], fine, fine.vertices).any() for hole in holes]
-        holes = holes[~np.array(free)]
+        holes = holes[[not _is_free(fine, coarse, hole) for hole in holes]]
     if len(holes) > len(candidates):
         x, y = coarse.vertices[coarse.loops[holes[-1]]].mean(axis=0).tolist()
-        cause = f"The coarse mesh has {len(holes)} holes for {len(candidates)} of the fine mesh, one (loop {holes[-1]})"
-        raise _mismatch(fine, cause, (x, y), "remove the holes that would cut into the fine mesh")
+        cause = f"Loop {holes[-1]} of the coarse mesh is a hole, but the fine mesh has no hole for it"
+        raise _mismatch(fine, cause, (x, y), "remove it")
     rows, columns = linear_sum_assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
     partner[candidates[rows]] = holes[columns]
 
 
+def _is_free(fine: Mesh, coarse: Mesh, hole: int) -> bool:
+    """Whether a coarse hole lies, for the greater part of its boundary, outside all fine loops."""
+    loop = coarse.loops[hole]
+    points = np.concatenate(
+        [coarse.vertices[loop], 0.5 * (coarse.vertices[loop] + coarse.vertices[coarse.successor[loop]])]
+    )
+    distance = np.abs(SignedDistance.of(fine).at(points).distance)
+    within = windings(points, fine, fine.vertices).any(axis=1)
+    return bool(distance[~within].sum() > distance[within].sum())
+
+
 def _mismatch(fine: Mesh, cause: str, place: tuple[float, float] | None, remedy: str) -> FlowError:
-    return stuck(Obstacle(cause, place, remedy), [fine.vertices], 0, "matching")
+    return stuck(FlowResult(fine.vertices[None], 0, "matching", Obstacle(cause, place, remedy)))
 
 
 def _hole_counts(mesh: Mesh) -> IntArray:
@@ -153,17 +177,20 @@ def _box_difference(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(np.abs(a[:, None] - b[None, :]).sum(axis=2), np.float64)
 
 
-def _outside(fine: Mesh, coarse: Mesh) -> FloatArray:
-    """(fine, coarse components) how far the outer loop of one lies outside the solid of the other, on average."""
+def _fit(fine: Mesh, coarse: Mesh) -> tuple[FloatArray, BoolArray]:
+    """(fine, coarse components): how far one lies outside the other, on average, and whether they overlap."""
     fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
-    probes = [fine.vertices[loop[:: max(1, len(loop) // PROBES)]] for loop in (fine.loops[k] for k in fine_outers)]
-    owner = np.repeat(np.arange(len(fine_outers)), [len(p) for p in probes])
+    probes = [fine.vertices[fine.loops[k][:: max(1, len(fine.loops[k]) // PROBES)]] for k in fine_outers]
+    first = np.cumsum([0, *(len(points) for points in probes[:-1])])
     points = np.concatenate(probes)
-    result = np.empty((len(fine_outers), len(coarse_outers)))
-    for k in range(len(coarse_outers)):
-        bounding = np.nonzero(coarse.component_of_loop == k)[0]
-        starts = np.concatenate([coarse.loops[loop] for loop in bounding])
-        field = SignedDistance(coarse.vertices[starts], coarse.vertices[coarse.successor[starts]])
-        depth = np.maximum(field.at(points).distance, 0.0)
-        result[:, k] = np.bincount(owner, depth) / np.bincount(owner)
-    return result
+    outside = np.empty((len(fine_outers), len(coarse_outers)))
+    overlaps = np.empty(outside.shape, bool)
+    for k, outer in enumerate(coarse_outers):
+        starts = np.concatenate([coarse.loops[loop] for loop in np.nonzero(coarse.component_of_loop == k)[0]])
+        distance = (
+            SignedDistance(coarse.vertices[starts], coarse.vertices[coarse.successor[starts]]).at(points).distance
+        )
+        outside[:, k] = np.add.reduceat(np.maximum(distance, 0.0), first) / [len(points) for points in probes]
+        around = windings(coarse.vertices[coarse.loops[outer]], fine, fine.vertices)[:, fine_outers].any(axis=0)
+        overlaps[:, k] = (np.minimum.reduceat(distance, first) < 0.0) | around
+    return outside, overlaps

@@ -16,12 +16,17 @@ from typing import NamedTuple
 import numpy as np
 
 from .._types import FloatArray, IntArray
+from ..broad_phase import near_pairs
 from ..signed_distance import SignedDistance
 from .matching import Matching
 from .samples import Samples, Spacing, coarse_samples, fine_samples, local_margins
 
 COMFORT = 0.5
 """Share of the margin from which the flow is content."""
+
+
+WALL = 2.0
+"""Thickness of a wall between coarse loops, in sample spacings, up to which each is kept off the other's partner."""
 
 
 class Penetration(NamedTuple):
@@ -59,10 +64,16 @@ class PenetrationEnergy:
         on_coarse = coarse_samples(coarse, spacing)
         at = coarse.vertices[on_coarse.edge]
         points = at + on_coarse.parameter[:, None] * (coarse.vertices[coarse.successor[on_coarse.edge]] - at)
+        loop_of_point = coarse.loop_of_vertex[on_coarse.edge]
         self._push_coarse = [
-            _CoarsePush(matching, on_coarse, points, fine_loop, coarse_loop)
+            _CoarsePush(matching, on_coarse, points, np.nonzero(loop_of_point == coarse_loop)[0], fine_loop, 1.0)
             for fine_loop, coarse_loop in _facing_loops(matching)
         ]
+        if np.isfinite(spacing.length):
+            walls = _thin_walls(matching, points, loop_of_point, WALL * spacing.length)
+            self._push_coarse += [
+                _CoarsePush(matching, on_coarse, points, which, fine_loop, -1.0) for which, fine_loop in walls
+            ]
 
     def at(self, vertices: FloatArray) -> Penetration:
         """The penetration of the fine mesh with vertices (n, 2)."""
@@ -133,22 +144,22 @@ class _FinePush:
 
 
 class _CoarsePush:
-    """Samples of one coarse loop push one fine loop."""
+    """Samples of the coarse mesh push one fine loop until they lie outside its solid (side 1) or inside (side -1)."""
 
     def __init__(
-        self, matching: Matching, samples: Samples, points: FloatArray, fine_loop: int, coarse_loop: int
+        self, matching: Matching, samples: Samples, points: FloatArray, which: IntArray, fine_loop: int, side: float
     ) -> None:
-        of_loop = np.nonzero(matching.coarse.loop_of_vertex[samples.edge] == coarse_loop)[0]
-        self.points = points[of_loop]
-        self.weight = samples.weight[of_loop]
-        self.coarse_edge = samples.edge[of_loop]
+        self.points = points[which]
+        self.weight = samples.weight[which]
+        self.coarse_edge = samples.edge[which]
+        self.side = side
         self.start = matching.fine.loops[fine_loop]
         self.sign = int(matching.fine.loop_signs[fine_loop])
 
     def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
         sample = _field(vertices[self.start], self.sign).at(self.points)
         margin = margins[self.coarse_edge]
-        depth = margin - sample.distance
+        depth = margin - self.side * sample.distance
         k = np.nonzero(depth > 0.0)[0]
         return _Pushed(
             self.start[sample.edge[k]],
@@ -156,7 +167,7 @@ class _CoarsePush:
             self.weight[k],
             depth[k],
             margin[k],
-            sample.gradient[k],
+            self.side * sample.gradient[k],
         )
 
 
@@ -183,3 +194,18 @@ def _around(matching: Matching, fine_loop: int, coarse_loop: int) -> bool:
     field = _field(matching.fine.vertices[matching.fine.loops[fine_loop]], 1)
     inside = field.at(matching.coarse.vertices[matching.coarse.loops[coarse_loop]]).distance < 0.0
     return bool(2 * np.count_nonzero(inside) > len(inside))
+
+
+def _thin_walls(
+    matching: Matching, points: FloatArray, loop_of_point: IntArray, reach: float
+) -> list[tuple[IntArray, int]]:
+    """Coarse samples that are close to another loop of their component, and the fine loop that belongs in between."""
+    coarse = matching.coarse
+    sample, edge = near_pairs(points, coarse.vertices, coarse.vertices[coarse.successor], reach)
+    near, behind = loop_of_point[sample], coarse.loop_of_vertex[edge]
+    wall = (near != behind) & (coarse.component_of_loop[near] == coarse.component_of_loop[behind])
+    return [
+        (np.unique(sample[wall & (behind == loop)]), fine_loop)
+        for loop in np.unique(behind[wall]).tolist()
+        for fine_loop in np.nonzero(matching.partner == loop)[0].tolist()
+    ]

@@ -37,7 +37,7 @@ class SignedDistanceFlow:
         steps = [fine.vertices]
         while (obstacle := containment.obstacle(steps[-1])) is not None:
             if len(steps) > self.limit:
-                raise stuck(obstacle, steps, self.limit, "signed distance")
+                raise stuck(FlowResult(np.array(steps), self.limit, "signed distance", obstacle))
             if progress is not None:
                 progress((len(steps) - 1) / self.limit, f"Flow step {len(steps)}")
             gradient = averaged_gradient(fine.moved(steps[-1]), distance, self.quadrature)

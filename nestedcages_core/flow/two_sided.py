@@ -2,7 +2,7 @@
 
 Stages: inside (nothing to do); vertices (descent with samples at the vertices of both meshes); erosion (a tiny move
 inwards, if the meshes only touch); boundary (descent with samples all along both); geodesic (limbs that the coarse mesh
-cuts off are first drawn in along the inside of the fine mesh).
+cuts off are first drawn in along the inside of the fine mesh); correspondence (fine is laid along the coarse mesh).
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from .._types import FloatArray
 from ..mesh import Mesh
 from .base import FlowResult, Obstacle, ProgressCallback, stuck
 from .containment import Containment
-from .energy_flow import EnergyFlow
+from .correspondence import lay_along
+from .energy_flow import Descent, EnergyFlow
 from .erosion import erode
-from .geodesic import Retraction, retract, solid_graph
+from .geodesic import retract, solid_graph
 from .matching import Matching, match_loops
 from .penetration import PenetrationEnergy
 from .samples import Spacing
@@ -33,8 +34,8 @@ TOUCHING = 1e-9
 GRAPH_SPACING = 2.0
 """Spacing of the points that paths run over, in spacings of the samples."""
 
-RETRACTIONS = ((True, 1.0), (False, 1.0), (False, 0.1), (False, 0.01))
-"""Attempts of the geodesic stage: whether all pieces of the core are kept, and the share of the margin."""
+NARROW = 0.1
+"""Share of the margin in the last attempt."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class TwoSidedFlow:
     smoothing: float = 0.01
     """Length over which a step is smoothed at first."""
     longest_step: float = 0.04
-    """Cap on the motion of a vertex per step."""
+    """Cap on the motion of a coordinate per step."""
     vertex_limit: int = 6
     """Most steps with samples at the vertices only."""
     limit: int = 20
@@ -60,29 +61,16 @@ class TwoSidedFlow:
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
         """
         run = _Run(self, match_loops(fine, coarse))
-        obstacle: Obstacle | None = None
-        done = [fine.vertices]
-        for number, attempt in enumerate(run.attempts()):
+        for tried, result in enumerate(run.attempts()):
+            if result.obstacle is None:
+                return result
             if progress is not None:
-                progress(number / (number + 2.0), f"Flow: {attempt.stage}")
-            if attempt.obstacle is None:
-                return FlowResult(np.array([fine.vertices, *attempt.steps]), run.iterations, attempt.stage)
-            obstacle, stage = attempt.obstacle, attempt.stage
-            done = [fine.vertices, *attempt.steps]
-        assert obstacle is not None
-        raise stuck(obstacle, done, run.iterations, stage)
-
-
-@dataclass(frozen=True, eq=False)
-class _Attempt:
-    stage: str
-    steps: list[FloatArray]
-    """Positions after the fine mesh itself."""
-    obstacle: Obstacle | None
+                progress(1.0 - 0.5 ** (tried + 1), f"Flow by {result.stage}: {result.obstacle.cause}")
+        raise stuck(result)
 
 
 class _Run:
-    """The attempts of one run, each from the fine mesh itself unless it says otherwise."""
+    """The attempts of one run."""
 
     def __init__(self, settings: TwoSidedFlow, matching: Matching) -> None:
         self.settings = settings
@@ -92,63 +80,76 @@ class _Run:
         self.containment = Containment(matching)
         self.iterations = 0
 
-    def attempts(self) -> Iterator[_Attempt]:
-        """One attempt after the other; the caller stops at the first without an obstacle."""
-        start = self.fine.vertices
-        if self.containment.boxes_nested(start):
-            yield _Attempt("inside", [], self.containment.obstacle(start))
-        self.system = StepSystem(self.fine, self.settings.spacing * self.unit)
+    def attempts(self) -> Iterator[FlowResult]:
+        """At least one attempt, until one has no obstacle; the last one says best what is wrong."""
+        home, settings = self.fine.vertices, self.settings
+        if self.containment.boxes_nested(home):
+            yield self.result("inside", [], self.containment.obstacle(home))
+        self.system = StepSystem(self.fine, settings.spacing * self.unit)
         at_vertices = self.energy(np.inf)
-        first = self.descend("vertices", at_vertices, [], self.settings.vertex_limit)
-        yield first
-        if at_vertices.at(start).overlap <= TOUCHING * self.unit:
-            yield self.erosion()
-        along_boundary = self.energy(self.settings.spacing * self.unit)
-        yield self.descend("boundary", along_boundary, first.steps, self.settings.limit)
-        yield from self.retractions()
+        first = self.descend(at_vertices, home, settings.vertex_limit)
+        yield self.result("vertices", first.steps, first.obstacle)
+        if at_vertices.at(home).overlap <= TOUCHING * self.unit:
+            yield from self.erosion()
+        second = self.descend(self.energy(settings.spacing), first.end, settings.limit)
+        yield self.result("boundary", first.steps + second.steps, second.obstacle)
+        yield from self.retraction(1.0)
+        yield from self.correspondence()
+        yield from self.retraction(NARROW)
 
-    def erosion(self) -> _Attempt:
-        """A tiny move inwards."""
-        self.iterations += 1
+    def erosion(self) -> Iterator[FlowResult]:
+        """A tiny move inwards, if that is enough."""
         eroded = erode(self.fine, self.containment, self.settings.margin * self.unit)
-        steps = [] if eroded is None else [eroded]
-        return _Attempt("erosion", steps, Obstacle("") if eroded is None else None)
+        self.iterations += 1
+        if eroded is not None:
+            yield self.result("erosion", [eroded], None)
 
-    def retractions(self) -> Iterator[_Attempt]:
-        """Retraction of cut-off limbs, then descent from there."""
+    def retraction(self, share: float) -> Iterator[FlowResult]:
+        """Retraction of cut-off limbs, then descent from there: with all pieces, then with the largest only.
+
+        share: of the margin.
+        """
         settings = self.settings
-        spacing = settings.spacing * self.unit
-        for whole, share in RETRACTIONS:
-            energy = self.energy(spacing, share)
-            graph = solid_graph(self.matching, energy.margins, self.density(GRAPH_SPACING * spacing))
-            found = retract(self.matching, graph, settings.longest_step * self.unit, whole=whole)
-            if isinstance(found, Obstacle):
-                yield _Attempt("geodesic", [], found)
+        energy = self.energy(settings.spacing, share)
+        graph = solid_graph(self.matching, energy.margins, self.density(GRAPH_SPACING * settings.spacing))
+        for whole in (True, False):
+            way = retract(self.matching, graph, settings.longest_step * self.unit, whole=whole)
+            if isinstance(way, Obstacle):
+                yield self.result("geodesic", [], way)
                 return
-            self.iterations += len(found.steps)
-            attempt = self.descend("geodesic", energy, found.steps, settings.limit)
-            yield attempt if attempt.obstacle is None else _blame(attempt, found)
+            self.iterations += len(way.steps)
+            descent = self.descend(energy, way.steps[-1] if way.steps else self.fine.vertices, settings.limit)
+            obstacle = None if descent.obstacle is None else way.pieces or descent.obstacle
+            yield self.result("geodesic", way.steps + descent.steps, obstacle)
+            if way.pieces is None:
+                return
 
-    def descend(self, stage: str, energy: PenetrationEnergy, before: list[FloatArray], limit: int) -> _Attempt:
-        """Descent from the last of the steps before, or else from the fine mesh."""
-        flow = EnergyFlow(
-            energy,
-            self.containment,
-            self.system,
-            self.settings.smoothing * self.unit,
-            self.settings.longest_step * self.unit,
-        )
-        descent = flow.descend(before[-1] if before else self.fine.vertices, limit)
+    def correspondence(self) -> Iterator[FlowResult]:
+        """Straight to positions along the inside of the coarse mesh, if there are such."""
+        laid = lay_along(self.matching, self.settings.margin * self.unit)
+        if laid is None or self.containment.obstacle(laid) is not None:
+            return
+        way = laid - self.fine.vertices
+        count = int(np.ceil(np.abs(way).max() / (self.settings.longest_step * self.unit)))
+        self.iterations += count
+        steps = [self.fine.vertices + (k / count) * way for k in range(1, count)]
+        yield self.result("correspondence", [*steps, laid], None)
+
+    def descend(self, energy: PenetrationEnergy, start: FloatArray, limit: int) -> Descent:
+        """Descent of an energy from (n, 2) positions."""
+        smoothing, longest = self.settings.smoothing * self.unit, self.settings.longest_step * self.unit
+        descent = EnergyFlow(energy, self.containment, self.system, smoothing, longest).descend(start, limit)
         self.iterations += descent.iterations
-        return _Attempt(stage, before + descent.steps, descent.obstacle)
+        return descent
+
+    def result(self, stage: str, steps: list[FloatArray], obstacle: Obstacle | None) -> FlowResult:
+        """The result of one attempt, whose steps follow the fine mesh itself."""
+        return FlowResult(np.array([self.fine.vertices, *steps]), self.iterations, stage, obstacle)
 
     def density(self, spacing: float) -> Spacing:
-        return Spacing(spacing, self.settings.spacing * self.unit, FINE_LIMIT, COARSE_LIMIT)
+        """Sample density for a spacing in bounding-box diagonals."""
+        return Spacing(spacing * self.unit, self.settings.spacing * self.unit, FINE_LIMIT, COARSE_LIMIT)
 
     def energy(self, spacing: float, share: float = 1.0) -> PenetrationEnergy:
+        """Penetration energy for a spacing in bounding-box diagonals and a share of the margin."""
         return PenetrationEnergy(self.matching, share * self.settings.margin * self.unit, self.density(spacing))
-
-
-def _blame(attempt: _Attempt, retraction: Retraction) -> _Attempt:
-    """The attempt with the reason that the retraction has found, if any."""
-    return _Attempt(attempt.stage, attempt.steps, retraction.pieces or attempt.obstacle)
