@@ -46,13 +46,21 @@ def set_thickness(obj: bpy.types.Object, level: int, thickness: float) -> None:
         modifier = obj.modifiers.new(THICKNESS, "NODES")
         modifier.show_viewport = False
     modifier.node_group = _thickness_nodes()
-    inputs = {
-        item.name: item.identifier
-        for item in modifier.node_group.interface.items_tree
-        if item.item_type == "SOCKET" and item.in_out == "INPUT"
-    }
-    modifier[inputs["Radius"]] = 0.5 * thickness
-    modifier[inputs["Material"]] = _material(level)
+    _set_input(modifier, "Radius", 0.5 * thickness)
+    _set_input(modifier, "Material", _material(level))
+
+
+def _set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
+    """Sets an input of a Geometry Nodes modifier by the name of its socket."""
+    sockets = modifier.node_group.interface.items_tree
+    identifier = next(
+        s.identifier for s in sockets if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name
+    )
+    # Blender 5.2 made properties of what were custom properties of the modifier.
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
 
 
 def _thickness_nodes() -> bpy.types.NodeTree:
