@@ -20,6 +20,7 @@ for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
 sys.path.insert(0, str(ROOT))
 
 from comparison import experiments, plots, report  # noqa: E402
+from comparison.findings import Findings  # noqa: E402
 
 
 def main() -> int:
@@ -48,7 +49,7 @@ def main() -> int:
         plots.starts(starts, pictures / "starts.png")
     plots.strip(energies["letter A"], pictures / "energies.png")
     seconds = time.perf_counter() - began
-    found = report.Findings(table1, ladder, figures, starts, alone, filters, energies, reuse, seconds)
+    found = Findings(table1, ladder, figures, starts, alone, filters, energies, reuse, seconds)
     (options.out / "comparison.md").write_text(report.document(found, inputs.table1), encoding="utf-8")
     print(f"{options.out / 'comparison.md'} written after {seconds:.0f} s")
     return 0

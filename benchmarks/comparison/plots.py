@@ -17,7 +17,7 @@ from comparison.measure import Measurement
 from data import Table1Row
 from nestedcages_core import Mesh
 
-FINE, COARSE, CAGE = "#d9a441", "#9aa5b1", "#1f4e79"
+FINE, COARSE, CAGE = "#f0c777", "#8a4b08", "#1f4e79"
 DPI = 110
 
 
@@ -44,7 +44,9 @@ def panel(axes: Axes, result: Measurement, title: str) -> None:
     axes.set_title(f"{title}\n{outcome}", fontsize=7)
     axes.set_aspect("equal")
     axes.axis("off")
-    reach = 0.72
+    shown = [result.coarse.vertices] if result.coarse is not None else []
+    shown += [result.cage.vertices] if result.cage is not None else []
+    reach = 1.06 * max([0.5, *(float(np.abs(vertices).max()) for vertices in shown)])
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-reach, reach)
 
@@ -91,16 +93,18 @@ def table1(results: Results, rows: tuple[Table1Row, ...], path: Path) -> None:
 
 
 def ladder(results: Results, path: Path) -> None:
-    """Time and excess while the paper turns into ours."""
+    """Time and excess while the paper turns into ours; a cross where a run did not succeed."""
     names = list(next(iter(results.values())))
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6), sharey=True)
     place = np.arange(len(names))[::-1]
     for shape, found in results.items():
+        lost = [k for k, name in enumerate(names) if not found[name].success]
         left.plot([found[name].total for name in names], place, "o-", markersize=3, label=shape)
         right.plot([np.nan if found[n].excess is None else found[n].excess for n in names], place, "o-", markersize=3)
+        left.plot([found[names[k]].total for k in lost], place[lost], "x", color="black", zorder=4)
     left.set_yticks(place, names, fontsize=7)
     left.set_xscale("log")
-    left.set_title("CPU seconds", fontsize=9)
+    left.set_title("CPU seconds (x: no success)", fontsize=9)
     right.set_title("excess in per cent", fontsize=9)
     left.legend(fontsize=7)
     for axes in (left, right):

@@ -4,34 +4,19 @@ from __future__ import annotations
 
 import os
 import platform
-import statistics
 import sys
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import scipy
 
-from comparison.experiments import COUNT, TABLE_1_LIMIT, Results, Reuse
+from comparison.discussion import discussion
+from comparison.experiments import COUNT, TABLE_1_LIMIT
+from comparison.findings import Findings, share
 from comparison.measure import CLEARANCE, LIMIT, Measurement
 from data import Table1Row
 
 COMMAND = "python benchmarks/compare.py --data ../shared/data"
-
-
-class Findings(NamedTuple):
-    """Everything that was measured."""
-
-    table1: Results
-    ladder: Results
-    figures: Results
-    starts: Results
-    alone: Results
-    filters: Results
-    energies: Results
-    reuse: dict[str, Reuse]
-    seconds: float
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -78,7 +63,7 @@ def document(found: Findings, rows: tuple[Table1Row, ...]) -> str:
     """The whole document."""
     parts = [
         *_preface(found), *_table1(found, rows), *_ladder(found), *_figures(found), *_starts(found), *_alone(found),
-        *_filters(found), *_energies(found), *_discussion(found, rows),
+        *_filters(found), *_energies(found), *discussion(found, rows),
     ]  # fmt: skip
     return "\n\n".join(parts) + "\n"
 
@@ -95,7 +80,8 @@ def _preface(found: Findings) -> list[str]:
         "of crossings between any two of its steps. *Excess* is area(cage) / area(fine) - 1. Lengths are in "
         f"bounding-box diagonals of the fine mesh; the clearance asked for is {CLEARANCE:.0e}. Where a phase fails, "
         f"the excess is that of the last cage reached. A run is ended after {LIMIT:.0f} s ({TABLE_1_LIMIT:.0f} s on "
-        "Table 1). *Iterations* are those of the reinflation: descent or Newton steps, or systems solved within quadratic programs.",
+        "Table 1). *Iterations* are those of the reinflation: descent or Newton steps, or systems solved within "
+        "quadratic programs.",
     ]
 
 
@@ -170,7 +156,7 @@ def _filters(found: Findings) -> list[str]:
     for shape, results in found.filters.items():
         parts += [f"### {shape}", runs(results)]
     lines = [
-        [shape, str(cost.builds), number(cost.building, ".4f"), number(cost.reinflation, ".4f"), f"{_share(cost):.0f}"]
+        [shape, str(cost.builds), number(cost.building, ".4f"), number(cost.reinflation, ".4f"), f"{share(cost):.0f}"]
         for shape, cost in found.reuse.items()
     ]
     parts += [
@@ -190,105 +176,3 @@ def _energies(found: Findings) -> list[str]:
     for results in found.energies.values():
         parts.append(runs(results))
     return parts
-
-
-def _share(cost: Reuse) -> float:
-    return 100.0 * cost.building / max(cost.reinflation, 1e-12)
-
-
-def _successes(results: Results, name: str) -> str:
-    tried = [shape[name] for shape in results.values() if name in shape]
-    return f"{sum(result.success for result in tried)} of {len(tried)}"
-
-
-def _discussion(found: Findings, rows: tuple[Table1Row, ...]) -> list[str]:
-    parts = ["## Discussion"]
-    pairs = [
-        (line, found.table1[str(line.fine_vertices)]["paper as written"], found.table1[str(line.fine_vertices)]["IPC"])
-        for line in rows
-    ]
-    gaps = [
-        abs(written.excess - line.reference_excess)
-        for line, written, _ in pairs
-        if written.excess is not None and line.reference_excess
-    ]
-    short = [written.short for _, written, _ in pairs if written.short is not None]
-    if gaps:
-        faster = [line.reference_seconds / ours.total for line, _, ours in pairs if line.reference_seconds]
-        above = max(ours.excess - line.optimum_excess for line, _, ours in pairs if line.optimum_excess)
-        parts.append(
-            f"**The paper as written is the paper.** On {len(gaps)} of {len(rows)} rows of Table 1 it ends with a "
-            f"cage, whose excess agrees with that of the C++ program within {max(gaps):.2f} points in every one. As "
-            f"there, the fine mesh never comes home: it rests between {min(short):.0e} and {max(short):.0e} short of "
-            "it, which is an error here. Ours (IPC, two-sided flow, tightening) is "
-            f"{statistics.geometric_mean(faster):.0f} times faster than the C++ program in the geometric mean, "
-            f"{min(faster):.0f} times at the least, and at most {above:.2f} points above the optimum."
-        )
-    shapes = found.figures
-    parts.append(
-        "**Robustness.** On the shapes of the figures the paper as written succeeds on "
-        f"{_successes(shapes, 'paper as written')}, with its three repairs on {_successes(shapes, 'paper repaired')}; "
-        f"IPC on {_successes(shapes, 'IPC')}, sequential QP on {_successes(shapes, 'sequential QP')}, the velocity "
-        f"filter on {_successes(shapes, 'velocity filter')}. " + (_by_start(found.starts) if found.starts else "")
-    )
-    parts.append(_steps(found.ladder))
-    parts.append(_contacts(found))
-    shares = [_share(cost) for cost in found.reuse.values()]
-    parts.append(
-        f"**Reuse of structures.** Lists of pairs take {min(shares):.0f} to {max(shares):.0f} % of IPC's time here, "
-        "and they are already kept while little has moved. The flow's structure would hold only for a coarse mesh that "
-        "has not moved since, which is what reinflation is there to do. We did not build it."
-    )
-    parts.append(
-        "**What remains open.** The excess depends more on where the coarse vertices start than on how contact is "
-        "resolved: after tightening the contacts end within the scatter of local optima, and no contact knows of a "
-        "better split of vertices. The paper's flow is kept as it is, so its failures to get inside are those of the "
-        "paper, up to the units of its absolute constants, which are taken from its Table 1. The velocity filter falls "
-        "back on the vertex-wise feasibility rule where the original called asynchronous contact mechanics, and its "
-        "nearest velocities are soft by a ten-thousandth. The shapes are few and planar."
-    )
-    return parts
-
-
-def _by_start(results: Results) -> str:
-    names = list(next(iter(results.values())))
-    return "On the shapes of the folder: " + "; ".join(f"{name} {_successes(results, name)}" for name in names) + "."
-
-
-def _steps(results: Results) -> str:
-    """The largest changes of time on the ladder."""
-    sentences = []
-    for shape, found in results.items():
-        names = list(found)
-        ratios = {after: found[before].total / max(found[after].total, 1e-9) for before, after in pairwise(names)}
-        best = max(ratios, key=lambda name: ratios[name])
-        worst = min(ratios, key=lambda name: ratios[name])
-        sentences.append(
-            f"on {shape} the largest saving is “{best[2:]}” ({ratios[best]:.1f} times faster) and the largest cost "
-            f"“{worst[2:]}” ({1.0 / ratios[worst]:.1f} times slower)"
-        )
-    return "**What makes the difference.** " + "; ".join(sentences) + ". What a line costs it pays for in guarantees."
-
-
-def _contacts(found: Findings) -> str:
-    """Where each contact wins, from the flow starts."""
-    wins: dict[str, int] = {}
-    tightest: dict[str, int] = {}
-    slower: dict[str, list[float]] = {}
-    for shape in [*found.starts.values(), *found.figures.values()]:
-        runs_ = {name.removesuffix(", flow"): r for name, r in shape.items() if not name.endswith((" hull", " set"))}
-        good = {name: r for name, r in runs_.items() if r.success and not name.startswith("paper")}
-        if not good:
-            continue
-        fastest = min(good, key=lambda name: good[name].total)
-        least = min(good, key=lambda name: good[name].excess)
-        wins[fastest] = wins.get(fastest, 0) + 1
-        tightest[least] = tightest.get(least, 0) + 1
-        for name, r in good.items():
-            slower.setdefault(name, []).append(r.total / good[fastest].total)
-    told = "; ".join(
-        f"{name} is the fastest {wins.get(name, 0)} times and the tightest {tightest.get(name, 0)} times, and takes "
-        f"{statistics.median(ratios):.2f} times the fastest in the median, {max(ratios):.1f} times at the worst"
-        for name, ratios in slower.items()
-    )
-    return f"**Contacts, each followed by the tightening.** {told}."

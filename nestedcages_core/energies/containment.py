@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .._types import FloatArray, IntArray
-from ..predicates import BoxTree, crossing_pairs
+from ..predicates import BoxTree, crossing_pairs, segments_intersect
+
+ALL_PAIRS_LIMIT = 6000
+"""Number of pairs of edges up to which testing all of them is faster than trees (measured)."""
 
 
 class Containment:
@@ -20,6 +23,8 @@ class Containment:
         self._cage_successor = cage_successor
         self._fine_successor = fine_successor
         self._m = len(cage_successor)
+        self._successor = np.concatenate([cage_successor, fine_successor + self._m])
+        self._all_pairs = self._pairs() if self._m * len(self._successor) <= ALL_PAIRS_LIMIT else None
 
     def value(self, x: FloatArray) -> float:
         """E_cont at x = (C; F), an array (m + n, 2)."""
@@ -29,6 +34,11 @@ class Containment:
         """Index into x of a vertex whose edge meets the cage; None where the cage meets neither the fine mesh nor
         itself."""
         cage, fine = x[: self._m], x[self._m :]
+        if self._all_pairs is not None:
+            a, b = self._all_pairs
+            ends = x[self._successor]
+            met = np.flatnonzero(segments_intersect(x[a], ends[a], x[b], ends[b]))
+            return int(a[met[0]]) if len(met) else None
         cage_tree = BoxTree(cage, cage[self._cage_successor])
         fine_edge, _ = crossing_pairs(BoxTree(fine, fine[self._fine_successor]), cage_tree)
         if len(fine_edge):
@@ -38,3 +48,11 @@ class Containment:
         if foreign.any():
             return int(one[foreign][0])
         return None
+
+    def _pairs(self) -> tuple[IntArray, IntArray]:
+        """All pairs of edges that must not meet: those of the fine mesh with those of the cage, and of the cage
+        itself."""
+        fine, cage = np.divmod(np.arange(self._m * (len(self._successor) - self._m)), self._m)
+        one, other = np.triu_indices(self._m, 1)
+        foreign = (self._cage_successor[one] != other) & (self._cage_successor[other] != one)
+        return np.concatenate([fine + self._m, one[foreign]]), np.concatenate([cage, other[foreign]])
