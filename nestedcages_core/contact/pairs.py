@@ -21,7 +21,7 @@ from ..distance import PointEdge, point_edge
 from ..mesh import Mesh
 from ..solver.banded import BandOrder
 
-TOO_WIDE = 3.0
+TOO_WIDE = 8.0
 """Times the reach that is asked for at which a list is too wide."""
 
 SMALL_LIST = 1000

@@ -13,6 +13,7 @@ from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy
 from ..solver.quadratic_program import QuadraticProgram, Solution
 from .curvature import EdgeLoads, contact_curvature
+from .trial import Surroundings
 from .trust_region import TrustRegion
 
 THINNING = 0.02
@@ -44,20 +45,14 @@ class Model:
     """The program at a cage, and all contacts around it."""
 
     program: QuadraticProgram
-    pairs: Pairs
+    around: Surroundings
     """All pairs that can meet in a step."""
-    contacts: Contacts
-    """Their contacts."""
-    required: FloatArray
-    """(K,) distances that they must keep."""
-    longest: float
-    """Longest motion of a vertex for which they are complete."""
     _rows: Pairs
     _row_contacts: Contacts
 
     def measured_at(self, x: FloatArray) -> Model:
         """The same pairs at x (m + n, 2), not far from where the model was made."""
-        return replace(self, contacts=measure(self.pairs, x))
+        return replace(self, around=replace(self.around, contacts=measure(self.around.pairs, x)))
 
     def loads(self, solution: Solution) -> EdgeLoads:
         """The loads of the edges in the solution of the program."""
@@ -102,4 +97,6 @@ def model_at(
         shift=region.shift,
         order=bodies.cage_order,
     )
-    return Model(program, pairs, contacts, required, longest, some, contact)
+    able = np.zeros(len(x))
+    able[:m] = longest
+    return Model(program, Surroundings(pairs, contacts, required, able), some, contact)

@@ -153,7 +153,7 @@ class _Run:
             logger.debug(
                 "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e, "
                 "radius %.1e, shortened %d",
-                iteration, value, solution.decrease, value - trial.value, len(model.pairs),
+                iteration, value, solution.decrease, value - trial.value, len(model.around.pairs),
                 solution.iterations, "" if solution.converged else "!", solution.shift, float(np.median(region.radius)),
                 int((trial.fraction < 1.0).sum()),
             )  # fmt: skip
@@ -176,8 +176,7 @@ class _Run:
 
     def _try(self, model: Model, step: FloatArray, value: float, decrease: float) -> Trial:
         return find_trial(
-            self.bodies, model.pairs, model.contacts, self.x, step,
-            required=model.required, longest=model.longest, value=value, decrease=decrease, energy=self.energy,
+            self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy
         )  # fmt: skip
 
     def _accept(self, trial: Trial) -> float:

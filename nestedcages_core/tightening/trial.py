@@ -25,6 +25,10 @@ WIDEN = 3
 GIVE_UP = 7
 """Attempt from which failing vertices stand still."""
 
+RESERVE = 1.5
+"""How much farther than its own step, or its neighbours', restoration may move a vertex before all pairs are looked
+at."""
+
 SUFFICIENT_DECREASE = 1e-4
 """Fraction of the predicted decrease that an accepted step must reach (Armijo's rule)."""
 
@@ -42,15 +46,31 @@ class Trial:
     accepted: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """The pairs that can meet when no vertex moves farther than it is ``able`` to."""
+
+    pairs: Pairs
+    contacts: Contacts
+    required: FloatArray
+    """(K,) distances to keep."""
+    able: FloatArray
+    """(m + n,)."""
+
+    def within(self, able: FloatArray) -> Surroundings:
+        """Those that can meet when no vertex moves farther than ``able`` (m + n,), which is less."""
+        pairs = self.pairs
+        approach = able.take(pairs.point) + np.maximum(able.take(pairs.start), able.take(pairs.end))
+        near = self.contacts.distance - self.required <= approach
+        return Surroundings(pairs.subset(near), self.contacts.where(near), self.required[near], able)
+
+
 def find_trial(
     bodies: Bodies,
-    pairs: Pairs,
-    contacts: Contacts,
+    around: Surroundings,
     x: FloatArray,
     step: FloatArray,
     *,
-    required: FloatArray,
-    longest: float,
     value: float,
     decrease: float,
     energy: CageEnergy,
@@ -58,31 +78,37 @@ def find_trial(
     """The longest part of the cage's ``step`` (m, 2) found that, restored, keeps all distances, meets nothing and
     lowers the energy.
 
-    required: (K,) distances to keep; longest: longest motion of a vertex for which ``pairs`` hold all that can meet;
     value: the energy at x (m + n, 2); decrease: predicted by the model.
     """
     m = bodies.m
     fraction = np.ones(m)
     motion = np.zeros_like(x)
-    closest = float(required.min(initial=np.inf))
+    closest = float(around.required.min(initial=np.inf))
+    near = around.within(_expected(bodies, step, around))
     for attempt in range(ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
-        tried, after = restore(bodies, pairs, tried, required, contacts.side)
-        np.subtract(tried[:m], x[:m], out=motion[:m])
-        if float(np.hypot(motion[:m, 0], motion[:m, 1]).max()) > longest:
+        restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
+        moved = np.hypot(*(restored[:m] - x[:m]).T)
+        if (moved > near.able[:m]).any() and near is not around:
+            near = around
+            restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
+            moved = np.hypot(*(restored[:m] - x[:m]).T)
+        if (moved > around.able[:m]).any():
             fraction *= SHORTEN
             continue
-        hit, _ = impacts(pairs, x, motion, contacts.distance, closest)
-        failing = np.concatenate([hit, np.flatnonzero(after.distance < required)])
+        np.subtract(restored[:m], x[:m], out=motion[:m])
+        hit, _ = impacts(near.pairs, x, motion, near.contacts.distance, closest)
+        failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
         if len(failing) == 0:
-            tried_value = energy.value(tried[:m], bodies.cage_successor)
-            if tried_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
-                return Trial(tried, fraction, tried_value, True)
+            restored_value = energy.value(restored[:m], bodies.cage_successor)
+            if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
+                return Trial(restored, fraction, restored_value, True)
             # vertices that were shortened by themselves may have left a step that goes uphill
             shortest = float(fraction.min())
             fraction = np.full(m, shortest if shortest < float(fraction.max()) else SHORTEN * shortest)
             continue
+        pairs = near.pairs
         vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]])
         vertex = np.unique(vertex[vertex < m])
         if attempt >= WIDEN:
@@ -91,3 +117,13 @@ def find_trial(
             )  # fmt: skip
         fraction[vertex] *= SHORTEN if attempt < GIVE_UP else 0.0
     return Trial(x, fraction, value, False)
+
+
+def _expected(bodies: Bodies, step: FloatArray, around: Surroundings) -> FloatArray:
+    """(m + n,) how far each vertex will hardly move with its step and the restoration after it."""
+    length = np.hypot(step[:, 0], step[:, 1])
+    beside = np.maximum(length[bodies.cage_predecessor], length[bodies.cage_successor])
+    expected = around.able.copy()
+    reserve = RESERVE * np.maximum(length, beside) + float(around.required.max(initial=0.0))
+    expected[: bodies.m] = np.minimum(expected[: bodies.m], reserve)
+    return expected
