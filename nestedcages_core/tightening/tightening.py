@@ -39,6 +39,10 @@ STILL = 1e-2
 """Fraction of the tolerance below which one predicted decrease is enough: further steps would not change the
 outline."""
 
+FAST = 0.02
+"""The same for a predicted decrease that is below the tolerance and this fraction of the one before: the next one would be
+far below."""
+
 COMPLEMENTARITY = 0.1
 """Complementarity of a quadratic program that is small enough, as a fraction of the decrease at which tightening
 stops."""
@@ -143,6 +147,7 @@ class _Run:
             return self._outcome(0, True, "The cage is at a minimum of its energy.")
         loads = EdgeLoads.none(self.m)
         quiet = escapes = 0
+        previous = 0.0
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
             model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region, loads)
@@ -159,7 +164,8 @@ class _Run:
             )  # fmt: skip
             gain = value - trial.value
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
-            still = quiet > 0 and solution.decrease < STILL * threshold
+            still = quiet > 0 and solution.decrease < max(STILL * threshold, FAST * previous)
+            previous = solution.decrease
             region.update(solution, trial, value, self.clearance, self.x[: self.m])
             value = self._accept(trial)
             if still or quiet >= settings.patience:
