@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import shelve
 import signal
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -125,6 +126,16 @@ def test_failed_shapes_are_tried_again_when_going_on() -> None:
     first, second = nested_cages_many(glyphs(2), [12], finished=finished)
     assert isinstance(first.result, Hierarchy)
     assert second.result == "kept"
+
+
+def test_a_shelf_keeps_what_is_finished(tmp_path: Path) -> None:
+    shapes = {f"glyph {k}": shape for k, shape in enumerate(glyphs(3))}
+    with shelve.open(str(tmp_path / "cages")) as shelf:
+        first = nested_cages_many(shapes, [12], finished=shelf)
+    with shelve.open(str(tmp_path / "cages")) as shelf:
+        again = nested_cages_many(shapes, [12], finished=shelf, progress=lambda _: pytest.fail("made again"))
+    for one, other in zip(first, again, strict=True):
+        assert (one.result.cages[0].vertices == other.result.cages[0].vertices).all()
 
 
 # Workers that die
