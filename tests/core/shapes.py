@@ -64,6 +64,45 @@ def islands() -> Mesh:
     )
 
 
+def disc(count: int, radius: float, x: float, y: float) -> np.ndarray:
+    """Regular polygon around (x, y)."""
+    return ring(count, radius) + np.array([x, y])
+
+
+def comb(slits: int, width: float, depth: float = 0.5, per_unit: int = 40) -> Mesh:
+    """A block with slits from above."""
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.6)]
+    for x in np.linspace(1.0, 0.0, slits + 2)[1:-1]:
+        corners += [
+            (x + width / 2, 0.6),
+            (x + width / 2, 0.6 - depth),
+            (x - width / 2, 0.6 - depth),
+            (x - width / 2, 0.6),
+        ]
+    corners.append((0.0, 0.6))
+    points = []
+    for a, b in zip(np.array(corners), np.roll(np.array(corners), -1, axis=0), strict=True):
+        count = max(1, int(np.ceil(np.hypot(*(b - a)) * per_unit)))
+        points += [a + (b - a) * k / count for k in range(count)]
+    return Mesh.from_loops([np.array(points)])
+
+
+def resampled(mesh: Mesh, count: int, shift: float = 0.0) -> Mesh:
+    """Even points along the loops, ``count`` in all; shift in spacings."""
+    lengths = [mesh.edge_lengths[loop].sum() for loop in mesh.loops]
+    loops = []
+    for loop, length in zip(mesh.loops, lengths, strict=True):
+        share = max(3, round(count * length / sum(lengths)))
+        line = shapely.LinearRing(mesh.vertices[loop])
+        at = (np.arange(share) + shift) % share * (line.length / share)
+        loops.append(shapely.get_coordinates(shapely.line_interpolate_point(line, at)))
+    return Mesh.from_loops(loops)
+
+
+def lines(vertices: np.ndarray, mesh: Mesh) -> shapely.MultiLineString:
+    return shapely.MultiLineString([vertices[np.append(loop, loop[0])] for loop in mesh.loops])
+
+
 def polygon(mesh: Mesh) -> shapely.MultiPolygon:
     """The solid, by shapely alone: outer loops minus holes, from the loops of the mesh."""
     shells = [loop for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]

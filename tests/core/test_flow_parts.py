@@ -1,0 +1,176 @@
+"""Parts of the flow: energy against differences, steps against a dense solver, containment, margins, last resorts."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import Mesh
+from nestedcages_core.flow.containment import Containment
+from nestedcages_core.flow.correspondence import _Cost, _in_order, lay_along
+from nestedcages_core.flow.erosion import erode
+from nestedcages_core.flow.geodesic import Retraction, retract, solid_graph
+from nestedcages_core.flow.matching import match_loops
+from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
+from nestedcages_core.flow.samples import Spacing, local_margins
+from nestedcages_core.flow.smoothing import StepSystem
+from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, lines, polygon, resampled, ring, star
+
+
+def penetration_energy(fine: Mesh, coarse: Mesh, spacing: float) -> PenetrationEnergy:
+    return PenetrationEnergy(match_loops(fine, coarse), 0.05, Spacing(spacing, 0.05, 16, 64))
+
+
+def gradient(found: Penetration, mesh: Mesh) -> np.ndarray:
+    result = np.zeros_like(mesh.vertices)
+    force = (found.weight * found.depth)[:, None] * found.direction
+    np.add.at(result, found.edge, (1.0 - found.parameter)[:, None] * force)
+    np.add.at(result, mesh.successor[found.edge], found.parameter[:, None] * force)
+    return result
+
+
+@pytest.mark.parametrize("spacing", [np.inf, 0.05])
+def test_penetration_acts_as_the_derivative_of_its_energy(spacing: float) -> None:
+    fine, coarse = letter_a(2), letter_a_coarse()
+    energy = penetration_energy(fine, coarse, spacing)
+    rng = np.random.default_rng(5)
+    vertices = fine.vertices + rng.normal(scale=0.03, size=fine.vertices.shape)
+    direction = rng.normal(size=vertices.shape)
+    step = 1e-7
+    difference = (energy.at(vertices + step * direction).energy - energy.at(vertices - step * direction).energy) / (
+        2 * step
+    )
+    assert energy.at(vertices).energy > 0.0
+    assert np.isclose((gradient(energy.at(vertices), fine) * direction).sum(), difference, rtol=1e-4)
+
+
+def test_penetration_skips_nothing_that_matters() -> None:
+    """Distances that are known well enough are not measured again; the energy is the same as of a new start."""
+    fine, coarse = letter_a(2), letter_a_coarse()
+    used = penetration_energy(fine, coarse, 0.05)
+    rng = np.random.default_rng(6)
+    vertices = fine.vertices
+    for _ in range(6):
+        vertices = vertices + rng.normal(scale=0.1, size=vertices.shape)
+        assert used.at(vertices).energy == penetration_energy(fine, coarse, 0.05).at(vertices).energy
+
+
+@pytest.mark.parametrize("sizes", [(3,), (4, 5), (7, 3, 12)])
+def test_step_system_solves_the_dense_system(sizes: tuple[int, ...]) -> None:
+    mesh = Mesh.from_loops([disc(size, 0.4, float(k), 0.0) for k, size in enumerate(sizes)])
+    n, unit, smoothing = len(mesh.vertices), 0.05, 0.3
+    rng = np.random.default_rng(2)
+    count = 9
+    angle = rng.uniform(0.0, 7.0, count)
+    found = Penetration(
+        energy=1.0,
+        overlap=1.0,
+        comfortable=False,
+        edge=rng.integers(0, n, count),
+        parameter=rng.uniform(size=count),
+        weight=rng.uniform(0.1, 1.0, count),
+        direction=np.stack([np.cos(angle), np.sin(angle)], axis=1),
+        depth=rng.uniform(size=count),
+    )
+    jacobian = np.zeros((count, n, 2))
+    for row in range(count):
+        jacobian[row, found.edge[row]] += (1.0 - found.parameter[row]) * found.direction[row]
+        jacobian[row, mesh.successor[found.edge[row]]] += found.parameter[row] * found.direction[row]
+    flat = jacobian.reshape(count, -1)
+    stiffness = np.zeros((n, n))
+    for v, w in enumerate(mesh.successor):
+        stiffness[np.ix_([v, w], [v, w])] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / mesh.edge_lengths[v]
+    matrix = flat.T @ (found.weight[:, None] * flat) + smoothing**2 * np.kron(stiffness, np.eye(2))
+    matrix += 1e-4 * unit * np.eye(2 * n)
+    wanted = np.linalg.solve(matrix, -flat.T @ (found.weight * found.depth)).reshape(-1, 2)
+    assert np.allclose(StepSystem(mesh, unit).direction(found, smoothing), wanted, rtol=1e-9, atol=1e-12)
+
+
+def test_margins_leave_half_of_a_slit() -> None:
+    mesh = comb(1, 0.04, per_unit=1)
+    margins = local_margins(mesh, 0.05)
+    walls = np.abs(mesh.vertices[:, 0] - mesh.vertices[mesh.successor, 0]) < 1e-12
+    walls &= np.abs(mesh.vertices[:, 0] - 0.5) < 0.1
+    assert walls.sum() == 2
+    assert np.allclose(margins[walls], 0.01)
+    assert np.isclose(margins[0], 0.025)  # the slit ends 0.1 above the bottom
+
+
+def test_containment_knows_every_side() -> None:
+    fine = annulus(32)
+    coarse = Mesh.from_loops([ring(16, 1.2), ring(16, 0.4)])
+    containment = Containment(match_loops(fine, coarse))
+    assert containment.obstacle(fine.vertices) is None
+    for factor, words in (
+        (1.19, "crosses"),
+        (3.0, "lies outside loop 0"),
+        (0.79, "crosses"),
+        (0.5, "lies inside hole loop 1"),
+    ):
+        obstacle = containment.obstacle(factor * fine.vertices)
+        assert obstacle is not None
+        assert words in obstacle.cause
+    # the fine hole beside the coarse one
+    beside = fine.vertices.copy()
+    beside[fine.loops[1]] = disc(32, 0.05, 0.8, 0.0)[::-1]
+    obstacle = containment.obstacle(beside)
+    assert obstacle is not None
+    assert "Hole 1 of the coarse mesh lies inside the fine mesh" in obstacle.cause
+    # mirrored, the loops run around the coarse hole the wrong way
+    assert containment.obstacle(fine.vertices * (1.0, -1.0)) is not None
+    # a vertex on the coarse boundary is not inside
+    touching = fine.vertices.copy()
+    touching[0] = coarse.vertices[0]
+    assert containment.obstacle(touching) is not None
+
+
+def test_erosion_stays_inside() -> None:
+    for mesh in (letter_a_coarse(), star(), islands(), comb(3, 1e-7)):
+        eroded = erode(mesh, Containment(match_loops(mesh, mesh)), 1e-3)
+        assert eroded is not None
+        assert Containment(match_loops(mesh, mesh)).obstacle(eroded) is None
+        assert np.abs(eroded - mesh.vertices).max() <= 2e-3
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_retraction_stays_in_the_fine_solid(whole: bool) -> None:
+    fine, coarse = comb(4, 0.05), Mesh.from_loops([[(-0.1, -0.1), (1.1, -0.1), (1.1, 0.25), (-0.1, 0.35)]])
+    matching = match_loops(fine, coarse)
+    spacing = Spacing(0.02, 0.02, 16, 64)
+    way = retract(matching, solid_graph(matching, local_margins(coarse, 0.01), spacing), 0.05, whole=whole)
+    assert isinstance(way, Retraction)
+    assert len(way.steps) > 3
+    solid = polygon(fine).buffer(1e-9)
+    for step in way.steps:
+        assert shapely.covers(solid, shapely.points(step)).all()
+    lengths = [np.abs(b - a).max() for a, b in zip([fine.vertices, *way.steps], way.steps, strict=False)]
+    assert max(lengths) <= 0.05 * 1.001
+    assert shapely.contains_xy(polygon(coarse), way.steps[-1]).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(2, 8), st.integers(2, 5), st.integers(0, 1000))
+def test_corners_are_assigned_at_least_cost(vertices: int, corners: int, seed: int) -> None:
+    corners = min(vertices, corners)
+    rng = np.random.default_rng(seed)
+    cost = _Cost(*(rng.normal(size=(count, 2)) for count in (vertices, vertices, corners, corners)))
+    table = np.stack([cost.of(corner) for corner in range(corners)], axis=1)
+    chosen = _in_order(cost)
+    assert chosen[0] == 0
+    assert (np.diff(chosen) > 0).all()
+    totals = [table[list(c), range(1, corners)].sum() for c in combinations(range(1, vertices), corners - 1)]
+    assert np.isclose(table[chosen[1:], range(1, corners)].sum(), min(totals))
+
+
+def test_laid_along_the_coarse_mesh() -> None:
+    fine, coarse = letter_a(), letter_a_coarse()
+    laid = lay_along(match_loops(fine, coarse), 0.01)
+    assert laid is not None
+    assert Containment(match_loops(fine, coarse)).obstacle(laid) is None
+    assert lines(laid, fine).hausdorff_distance(lines(coarse.vertices, coarse)) < 0.03
+    assert lay_along(match_loops(coarse, resampled(fine, 60)), 0.01) is None
