@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from .._types import FloatArray
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .._types import FloatArray, IntArray
 from ..contact.pairs import Bodies
 from ..decimation import Candidates, Count, Decimation
-from ..energies import CageEnergy
+from ..energies import CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..flow.matching import match_loops
@@ -16,6 +21,12 @@ from .reporting import Reporter
 from .results import Level, NestingReport
 from .settings import Settings
 from .units import Clearance, Frame
+
+FIRST_LOOK = 4
+"""Steps of a tightening before it is compared with the best one: the first steps only repair the start."""
+
+STEPS_AHEAD = 4.0
+"""Steps like the last one that a tightening is trusted to make still; gains about halve from step to step."""
 
 
 class LevelBuilder:
@@ -36,7 +47,7 @@ class LevelBuilder:
         self.report.begin("decimation")
         try:
             if isinstance(wanted, Mesh):
-                return self._nest(wanted, False, ())
+                return self._certified(self._approach(wanted, False), ())
             return self._best(self._starts(settings.decimation, wanted), ())
         except (FlowError, ReinflationError, NestingError) as error:
             if settings.fallback is None or (generated and settings.fallback == settings.decimation):
@@ -65,30 +76,33 @@ class LevelBuilder:
             return total
 
     def _best(self, starts: list[Mesh], notes: tuple[str, ...]) -> Level:
-        """The tightest cage from any of the starts; the first error when there is none."""
-        best: Level | None = None
-        first_error: NestedCagesError | None = None
+        """The tightest certified cage from any of the starts; the first error when there is none."""
+        attempts: list[_Attempt] = []
+        errors: list[NestedCagesError] = []
         for number, coarse in enumerate(starts):
             self.report.start(number, len(starts))
+            beat = min((attempt.area for attempt in attempts), default=np.inf)
             try:
-                level = self._nest(coarse, True, notes)
-            except (FlowError, ReinflationError, NestingError) as error:
-                first_error = first_error or error
+                attempts.append(self._approach(coarse, True, beat))
+            except _LosingError:
                 continue
-            if best is None or level.report.excess < best.report.excess:
-                best = level
-        if best is not None:
-            return best
-        assert first_error is not None
-        raise first_error
+            except (FlowError, ReinflationError, NestingError) as error:
+                errors.append(error)
+        for attempt in sorted(attempts, key=lambda attempt: attempt.area):
+            try:
+                return self._certified(attempt, notes)
+            except NestingError as error:
+                errors.append(error)
+        raise errors[0]
 
-    def _nest(self, coarse: Mesh, generated: bool, notes: tuple[str, ...]) -> Level:
+    def _approach(self, coarse: Mesh, generated: bool, beat: float = np.inf) -> _Attempt:
+        """Flow, reinflation and tightening from a coarse mesh; given up when it will not come below the area
+        ``beat``."""
         settings, frame, report = self.settings, self.frame, self.report
         unit_coarse = coarse.moved(frame.inside(coarse.vertices))
         report.begin("flow")
         unit_flow = self._flow(unit_coarse)
         report.begin("reinflation")
-        wanted = self.clearance.length
         energy = settings.energy.at(unit_coarse)
         expansion = energy if settings.expansion_energy is None else settings.expansion_energy.at(unit_coarse)
         way_home = reinflate(
@@ -98,21 +112,53 @@ class LevelBuilder:
             contacts=settings.contacts(len(coarse.vertices), len(self.fine.vertices)),
             energy=expansion,
             solver=settings.solver,
-            clearance=frame.length(wanted),
+            clearance=frame.length(self.clearance.length),
             progress=report,
         )
+        attempt = _Attempt(coarse, generated, unit_coarse, unit_flow, way_home, energy)
+        return self._tightened(attempt, self.clearance.length, beat)
+
+    def _tightened(self, attempt: _Attempt, clearance: float, beat: float = np.inf) -> _Attempt:
+        """The attempt with its cage tightened at a clearance in the input's units."""
+        self.report.begin("tightening")
+        race = _Race(attempt.unit_coarse.successor, beat)
+        cages: list[FloatArray] = []
+
+        def on_step(cage: FloatArray) -> None:
+            cages.append(cage)
+            self.report(1.0 - 1.0 / (1.0 + 0.1 * len(cages)), f"tightening, step {len(cages)}")
+            race.check(cage)
+
+        start = attempt.way_home.cage_steps[-1]
+        outcome = self.settings.tightening.run(
+            Bodies.of(attempt.unit_coarse, self.unit_fine),
+            start,
+            self.unit_fine.vertices,
+            clearance=self.frame.length(clearance),
+            energy=attempt.energy,
+            on_step=on_step,
+        )
+        return replace(
+            attempt,
+            way=attempt.way_home.with_tightening(cages),
+            area=signed_area(cages[-1] if cages else start, attempt.unit_coarse.successor),
+            counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
+        )
+
+    def _certified(self, attempt: _Attempt, notes: tuple[str, ...]) -> Level:
+        """The level that an attempt makes, at the largest of the clearances in question that can be certified."""
+        report, coarse, wanted = self.report, attempt.coarse, self.clearance.length
         for length in self.clearance.options():
-            report.begin("tightening")
-            tightened, counts = self._tighten(unit_coarse, way_home, length, energy)
+            if length < wanted:
+                attempt = self._tightened(attempt, length)
             report.begin("verification")
-            flow, reinflation = self._in_input_units(coarse, unit_flow, tightened)
+            flow, reinflation = self._in_input_units(attempt)
             cage = coarse.moved(reinflation.cage_steps[-1])
             certificate = verify(cage, self.fine, length, same_loops=len(coarse.loops) == len(self.fine.loops))
-            report.pause()
             if certificate.holds or not (certificate.strict and certificate.simple):
                 break
         if not certificate.holds:
-            raise NestingError(_refusal(certificate, self.clearance.length))
+            raise NestingError(_refusal(certificate, wanted))
         motion = verify_motion(cage, self.fine, reinflation.cage_steps, reinflation.fine_steps)
         report.pause()
         if not motion:
@@ -130,8 +176,8 @@ class LevelBuilder:
             clearance=certificate.clearance,
             wanted_clearance=length,
             excess=certificate.excess,
-            start="outer hull" if generated and len(flow.steps) == 1 else "flow",
-            iterations={"flow": flow.iterations, "reinflation": way_home.iterations, **counts},
+            start="outer hull" if attempt.generated and len(flow.steps) == 1 else "flow",
+            iterations={"flow": flow.iterations, "reinflation": reinflation.iterations, **attempt.counts},
             seconds=dict(report.seconds),
             notes=notes,
         )
@@ -147,40 +193,59 @@ class LevelBuilder:
                 raise FlowError(partial.obstacle.sentence(self.frame.scale, (float(x), float(y)))) from error
             raise
 
-    def _tighten(
-        self, unit_coarse: Mesh, way_home: Reinflation, clearance: float, energy: CageEnergy
-    ) -> tuple[Reinflation, dict[str, int]]:
-        cages: list[FloatArray] = []
-
-        def on_step(cage: FloatArray) -> None:
-            cages.append(cage)
-            self.report(1.0 - 1.0 / (1.0 + 0.1 * len(cages)), f"tightening, step {len(cages)}")
-
-        outcome = self.settings.tightening.run(
-            Bodies.of(unit_coarse, self.unit_fine),
-            way_home.cage_steps[-1],
-            self.unit_fine.vertices,
-            clearance=self.frame.length(clearance),
-            energy=energy,
-            on_step=on_step,
-        )
-        counts = {"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs}
-        return way_home.with_tightening(cages), counts
-
-    def _in_input_units(
-        self, coarse: Mesh, unit_flow: FlowResult, unit_way: Reinflation
-    ) -> tuple[FlowResult, Reinflation]:
-        """The same in the input's units; what came in is put back bit by bit."""
-        frame, home = self.frame, self.fine.vertices
-        flow_steps = frame.outside(unit_flow.steps)
+    def _in_input_units(self, attempt: _Attempt) -> tuple[FlowResult, Reinflation]:
+        """Its steps in the input's units; what came in is put back bit by bit."""
+        frame, home, way = self.frame, self.fine.vertices, attempt.way
+        assert way is not None
+        flow_steps = frame.outside(attempt.unit_flow.steps)
         flow_steps[0] = home
-        fine_steps = frame.outside(unit_way.fine_steps)
+        fine_steps = frame.outside(way.fine_steps)
         fine_steps[0] = flow_steps[-1]
-        fine_steps[unit_way.tightening_start :] = home
-        cage_steps = frame.outside(unit_way.cage_steps)
-        cage_steps[0] = coarse.vertices
-        flow = FlowResult(flow_steps, unit_flow.iterations, unit_flow.stage)
-        return flow, Reinflation(fine_steps, cage_steps, unit_way.tightening_start, unit_way.iterations)
+        fine_steps[way.tightening_start :] = home
+        cage_steps = frame.outside(way.cage_steps)
+        cage_steps[0] = attempt.coarse.vertices
+        flow = FlowResult(flow_steps, attempt.unit_flow.iterations, attempt.unit_flow.stage)
+        return flow, Reinflation(fine_steps, cage_steps, way.tightening_start, way.iterations)
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """A cage on its way, in the units of the solvers but for ``coarse``."""
+
+    coarse: Mesh
+    generated: bool
+    unit_coarse: Mesh
+    unit_flow: FlowResult
+    way_home: Reinflation
+    energy: CageEnergy
+    way: Reinflation | None = None
+    """The way home and the tightening after it."""
+    area: float = np.inf
+    """Of the tightened cage."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+class _LosingError(Exception):
+    """Raised inside a tightening that will not beat the best one so far."""
+
+
+class _Race:
+    """Gives a tightening up when even several more steps like its last one would leave it behind."""
+
+    def __init__(self, successor: IntArray, beat: float) -> None:
+        self._successor = successor
+        self._beat = beat
+        self._areas: list[float] = []
+
+    def check(self, cage: FloatArray) -> None:
+        """Look at the next step."""
+        if np.isinf(self._beat):
+            return
+        self._areas.append(signed_area(cage, self._successor))
+        if len(self._areas) >= FIRST_LOOK:
+            gain = max(self._areas[-2] - self._areas[-1], 0.0)
+            if self._areas[-1] - STEPS_AHEAD * gain > self._beat:
+                raise _LosingError
 
 
 def _refusal(certificate: Certificate, wanted: float) -> str:
