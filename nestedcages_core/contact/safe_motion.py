@@ -24,6 +24,12 @@ KEPT_DISTANCE = 0.5
 KEPT_GAP = 0.05
 """What a motion must leave besides, as a fraction of the distance or of the working gap."""
 
+RESOLVED = 1e-9
+"""Distance, in units of the mean coarse edge length, that is never used up: below it roundings would show."""
+
+NOT_LESS = 0.99
+"""Fraction of a distance below that one that a motion must leave."""
+
 HALVINGS, WIDEN, GIVE_UP = 14, 5, 9
 """Number of times that single vertices are slowed down; when their neighbours on the cage are as well; when they
 stop."""
@@ -42,8 +48,9 @@ class FeasibilityRule:
     def _least(self, contacts: Contacts) -> FloatArray:
         """(K,) distances that a motion must leave."""
         d = contacts.distance
-        least: FloatArray = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
-        return least
+        least = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
+        resolved = RESOLVED * self.bodies.cage_edge_length
+        return np.maximum(least, np.minimum(NOT_LESS * d, resolved))
 
     def fraction(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray, shortest: float) -> float:
         """A fraction of the motion (m + n, 2) from x that is feasible for all; below ``shortest`` it need not be."""

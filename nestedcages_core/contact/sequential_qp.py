@@ -155,7 +155,7 @@ class _Way:
             if fraction < LONG_STEP:
                 single = self.rule.fractions(*step)
                 covered = float(single[self.m :] @ (part * length)) / float((part * length).sum())
-                if covered > fraction:
+                if covered > fraction or fraction <= SHORT_STEP:  # a fraction that is so short need not be feasible
                     kept, fraction = single, covered
             if fraction <= SHORT_STEP and longest > SMALLEST_STRIDE * self.unit and rejected < REJECTIONS:
                 stride = SHORTER_STRIDE * longest
