@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 import matplotlib as mpl
@@ -57,8 +58,13 @@ def gallery(results: Results, names: list[str], path: Path) -> None:
     figure, grid = plt.subplots(len(rows), len(names), figsize=(2.0 * len(names), 2.1 * len(rows)), squeeze=False)
     for i, shape in enumerate(rows):
         for j, name in enumerate(names):
-            panel(grid[i][j], results[shape][name], f"{shape}\n{name}" if j == 0 else name)
+            panel(grid[i][j], results[shape][name], f"{wrapped(shape)}\n{name}" if j == 0 else name)
     _save(figure, path)
+
+
+def wrapped(title: str) -> str:
+    """The title in lines short enough for a panel."""
+    return "\n".join(textwrap.wrap(title, 24))
 
 
 def strip(results: dict[str, Measurement], path: Path) -> None:
@@ -84,6 +90,8 @@ def table1(results: Results, rows: tuple[Table1Row, ...], path: Path) -> None:
         right.plot(sizes, [result.total for result in found], "o-", markersize=3, label=name)
     for axes, title in ((left, "excess in per cent"), (right, "CPU seconds")):
         axes.set_xscale("log")
+        axes.set_xticks(sizes, [str(size) for size in sizes], fontsize=7)
+        axes.set_xticks([], minor=True)
         axes.set_xlabel("fine vertices")
         axes.set_title(title, fontsize=9)
         axes.grid(alpha=0.3)
@@ -106,7 +114,7 @@ def ladder(results: Results, path: Path) -> None:
     left.set_xscale("log")
     left.set_title("CPU seconds (x: no success)", fontsize=9)
     right.set_title("excess in per cent", fontsize=9)
-    left.legend(fontsize=7)
+    figure.legend(fontsize=7, loc="upper center", ncols=len(results), bbox_to_anchor=(0.5, 0.0))
     for axes in (left, right):
         axes.grid(alpha=0.3)
     _save(figure, path)
@@ -129,11 +137,11 @@ def starts(results: Results, path: Path) -> None:
         axes.set_title(title, fontsize=9)
         axes.grid(alpha=0.3)
         axes.set_yscale("log")
-    right.legend(fontsize=5)
+    right.legend(fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5))
     _save(figure, path)
 
 
 def _save(figure: plt.Figure, path: Path) -> None:
     figure.tight_layout()
-    figure.savefig(path, dpi=DPI)
+    figure.savefig(path, dpi=DPI, bbox_inches="tight")
     plt.close(figure)
