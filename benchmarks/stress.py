@@ -49,6 +49,9 @@ START_RESTARTS = 8
 SMALLEST_POSSIBLE = re.compile(r"ask for at least (\d+)")
 """How a refusal names the smallest vertex count that was found to be possible."""
 
+REFUSALS = 2
+"""Refusals of a count that are followed: one for a later level, one for the fine mesh itself."""
+
 
 @dataclass(frozen=True)
 class Case:
@@ -80,15 +83,7 @@ def run_case(seed: int) -> Case | None:
     settings = Settings(decimation=decimation, fallback=hull, starts=1)
     begin = time.perf_counter()
     try:
-        try:
-            hierarchy = nested_cages(fine, levels, settings)
-        except NestingError as error:
-            possible = SMALLEST_POSSIBLE.search(str(error))
-            if possible is None:
-                raise
-            # loops in each other's way need more vertices than 3 each: the number that the refusal names must do
-            case = replace(case, levels=(int(possible[1]),))
-            hierarchy = nested_cages(fine, case.levels, settings)
+        hierarchy, case = cages_or_smallest(fine, case, settings)
     except Exception as error:  # a crash is a failure too, and its seed must be printed
         return replace(case, failure=f"{type(error).__name__}: {error}")
     first = hierarchy.levels[0].report
@@ -99,6 +94,20 @@ def run_case(seed: int) -> Case | None:
         seconds=time.perf_counter() - begin,
         failure=next((fault for level in hierarchy.levels if (fault := fault_of(level, seed))), ""),
     )
+
+
+def cages_or_smallest(fine: Mesh, case: Case, settings: Settings) -> tuple[Hierarchy, Case]:
+    """Cages for the case's levels; where a count is refused as too small, one level of the number that is named."""
+    for _ in range(REFUSALS):
+        try:
+            return nested_cages(fine, case.levels, settings), case
+        except NestingError as error:
+            possible = SMALLEST_POSSIBLE.search(str(error))
+            if possible is None:
+                raise
+            # named for the mesh inside the refused level, which may have been a cage already
+            case = replace(case, levels=(int(possible[1]),))
+    return nested_cages(fine, case.levels, settings), case
 
 
 def fault_of(level: Level, seed: int) -> str:
