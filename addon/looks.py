@@ -46,11 +46,11 @@ def set_thickness(obj: bpy.types.Object, level: int, thickness: float) -> None:
         modifier = obj.modifiers.new(THICKNESS, "NODES")
         modifier.show_viewport = False
     modifier.node_group = _thickness_nodes()
-    _set_input(modifier, "Radius", 0.5 * thickness)
-    _set_input(modifier, "Material", _material(level))
+    set_input(modifier, "Radius", 0.5 * thickness)
+    set_input(modifier, "Material", _material(level))
 
 
-def _set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
+def set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
     """Sets an input of a Geometry Nodes modifier by the name of its socket."""
     sockets = modifier.node_group.interface.items_tree
     identifier = next(
@@ -61,6 +61,17 @@ def _set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
         getattr(modifier.properties.inputs, identifier).value = value
     else:
         modifier[identifier] = value
+
+
+def get_input(modifier: bpy.types.Modifier, name: str) -> object:
+    """An input of a Geometry Nodes modifier by the name of its socket."""
+    sockets = modifier.node_group.interface.items_tree
+    identifier = next(
+        s.identifier for s in sockets if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name
+    )
+    if hasattr(modifier, "properties"):
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier[identifier]
 
 
 def _thickness_nodes() -> bpy.types.NodeTree:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import output
+from . import binding, output
 from .job import running
 from .presets import NESTEDCAGES_PT_presets
 from .properties import copy_values
@@ -95,9 +95,31 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         layout.operator("object.nested_cages_verify", icon="CHECKMARK")
 
 
+class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
+    """What can be done with the active object's cages"""
+
+    bl_label = "Use"
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _shown_collection(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        if binding.is_bound(_shown_collection(context)):
+            row = layout.row(align=True)
+            row.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
+            row.operator("object.nested_cages_unbind", icon="UNLINKED")
+        else:
+            layout.operator("object.nested_cages_bind", icon="LINKED")
+
+
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """Label and value of what is stored on an output object."""
     rows = [("Vertices", str(obj.get("nested_cages_vertices", "")))]
+    if "nested_cages_link" in obj:
+        rows.append(("Follows by", obj["nested_cages_link"]))
     if obj[output.LEVEL]:
         rows += [
             ("Excess", f"{100.0 * obj['nested_cages_excess']:.2f} %"),
@@ -116,7 +138,12 @@ def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None
     return output.collection_about(context.scene, obj) if obj is not None else None
 
 
-CLASSES = (VIEW3D_PT_nested_cages, VIEW3D_PT_nested_cages_reading, VIEW3D_PT_nested_cages_result)
+CLASSES = (
+    VIEW3D_PT_nested_cages,
+    VIEW3D_PT_nested_cages_reading,
+    VIEW3D_PT_nested_cages_result,
+    VIEW3D_PT_nested_cages_use,
+)
 
 
 def move_to(category: str) -> None:

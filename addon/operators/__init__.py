@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import bpy
 
+from . import bind
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
-CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_verify)
+CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_verify, *bind.CLASSES)
 
 
 def register() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .. import convert, output, properties
+from .. import binding, convert, output, properties
 from ..generate import Generation, Request
 from ..job import TICK, Job, running
 from ..properties import GenerationProperties
@@ -108,7 +108,8 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     def _prepare(self, context: bpy.types.Context) -> Job:
         """Reads the selection. Raises: Refusal."""
         options = properties.options(self)
-        return Job(Generation(requests(context, self), options))
+        with binding.unposed(sources(context)):
+            return Job(Generation(requests(context, self), options))
 
     def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:
         """Puts the results into the scene. Raises: Refusal."""
@@ -117,6 +118,8 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")
         collections = output.write(scene, results, properties.timing(self), self.thickness)
+        for collection in collections:
+            binding.forget(collection)
         if self.show_result:
             scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
         cages = [level for result in results for level in result.levels]

@@ -1,0 +1,160 @@
+"""Node groups that a file keeps, so that what follows a cage does so without the add-on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+
+from . import looks
+from .filling import CORNER, HEIGHT
+
+# Where a vertex was when it was bound, and how far it has been edited since; attributes of the bound mesh.
+REST, EDIT = "nested_cages_rest", "nested_cages_edit"
+
+Tree = bpy.types.NodeTree
+
+
+def group(name: str) -> Tree:
+    """The node group of that name, one of `BUILDERS`; the file has one."""
+    tree = bpy.data.node_groups.get(name)
+    if tree is None:
+        tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+        BUILDERS[name](tree)
+        for place, node in enumerate(tree.nodes):
+            node.location = (200.0 * place, 0.0)
+    return tree
+
+
+def add(obj: bpy.types.Object, name: str, **inputs: object) -> bpy.types.Modifier:
+    """Adds the modifier with the node group of that name and its inputs."""
+    modifier = obj.modifiers.new(name, "NODES")
+    modifier.node_group = group(name)
+    for key, value in inputs.items():
+        looks.set_input(modifier, key, value)
+    return modifier
+
+
+def _attribute(tree: Tree, name: str, kind: str) -> bpy.types.NodeSocket:
+    """The output of a node that reads an attribute."""
+    node = tree.nodes.new("GeometryNodeInputNamedAttribute")
+    node.data_type = kind
+    node.inputs["Name"].default_value = name
+    return next(socket for socket in node.outputs if socket.enabled and socket.name == "Attribute")
+
+
+def _remember(tree: Tree) -> None:
+    """Stores how far each vertex is from where it was bound."""
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    place, difference = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("ShaderNodeVectorMath")
+    store = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    difference.operation = "SUBTRACT"
+    store.data_type, store.domain = "FLOAT_VECTOR", "POINT"
+    store.inputs["Name"].default_value = EDIT
+    value = next(socket for socket in store.inputs if socket.enabled and socket.name == "Value")
+    tree.links.new(place.outputs[0], difference.inputs[0])
+    tree.links.new(_attribute(tree, REST, "FLOAT_VECTOR"), difference.inputs[1])
+    tree.links.new(start.outputs[0], store.inputs["Geometry"])
+    tree.links.new(difference.outputs[0], value)
+    tree.links.new(store.outputs[0], end.inputs[0])
+
+
+def _add_edits(tree: Tree) -> None:
+    """Moves each vertex by what `_remember` stored."""
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    move = tree.nodes.new("GeometryNodeSetPosition")
+    tree.links.new(start.outputs[0], move.inputs["Geometry"])
+    tree.links.new(_attribute(tree, EDIT, "FLOAT_VECTOR"), move.inputs["Offset"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
+def _object(tree: Tree, space: str) -> tuple[bpy.types.Node, bpy.types.Node, bpy.types.Node]:
+    """Group input, group output, and the node that reads the object of the input 'Object'."""
+    tree.interface.new_socket("Object", in_out="INPUT", socket_type="NodeSocketObject")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    source = tree.nodes.new("GeometryNodeObjectInfo")
+    source.transform_space = space
+    tree.links.new(start.outputs["Object"], source.inputs["Object"])
+    return start, end, source
+
+
+def _walls(tree: Tree) -> None:
+    """Puts the corners of a prism over the vertices of the cage, along the cage's own z."""
+    start, end, source = _object(tree, "RELATIVE")
+    place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
+    raised, move = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("GeometryNodeSetPosition")
+    pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
+    sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
+    tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
+    tree.links.new(place.outputs[0], sockets["Value"])
+    tree.links.new(_attribute(tree, CORNER, "INT"), sockets["Index"])
+    tree.links.new(_attribute(tree, HEIGHT, "FLOAT"), raised.inputs["Z"])
+    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
+    tree.links.new(next(s for s in pick.outputs if s.enabled), move.inputs["Position"])
+    scale, turn = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("FunctionNodeRotateVector")
+    scale.operation = "MULTIPLY"
+    tree.links.new(raised.outputs[0], scale.inputs[0])
+    tree.links.new(source.outputs["Scale"], scale.inputs[1])
+    tree.links.new(scale.outputs[0], turn.inputs["Vector"])
+    tree.links.new(source.outputs["Rotation"], turn.inputs["Rotation"])
+    tree.links.new(turn.outputs[0], move.inputs["Offset"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
+def _whole(tree: Tree) -> None:
+    """Shows the object as it is, in the space of the one that has the modifier."""
+    _, end, source = _object(tree, "RELATIVE")
+    tree.links.new(source.outputs["Geometry"], end.inputs[0])
+
+
+def _outline(tree: Tree) -> tuple[bpy.types.Node, bpy.types.NodeSocket]:
+    """Group output, and the outline of the object as curves: its edges with at most one face."""
+    _, end, source = _object(tree, "RELATIVE")
+    neighbours, inner = tree.nodes.new("GeometryNodeInputMeshEdgeNeighbors"), tree.nodes.new("FunctionNodeCompare")
+    lines = tree.nodes.new("GeometryNodeMeshToCurve")
+    inner.data_type, inner.operation = "INT", "LESS_THAN"
+    first, second = (socket for socket in inner.inputs if socket.enabled)
+    second.default_value = 2
+    tree.links.new(neighbours.outputs[0], first)
+    tree.links.new(source.outputs["Geometry"], lines.inputs["Mesh"])
+    tree.links.new(inner.outputs[0], lines.inputs["Selection"])
+    return end, lines.outputs[0]
+
+
+def _curves(tree: Tree) -> None:
+    end, lines = _outline(tree)
+    tree.links.new(lines, end.inputs[0])
+
+
+def _edges(tree: Tree) -> None:
+    end, lines = _outline(tree)
+    mesh = tree.nodes.new("GeometryNodeCurveToMesh")
+    tree.links.new(lines, mesh.inputs["Curve"])
+    tree.links.new(mesh.outputs[0], end.inputs[0])
+
+
+def _area(tree: Tree) -> None:
+    end, lines = _outline(tree)
+    tree.interface.new_socket("Material", in_out="INPUT", socket_type="NodeSocketMaterial")
+    fill, paint = tree.nodes.new("GeometryNodeFillCurve"), tree.nodes.new("GeometryNodeSetMaterial")
+    start = next(node for node in tree.nodes if node.bl_idname == "NodeGroupInput")
+    tree.links.new(lines, fill.inputs[0])
+    tree.links.new(fill.outputs[0], paint.inputs["Geometry"])
+    tree.links.new(start.outputs["Material"], paint.inputs["Material"])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+
+
+REMEMBER, ADD_EDITS, WALLS = "Nested Cages Remember Edits", "Nested Cages Add Edits", "Nested Cages Prism"
+WHOLE = "Nested Cages Surface"
+CURVES, EDGES, AREA = "Nested Cages Follow as Curves", "Nested Cages Follow as Edges", "Nested Cages Follow Filled"
+BUILDERS: dict[str, Callable[[Tree], None]] = {
+    REMEMBER: _remember,
+    ADD_EDITS: _add_edits,
+    WALLS: _walls,
+    WHOLE: _whole,
+    CURVES: _curves,
+    EDGES: _edges,
+    AREA: _area,
+}

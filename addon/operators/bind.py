@@ -1,0 +1,115 @@
+"""Bind to Cages: move, key, sculpt or rig a cage, and what is in it follows."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty
+
+from .. import binding, output
+from ..following import PRISM, SURFACE
+from ..refusal import Refusal, say
+
+METHOD_ITEMS = (
+    ("AUTO", "Automatic", "What is exact at rest and under affine poses, by measurement"),
+    (SURFACE, "Surface Deform", "By the triangles inside the cage: exact, and quick for any drawing"),
+    (PRISM, "Mesh Deform", "By a closed prism over the cage: smooth across the whole cage, exact to a few per cent"),
+)
+
+
+class Bindable:
+    """What the three operators share: the output that the active object belongs to."""
+
+    bl_options = {"REGISTER", "UNDO"}
+    needs_bound = True
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        collection = about(context)
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Switch to Object Mode")
+        elif collection is None:
+            cls.poll_message_set("Select a drawing that has cages, or one of its cages")
+        elif binding.is_bound(collection) != cls.needs_bound:
+            sentence = "Nothing is bound to these cages" if cls.needs_bound else "These cages are bound already"
+            cls.poll_message_set(sentence)
+        else:
+            return True
+        return False
+
+
+class Binding(Bindable):
+    """Binding, for the first time or anew."""
+
+    method: EnumProperty(  # type: ignore[valid-type]
+        name="Method",
+        description="How each level follows the next coarser one",
+        items=METHOD_ITEMS,
+        default="AUTO",
+    )
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        collection = about(context)
+        try:
+            made = (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        cage = output.members(collection)[-1]
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        cage.select_set(True)
+        context.view_layer.objects.active = cage
+        worst = max(made.links, key=lambda link: link.affine)
+        self.report(
+            {"INFO"},
+            say(
+                "Move '{cage}' and the drawing follows; errors {rest:.1e} at rest and {affine:.1e} under affine poses. "
+                "{original}",
+                cage=cage.name,
+                rest=max(link.rest for link in made.links),
+                affine=worst.affine,
+                original=made.original,
+            ),
+        )
+        return {"FINISHED"}
+
+
+class OBJECT_OT_nested_cages_bind(Binding, bpy.types.Operator):
+    """Binds every level to the next one."""
+
+    bl_idname = "object.nested_cages_bind"
+    bl_label = "Bind to Cages"
+    bl_description = (
+        "Let the drawing follow its cages: move, key, sculpt or rig the coarsest one, and edit finer ones for detail. "
+        "The file needs no add-on to move"
+    )
+    needs_bound = False
+
+
+class OBJECT_OT_nested_cages_rebind(Binding, bpy.types.Operator):
+    """Binds again, in the shapes of now."""
+
+    bl_idname = "object.nested_cages_rebind"
+    bl_label = "Rebind"
+    bl_description = "Bind the drawing in its own shape to the cages as their vertices are now"
+
+
+class OBJECT_OT_nested_cages_unbind(Bindable, bpy.types.Operator):
+    """Takes it all back."""
+
+    bl_idname = "object.nested_cages_unbind"
+    bl_label = "Unbind"
+    bl_description = "Put cages and drawing back to what they were before they were bound, with their animation"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        binding.unbind(about(context))
+        return {"FINISHED"}
+
+
+def about(context: bpy.types.Context) -> bpy.types.Collection | None:
+    """The output that the active object belongs to or is the source of."""
+    obj = context.view_layer.objects.active
+    return output.collection_about(context.scene, obj) if obj is not None else None
+
+
+CLASSES = (OBJECT_OT_nested_cages_bind, OBJECT_OT_nested_cages_rebind, OBJECT_OT_nested_cages_unbind)

@@ -1,0 +1,233 @@
+"""Binding: at rest nothing moves, a posed cage moves the drawing, unbinding takes it all back, files need no add-on."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+
+from drawings import (
+    at_frame,
+    bezier_circle,
+    circle,
+    evaluated,
+    grease_pencil,
+    in_world,
+    lines,
+    poly_curve,
+    snapshot,
+    star,
+    wire,
+)
+
+ROTATION = np.array([[0.8, -0.6], [0.6, 0.8]])
+
+
+def bound(draw=poly_curve, levels="24, 12", **values):
+    """A drawing with bound cages: its source, collection, fine mesh and cages."""
+    source = draw("Drawing", [star() * 2.0, circle(20, 0.5)])
+    source.location = (1.0, 2.0, 0.5)
+    source.rotation_euler = (0.3, 0.2, 0.1)
+    assert bpy.ops.object.nested_cages_generate(levels=levels) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind(**values) == {"FINISHED"}
+    return members(source)
+
+
+def members(source):
+    collection = bpy.data.collections["Drawing Cages"]
+    levels = [obj for obj in collection.objects if "nested_cages_level" in obj]
+    fine, *cages = sorted(levels, key=lambda obj: obj["nested_cages_level"])
+    return source, collection, fine, cages
+
+
+def base(obj):
+    points = np.empty((len(obj.data.vertices), 3), np.float32)
+    obj.data.vertices.foreach_get("co", points.ravel())
+    return points
+
+
+def put(obj, points):
+    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    obj.data.update()
+
+
+def turned(points):
+    """Points (n, 3) turned and stretched in their own x and y."""
+    moved = points.copy()
+    moved[:, :2] = points[:, :2] @ (ROTATION @ np.diag([1.5, 0.8])).T + (0.3, -0.2)
+    return moved
+
+
+@pytest.mark.parametrize(("method", "error"), [("AUTO", 2e-6), ("SURFACE_DEFORM", 2e-6), ("MESH_DEFORM", 0.15)])
+def test_the_drawing_follows_affine_poses_through_all_levels(method, error) -> None:
+    _, _, fine, cages = bound(method=method)
+    assert np.abs(evaluated(fine) - base(fine)).max() <= 1e-5 * 4
+    put(cages[-1], turned(base(cages[-1])))
+    for obj in (fine, cages[0]):
+        assert np.abs(evaluated(obj) - turned(base(obj))).max() <= error * 8
+
+
+@pytest.mark.parametrize(("method", "error"), [("AUTO", 2e-5), ("MESH_DEFORM", 0.15)])
+def test_a_moved_cage_object_takes_the_drawing_along(method, error) -> None:
+    _, _, fine, cages = bound(method=method)
+    before = in_world(fine, evaluated(fine))
+    step = Matrix.Translation((1.0, 0.5, 0.25)) @ Matrix.Rotation(0.7, 4, "X")
+    cages[-1].matrix_world = step @ cages[-1].matrix_world
+    bpy.context.view_layer.update()
+    expected = before @ np.array(step.to_3x3()).T + np.array(step.translation)
+    assert np.abs(in_world(fine, evaluated(fine)) - expected).max() < error
+
+
+def test_keys_on_the_cage_play() -> None:
+    _, _, fine, cages = bound()
+    rest = evaluated(fine)
+    cage = cages[-1]
+    cage.shape_key_add(name="Basis")
+    key = cage.shape_key_add(name="Pose")
+    key.points.foreach_set("co", turned(base(cage)).ravel())
+    key.value = 0.0
+    key.keyframe_insert("value", frame=1)
+    key.value = 1.0
+    key.keyframe_insert("value", frame=11)
+    assert np.abs(evaluated(fine, at_frame(1)) - rest).max() < 1e-5
+    assert np.abs(evaluated(fine, at_frame(11)) - turned(rest)).max() < 2e-5
+
+
+def test_a_finer_cage_adds_its_own_edits() -> None:
+    _, _, fine, cages = bound()
+    finer, coarser = cages
+    edited = base(finer)
+    edited[:, :2] += 0.1 * np.sin(edited[:, 1::-1])
+    put(finer, edited)
+    bent = evaluated(fine)
+    assert np.abs(bent - base(fine)).max() > 0.05
+    put(coarser, base(coarser) + np.array((0.5, 0.0, 0.0)))
+    assert np.abs(evaluated(fine) - bent - (0.5, 0.0, 0.0)).max() < 1e-5
+
+
+@pytest.mark.parametrize("draw", [poly_curve, wire])
+def test_the_original_follows(draw) -> None:
+    source, _, fine, cages = bound(draw)
+    area_before = lines(fine).length
+    put(cages[-1], turned(base(cages[-1])))
+    assert lines(fine).length != pytest.approx(area_before, rel=1e-3)
+    points, mine = in_world(source, evaluated(source)), in_world(fine, evaluated(fine))
+    distance = np.linalg.norm(points[:, None] - mine[None], axis=2)
+    assert distance.min(axis=1).max() < 1e-4
+    assert distance.min(axis=0).max() < 1e-4
+
+
+def test_a_thick_curve_follows_in_a_prism() -> None:
+    source = bezier_circle("Drawing")
+    source.data.bevel_depth = 0.05
+    assert bpy.ops.object.nested_cages_generate(levels="8") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    _, _, _, (cage,) = members(source)
+    before = evaluated(source)
+    put(cage, base(cage) + np.array((1.0, 0.0, 0.0)))
+    assert np.abs(evaluated(source) - before - (1.0, 0.0, 0.0)).max() < 1e-4
+
+
+def test_a_grease_pencil_is_followed_by_its_mesh() -> None:
+    source = grease_pencil("Drawing", [star()])
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    _, _, fine, (cage,) = members(source)
+    put(cage, base(cage) + np.array((1.0, 0.0, 0.0)))
+    assert np.abs(evaluated(fine) - base(fine) - (1.0, 0.0, 0.0)).max() < 1e-5
+
+
+@pytest.mark.parametrize("draw", [poly_curve, wire])
+def test_unbinding_takes_it_all_back(draw) -> None:
+    source = draw("Drawing", [star() * 2.0])
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12", thickness=0.02) == {"FINISHED"}
+    _, _, fine, cages = members(source)
+    bpy.context.view_layer.objects.active = fine
+    bpy.context.scene.frame_set(1)
+    objects = {obj.name: (tuple(m.name for m in obj.modifiers), obj.hide_render, obj.data) for obj in bpy.data.objects}
+    meshes, shown = len(bpy.data.meshes), [evaluated(obj, at_frame(9)) for obj in (fine, *cages)]
+    bpy.context.scene.frame_set(1)
+    bpy.ops.object.nested_cages_bind()
+    put(cages[-1], turned(base(cages[-1])))
+    cages[-1].location.x += 1.0
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    after = {obj.name: (tuple(m.name for m in obj.modifiers), obj.hide_render, obj.data) for obj in bpy.data.objects}
+    assert after == objects
+    assert len(bpy.data.meshes) == meshes
+    for obj, before in zip((fine, *cages), shown, strict=True):
+        np.testing.assert_array_equal(evaluated(obj, at_frame(9)), before)
+    assert not bpy.ops.object.nested_cages_unbind.poll()
+
+
+def test_rebinding_takes_the_cage_as_it_is() -> None:
+    _, _, fine, cages = bound(levels="12")
+    rest = base(fine)
+    wider = base(cages[0])
+    wider[np.linalg.norm(wider, axis=1) > 1.0] *= 1.3
+    put(cages[0], wider)
+    assert np.abs(evaluated(fine) - rest).max() > 0.1
+    assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
+    assert np.abs(evaluated(fine) - rest).max() < 1e-5
+
+
+def test_a_cage_that_no_longer_encloses_is_refused() -> None:
+    _, _, fine, cages = bound(levels="12")
+    put(cages[0], base(cages[0]) * (0.7, 0.7, 1.0))
+    before, shape = snapshot(), evaluated(fine)
+    with pytest.raises(RuntimeError, match="does not enclose"):
+        bpy.ops.object.nested_cages_rebind()
+    assert snapshot() == before
+    np.testing.assert_array_equal(evaluated(fine), shape)
+
+
+def test_a_cage_moved_out_of_the_plane_is_refused() -> None:
+    _, _, _, cages = bound(levels="12")
+    cages[0].location.z += 1.0
+    with pytest.raises(RuntimeError, match="one plane"):
+        bpy.ops.object.nested_cages_rebind()
+
+
+def test_generating_again_forgets_the_binding() -> None:
+    source, collection, _, cages = bound()
+    put(cages[-1], turned(base(cages[-1])))
+    for obj in bpy.data.objects:
+        obj.select_set(obj == source)
+    bpy.context.view_layer.objects.active = source
+    assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
+    assert not any(m.name.startswith("Nested Cages") for obj in bpy.data.objects for m in obj.modifiers)
+    assert not any("nested_cages_mesh" in obj for obj in collection.objects)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+
+
+OPENED = """
+import sys, bpy, numpy as np
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+assert not hasattr(bpy.types.Scene, "nested_cages")
+def shape(name):
+    mesh = bpy.data.objects[name].evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    points = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", points.ravel())
+    return points
+names = ["Drawing", "Drawing Fine", "Drawing Cage 1"]
+before = [shape(name) for name in names]
+cage = bpy.data.objects["Drawing Cage 2"]
+for vertex in cage.data.vertices:
+    vertex.co.x += 0.75
+cage.data.update()
+for name, rest in zip(names, before):
+    print(name, len(rest), np.abs(shape(name) - rest - (0.75, 0.0, 0.0)).max() < 1e-5)
+"""
+
+
+@pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "MESH_DEFORM")])
+def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
+    bound(draw, method=method)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bound.blend"))
+    command = [sys.executable, "-c", OPENED, str(tmp_path / "bound.blend")]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("True") == 3, done.stdout
