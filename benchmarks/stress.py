@@ -24,6 +24,7 @@ import shapely
 
 from nestedcages_core import (
     ArcLength,
+    Hierarchy,
     Level,
     Mesh,
     NestingError,
