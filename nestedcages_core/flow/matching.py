@@ -112,13 +112,15 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
         )
         raise _mismatch(fine, cause, (x, y), "remove it, or move it inside if it is meant as a hole")
     fine_boxes, coarse_boxes = boxes(fine)[fine_outers], boxes(coarse)[coarse_outers]
-    if len(fine_outers) == len(coarse_outers):
+    if len(fine_outers) == len(coarse_outers) == 1:
+        component = np.zeros(1, np.int64)
+        overlaps = _boxes_overlap(fine_boxes, coarse_boxes)
+    elif len(fine_outers) == len(coarse_outers):
         fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
         _, component = linear_sum_assignment(
             _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + IMPOSSIBLE * fewer
         )
-        around = coarse_boxes[component]
-        overlaps = ((fine_boxes[:, :2] < around[:, 2:]) & (around[:, :2] < fine_boxes[:, 2:])).all(axis=1)
+        overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
     else:
         outside, overlapping = _fit(fine, coarse)
         component = np.where(overlapping, outside, np.inf).argmin(axis=1)
@@ -148,6 +150,9 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
         x, y = coarse.vertices[coarse.loops[holes[-1]]].mean(axis=0).tolist()
         cause = f"Loop {holes[-1]} of the coarse mesh is a hole, but the fine mesh has no hole for it"
         raise _mismatch(fine, cause, (x, y), "remove it")
+    if len(holes) == len(candidates) == 1:
+        partner[candidates] = holes
+        return
     rows, columns = linear_sum_assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
     partner[candidates[rows]] = holes[columns]
 
@@ -170,6 +175,11 @@ def _mismatch(fine: Mesh, cause: str, place: tuple[float, float] | None, remedy:
 def _hole_counts(mesh: Mesh) -> IntArray:
     """(components,) number of holes."""
     return np.bincount(mesh.component_of_loop[mesh.loop_signs < 0], minlength=len(outer_loops(mesh)))
+
+
+def _boxes_overlap(a: FloatArray, b: FloatArray) -> BoolArray:
+    """(K,) whether pairs of bounding boxes overlap."""
+    return np.asarray(((a[:, :2] < b[:, 2:]) & (b[:, :2] < a[:, 2:])).all(axis=1), np.bool_)
 
 
 def _box_difference(a: FloatArray, b: FloatArray) -> FloatArray:

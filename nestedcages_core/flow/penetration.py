@@ -21,7 +21,7 @@ from ..signed_distance import SignedDistance
 from .matching import Matching
 from .samples import Samples, Spacing, coarse_samples, fine_samples, local_margins
 
-COMFORT = 0.5
+COMFORT = 1.0 / 3.0
 """Share of the margin from which the flow is content."""
 
 

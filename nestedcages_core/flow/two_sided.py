@@ -42,7 +42,7 @@ NARROW = 0.1
 class TwoSidedFlow:
     """Descent of the penetration measured from both boundaries, loop by loop; lengths in diagonals of fine's box."""
 
-    margin: float = 2e-3
+    margin: float = 3e-3
     """Distance kept from the coarse mesh where there is room."""
     spacing: float = 1.0 / 300.0
     """Distance between samples along the boundaries."""

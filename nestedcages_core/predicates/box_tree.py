@@ -20,6 +20,9 @@ BLOCK = 2**16
 CROWDED = 8
 """Overlaps per box from which upright boxes are too many and turned ones are asked; smooth loops have about 3."""
 
+FEW_CHAINS = 8
+"""Chains up to which their order does not matter: the boxes that span two of them are fewer than the sorting costs."""
+
 MORTON_BITS = 16
 """Bits per coordinate of the space-filling curve that sorts chains of segments."""
 
@@ -45,7 +48,7 @@ class BoxTree:
         breaks = 1 + np.flatnonzero((x != next_x) | (y != next_y))
         bounds = np.concatenate(([0], breaks, [count])) if count else np.zeros(1, dtype=np.int64)
         sizes = np.diff(bounds)
-        if len(sizes) > 1:
+        if len(sizes) > FEW_CHAINS:
             sequence = _along_curve(self.starts[bounds[:-1]])
             offsets = np.concatenate(([0], np.cumsum(sizes[sequence])))
             self.order = np.arange(count) + np.repeat(bounds[:-1][sequence] - offsets[:-1], sizes[sequence])
