@@ -15,10 +15,12 @@ with an energy beside it, it would drift while the fine mesh is away.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from .._types import FloatArray
+from .._types import BoolArray, FloatArray
+from ..broad_phase import near_pairs
 from ..energies import Blocks
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
@@ -38,6 +40,13 @@ LARGER = 0.25
 
 SKIN = 0.3
 """Skin of the candidate list, as a fraction of how far pairs are looked for beyond the wanted distance."""
+
+MOST, SMALL = 0.3, 1_000_000
+"""Fraction of moving fine vertices, and number of all possible pairs, up to which the whole cage may move as far as its
+part near the moving vertices: only elsewhere it pays to look for that part."""
+
+RINGS = 2
+"""Number of neighbours, along the cage, of vertices near moving ones that may be dragged along as far."""
 
 SMALLEST_SCALE = 0.1
 """The multipliers are expected to be at least this fraction of the working gap in size, for they are forces."""
@@ -89,12 +98,13 @@ class CageAnswer:
     def to(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Answer:
         """The answer to a motion (n, 2) of the fine mesh at x (m + n, 2), at most ``radius`` along each axis."""
         m, gap = self.bodies.m, self.distances.gap
-        able = np.empty(len(x))
-        able[:m] = np.sqrt(2.0) * radius
-        able[m:] = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
-        longest = float(able[m:].max())
-        reach = 2.0 * np.sqrt(2.0) * radius + longest
+        length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
+        longest = float(length.max())
         farthest = max(self.distances.clearance, self.distances.own) + gap
+        touched = self._touched(fine_motion, x, farthest + _reach(radius) + longest)
+        radii = np.where(touched, radius, min(radius, gap))
+        able = np.concatenate([np.sqrt(2.0) * radii, length])
+        reach = _reach(radii) + np.where(touched, longest, 0.0)
         all_pairs = self.candidates.within(x, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
@@ -108,7 +118,7 @@ class CageAnswer:
             self._proximal,
             rows,
             room,
-            np.full(m, radius),
+            radii,
             local_axes(self.bodies, x),
             softness=softness,
             order=self.bodies.cage_order,
@@ -118,6 +128,19 @@ class CageAnswer:
         if np.isfinite(solution.step).all():
             motion[:m] = solution.step
         return Answer(motion, all_pairs, all_contacts, solution.iterations)
+
+    def _touched(self, fine_motion: FloatArray, x: FloatArray, reach: float) -> BoolArray:
+        """(m,) cage vertices that are near a moving fine vertex, or beside one that is; all where most of them move."""
+        m, moving = self.bodies.m, np.flatnonzero(fine_motion.any(axis=1))
+        if len(moving) > MOST * self.bodies.n or m * self.bodies.n < SMALL:
+            return np.ones(m, bool)
+        cage = x[:m]
+        _, edge = near_pairs(x[m + moving], cage, cage[self.bodies.cage_successor], reach)
+        touched = np.zeros(m, bool)
+        touched[edge] = True
+        for _ in range(RINGS):
+            touched = touched | touched[self.bodies.cage_predecessor] | touched[self.bodies.cage_successor]
+        return touched
 
     def _constraints(
         self, pairs: Pairs, contacts: Contacts, motion: FloatArray, able: FloatArray
@@ -143,6 +166,11 @@ class CageAnswer:
             rooms.append(room[keep])
             softness.append(np.full(len(rooms[-1]), epsilon))
         return rows, np.concatenate(rooms), np.concatenate(softness)
+
+
+def _reach(radius: Any) -> Any:
+    """How much closer two cage vertices can come that move so far along two axes each."""
+    return 2.0 * np.sqrt(2.0) * radius
 
 
 def _approach(pairs: Pairs, able: FloatArray) -> FloatArray:

@@ -121,17 +121,26 @@ class Pairs:
         )  # fmt: skip
 
 
-def find_pairs(bodies: Bodies, x: FloatArray, radius: float) -> Pairs:
-    """All pairs of the three families closer than ``radius`` at the positions x = (C; F), sorted by cage edge in the
-    family F-C."""
+def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pairs:
+    """All pairs of the three families closer than ``radius`` at the positions x = (C; F).
+
+    radius: a length, or one for each cage vertex (m,), of few different values; an edge has the larger of its ends'.
+    The family F-C is sorted by cage edge.
+    """
     m = bodies.m
     cage, fine = x[:m], x[m:]
     cage_end, fine_end = cage[bodies.cage_successor], fine[bodies.fine_successor]
-    fine_vertex, cage_edge = near_pairs(fine, cage, cage_end, radius)
+    of_vertex = np.broadcast_to(np.asarray(radius, float), m)
+    of_edge = np.maximum(of_vertex, of_vertex[bodies.cage_successor])
+    found = [near_pairs(fine, cage[k], cage_end[k], r) for r, k in _groups(of_edge)]
+    fine_vertex = np.concatenate([i for i, _ in found])
+    cage_edge = np.concatenate([k[j] for (_, j), (_, k) in zip(found, _groups(of_edge), strict=True)])
     order = np.argsort(cage_edge, kind="stable")
     fine_vertex, cage_edge = fine_vertex[order], cage_edge[order]
-    cage_vertex, fine_edge = near_pairs(cage, fine, fine_end, radius)
-    own_vertex, own_edge = near_pairs(cage, cage, cage_end, radius)
+    found = [near_pairs(cage[k], fine, fine_end, r) for r, k in _groups(of_vertex)]
+    cage_vertex = np.concatenate([k[i] for (i, _), (_, k) in zip(found, _groups(of_vertex), strict=True)])
+    fine_edge = np.concatenate([j for _, j in found])
+    own_vertex, own_edge = near_pairs(cage, cage, cage_end, float(of_vertex.max()))
     foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage_successor[own_edge])
     own_vertex, own_edge = own_vertex[foreign], own_edge[foreign]
     first = len(fine_vertex)
@@ -148,6 +157,11 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float) -> Pairs:
     )
 
 
+def _groups(radius: FloatArray) -> list[tuple[float, IntArray]]:
+    """The different radii, and the indices that have each."""
+    return [(float(value), np.flatnonzero(radius == value)) for value in np.unique(radius)]
+
+
 class CandidateList:
     """The pairs closer than a reach, found with a skin so that they stay complete while positions move less than half
     of it.
@@ -160,20 +174,28 @@ class CandidateList:
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
         self.builds = 0
-        self._radius = 0.0
+        self._radius: float | FloatArray = 0.0
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
 
-    def within(self, x: FloatArray, reach: float, skin: float) -> Pairs:
+    def within(self, x: FloatArray, reach: float | FloatArray, skin: float | FloatArray) -> Pairs:
         """Pairs that contain all those closer than ``reach`` at x; when built anew, the list also covers ``skin`` on
-        top. It is also built anew when it reaches much farther than is asked for."""
-        wide = self._radius > TOO_WIDE * (reach + skin) and self._pairs is not None and len(self._pairs) > SMALL_LIST
-        if self._pairs is None or self._x is None or wide or self._radius < reach + self._approach(x):
+        top. Both are lengths, or one for each cage vertex (m,). The list is also built anew when it reaches much
+        farther than is asked for.
+        """
+        if self._pairs is None or self._x is None or self._too_wide(reach + skin) or not self._covers(x, reach):
             self._radius = reach + skin
             self._x = x.copy()
             self._pairs = find_pairs(self.bodies, x, self._radius)
             self.builds += 1
         return self._pairs
+
+    def _too_wide(self, radius: float | FloatArray) -> bool:
+        assert self._pairs is not None
+        return len(self._pairs) > SMALL_LIST and float(np.mean(self._radius / radius)) > TOO_WIDE
+
+    def _covers(self, x: FloatArray, reach: float | FloatArray) -> bool:
+        return float(np.min(self._radius - reach)) >= self._approach(x)
 
     def forget(self) -> None:
         """Build the list anew at the next use."""

@@ -145,7 +145,7 @@ class _Way:
             radius = min(max(REACH * longest, self.gap), LONGEST_REACH * self.unit)
             answer = self.answer.to(part[:, None] * way, self.x, radius)
             self.systems += answer.systems
-            step = answer.pairs, answer.contacts, self.x, answer.motion
+            step = *self.rule.concerned(answer.pairs, answer.contacts, answer.motion), self.x, answer.motion
             fraction = self.rule.fraction(*step, SHORT_STEP)
             logger.debug(
                 "reinflation: left %.3e, motion %.2e, fraction %.3f, %d pairs, systems %d",

@@ -40,8 +40,8 @@ STILL = 1e-2
 outline."""
 
 FAST = 0.02
-"""The same for a predicted decrease that is below the tolerance and this fraction of the one before: the next one would be
-far below."""
+"""The same for a predicted decrease that is below the tolerance and this fraction of the one before: the next one would
+be far below."""
 
 COMPLEMENTARITY = 0.1
 """Complementarity of a quadratic program that is small enough, as a fraction of the decrease at which tightening

@@ -83,10 +83,11 @@ def widen(
     for _ in range(STEPS):
         found = answer.to(standing, x, STEP * clearance)
         systems += found.systems
-        fraction = rule.fraction(found.pairs, found.contacts, x, found.motion, SHORT_STEP)
+        step = *rule.concerned(found.pairs, found.contacts, found.motion), x, found.motion
+        fraction = rule.fraction(*step, SHORT_STEP)
         kept = np.full(len(x), fraction)
         if fraction <= SHORT_STEP:
-            kept = rule.fractions(found.pairs, found.contacts, x, found.motion)
+            kept = rule.fractions(*step)
         if kept.any():
             x = x + kept[:, None] * found.motion
             on_step(x)
