@@ -20,6 +20,9 @@ THINNING = 0.02
 """Contacts whose constraints others imply up to this fraction of the clearance are left out; restoration makes up for
 them."""
 
+GIVING_WAY = 0.5
+"""Fraction of the distance between parts of the cage, as it is modelled, that a step must really keep."""
+
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step with its restoration, in radii; √2 without it. Pairs are looked for so far."""
 
@@ -34,9 +37,16 @@ class Wanted:
     """From other parts of itself."""
 
     def of(self, pairs: Pairs) -> FloatArray:
-        """(K,) distance that each pair must keep."""
+        """(K,) distance that each pair is to keep."""
         required = np.full(len(pairs), self.clearance)
         required[pairs.cage_cage] = self.own
+        return required
+
+    def at_least(self, pairs: Pairs) -> FloatArray:
+        """(K,) distance that each pair must keep: where walls of the cage and the fine mesh compete, the cage gives
+        way."""
+        required = self.of(pairs)
+        required[pairs.cage_cage] *= GIVING_WAY
         return required
 
 
@@ -74,12 +84,12 @@ def model_at(
     longest = LONGEST_MOTION * float(region.radius.max())
     pairs = candidates.within(x, wanted.clearance + 2.0 * longest, 2.0 * longest)
     contacts = measure(pairs, x)
-    required = wanted.of(pairs)
+    required = wanted.at_least(pairs)
 
     reach = np.zeros(len(x))
     reach[:m] = region.radius * np.sqrt(2.0)
     approach = reach.take(pairs.point) + np.maximum(reach.take(pairs.start), reach.take(pairs.end))
-    near = contacts.distance - required < approach
+    near = contacts.distance - wanted.of(pairs) < approach
     some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
     keep = not_implied(some, contact, room, THINNING * wanted.clearance)
