@@ -16,6 +16,9 @@ ON_BOUNDARY = int(np.iinfo(np.int64).min)
 PAIR_BLOCK = 2**19
 """Pairs of a point and a box that are looked at once; bounds the memory to about 100 MB."""
 
+FEW_PAIRS = 20_000
+"""Pairs of a point and a segment up to which all are looked at: fewer calls than a way down the tree (measured)."""
+
 
 def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
     """How often closed loops of directed edges (E, 2) -> (E, 2) run around points (P, 2); exact, (P,).
@@ -72,6 +75,8 @@ class _Rays:
     def follow(self) -> None:
         """Open the boxes around each point, down to the single segments."""
         count, level = len(self.points), len(self.tree.levels) - 1
+        if count * len(self.tree) <= FEW_PAIRS:
+            level = 0
         top = self.tree.levels[level].shape[1]
         waiting = [(level, np.repeat(np.arange(count), top), np.tile(np.arange(top), count))]
         tally = [0] * (level + 1)
