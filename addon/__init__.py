@@ -16,6 +16,9 @@ def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     self.layout.separator()
     copy_values(context.scene.nested_cages, self.layout.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
     self.layout.operator("object.nested_cages_verify", icon="CHECKMARK")
+    self.layout.operator("object.nested_cages_bind", icon="LINKED")
+    self.layout.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
+    self.layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
 def register() -> None:

@@ -143,7 +143,7 @@ def _unpark(obj: bpy.types.Object) -> None:
         return
     posed, obj.data = obj.data, obj[PARKED_MESH]
     del obj[PARKED_MESH]
-    output._remove_mesh(posed)
+    output.remove_mesh(posed)
     if PARKED_ACTION in obj:
         animation = obj.animation_data or obj.animation_data_create()
         animation.action = obj[PARKED_ACTION]
@@ -163,7 +163,7 @@ def _fill(levels: list[bpy.types.Object], core: ModuleType) -> None:
     for cage in levels[1:]:
         old, shape = cage.data, filling.outline(cage, core)
         cage.data = filling.filled(old.name, filling.points_of(old), shape, core)
-        output._remove_mesh(old)
+        output.remove_mesh(old)
         cage.hide_render = True  # as wires they were not seen in renders
 
 
@@ -252,7 +252,7 @@ def _remove_helpers(collection: bpy.types.Collection, helpers: Iterable[bpy.type
     for helper in list(helpers):
         mesh = helper.data
         bpy.data.objects.remove(helper)
-        output._remove_mesh(mesh)
+        output.remove_mesh(mesh)
 
 
 def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:

@@ -75,13 +75,20 @@ def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
 
 def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> bool:
     """Adds the modifiers, before all others, and binds them; whether Blender could."""
-    rest = inner.data.attributes.get(nodes.REST) or inner.data.attributes.new(nodes.REST, "FLOAT_VECTOR", "POINT")
+    if nodes.REST not in inner.data.attributes:
+        inner.data.attributes.new(nodes.REST, "FLOAT_VECTOR", "POINT")
+    rest = inner.data.attributes[nodes.REST]
     rest.data.foreach_set("vector", filling.points_of(inner.data).astype(np.float32).ravel())
     bound = bind_modifier(context, inner, cage, method)
     nodes.add(inner, nodes.REMEMBER)
     nodes.add(inner, nodes.ADD_EDITS)
     for place, name in enumerate((nodes.REMEMBER, bound.name, nodes.ADD_EDITS)):
         inner.modifiers.move(inner.modifiers.find(name), place)
+    if bound.is_bound:
+        rest = inner.data.attributes[nodes.REST]
+        # What the modifier is off by while nothing is posed, in thin triangles for instance, counts as no edit.
+        rest.data.foreach_set("vector", evaluated_points(context, inner).astype(np.float32).ravel())
+        inner.data.update()
     return bool(bound.is_bound)
 
 
@@ -99,10 +106,9 @@ def bind_modifier(
         modifier.precision = PRECISION
         operator = bpy.ops.object.meshdeform_bind
     context.view_layer.update()
-    with context.temp_override(object=obj, active_object=obj):
-        # What Blender raises about faces and edges leaves the modifier unbound.
-        with suppress(RuntimeError):
-            operator(modifier=modifier.name)
+    # What Blender raises about faces and edges leaves the modifier unbound.
+    with context.temp_override(object=obj, active_object=obj), suppress(RuntimeError):
+        operator(modifier=modifier.name)
     return modifier
 
 

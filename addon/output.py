@@ -161,7 +161,7 @@ def _member_with_mesh(
         old = obj.data
         animation.remove_animation(obj)
         obj.data = mesh
-        _remove_mesh(old)
+        remove_mesh(old)
         mesh.name = name
     obj.hide_viewport = obj.hide_render = False
     _place(obj, result)
@@ -173,21 +173,26 @@ def _place(obj: bpy.types.Object, result: Result) -> None:
     source = bpy.data.objects.get(result.drawing.name)
     stands_there = source is not None and np.array_equal(np.array(source.matrix_world), result.drawing.frame.matrix)
     if result.drawing.frame.own and stands_there and source.parent is None and not source.constraints:
-        obj.rotation_mode = source.rotation_mode
-        for channel in (
-            "location",
-            "rotation_euler",
-            "rotation_quaternion",
-            "rotation_axis_angle",
-            "scale",
-            "delta_location",
-            "delta_rotation_euler",
-            "delta_rotation_quaternion",
-            "delta_scale",
-        ):
-            setattr(obj, channel, getattr(source, channel))
+        copy_transform(source, obj)
     else:
         obj.matrix_world = Matrix(result.drawing.frame.matrix.tolist())
+
+
+def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Gives an object the very numbers of another one's transform, which a matrix would round."""
+    target.rotation_mode = source.rotation_mode
+    for channel in (
+        "location",
+        "rotation_euler",
+        "rotation_quaternion",
+        "rotation_axis_angle",
+        "scale",
+        "delta_location",
+        "delta_rotation_euler",
+        "delta_rotation_quaternion",
+        "delta_scale",
+    ):
+        setattr(target, channel, getattr(source, channel))
 
 
 def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:
@@ -236,10 +241,10 @@ def _remove(obj: bpy.types.Object) -> None:
     mesh = obj.data
     animation.remove_animation(obj)
     bpy.data.objects.remove(obj)
-    _remove_mesh(mesh)
+    remove_mesh(mesh)
 
 
-def _remove_mesh(mesh: bpy.types.Mesh) -> None:
+def remove_mesh(mesh: bpy.types.Mesh) -> None:
     """Removes a mesh that nothing uses any more, with the actions of its shape keys."""
     if mesh.users == 0:
         animation.remove_animation(mesh.shape_keys)

@@ -113,6 +113,8 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
             row.operator("object.nested_cages_unbind", icon="UNLINKED")
         else:
             layout.operator("object.nested_cages_bind", icon="LINKED")
+        layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
+        layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import bpy
 
-from . import bind
+from . import bind, hand_on, picture
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
-CLASSES = (OBJECT_OT_nested_cages_generate, NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_verify, *bind.CLASSES)
+CLASSES = (
+    OBJECT_OT_nested_cages_generate,
+    NESTEDCAGES_OT_cancel,
+    OBJECT_OT_nested_cages_verify,
+    *bind.CLASSES,
+    *hand_on.CLASSES,
+    *picture.CLASSES,
+)
 
 
 def register() -> None:

@@ -1,0 +1,97 @@
+"""Cages for others: as curves, faces and prisms in the scene, and as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import bpy
+from mathutils import Matrix
+
+from . import convert, filling, looks, output
+from .plane import size
+from .refusal import Refusal
+
+
+def as_curve(name: str, points: filling.Points, mesh: Any, _height: float, _core: ModuleType) -> bpy.types.ID:
+    """A filled 2D curve."""
+    return filling.curve(name, points, mesh)
+
+
+def as_faces(name: str, points: filling.Points, mesh: Any, _height: float, core: ModuleType) -> bpy.types.ID:
+    """A mesh of triangles."""
+    return filling.filled(name, points, mesh, core)
+
+
+def as_prism(name: str, points: filling.Points, mesh: Any, height: float, core: ModuleType) -> bpy.types.ID:
+    """A closed mesh of this height, or of a fifth of the size if that is 0."""
+    half = 0.5 * height if height > 0.0 else filling.HALF_HEIGHT * size(points)
+    return filling.prism(name, points, mesh, half, core)
+
+
+SHAPES: dict[str, Callable[[str, filling.Points, Any, float, ModuleType], bpy.types.ID]] = {
+    "CURVE": as_curve,
+    "FILLED": as_faces,
+    "PRISM": as_prism,
+}
+WRITERS = ("SVG", "GEOJSON", "ENGINE")
+
+
+def make(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], shape: str, height: float, core: ModuleType
+) -> list[bpy.types.Object]:
+    """New objects of a kind of `SHAPES`, one for each object as it is evaluated now, beside it. Raises: Refusal."""
+    drawings = [convert.fine_drawing(convert.read(context, obj)) for obj in objects]
+    meshes = [drawing.mesh(core) for drawing in drawings]
+    made = []
+    for obj, drawing, mesh in zip(objects, drawings, meshes, strict=True):
+        frame = drawing.frame
+        name = f"{obj.name} {shape.title()}"
+        points = frame.points(mesh.vertices)
+        new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale, core))
+        new.color = looks.colour(obj.get(output.LEVEL, 0))
+        (obj.users_collection or [context.scene.collection])[0].objects.link(new)
+        if frame.own and obj.parent is None and not obj.constraints:
+            output.copy_transform(obj, new)
+        else:
+            new.matrix_world = Matrix(frame.matrix.tolist())
+        made.append(new)
+    return made
+
+
+def meshes(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> dict[str, Any]:
+    """The core's ``Mesh`` of each object by its name, in the plane and coordinates of the first. Raises: Refusal."""
+    outlines = [convert.read(context, obj) for obj in objects]
+    first = convert.fine_drawing(outlines[0])
+    found = {}
+    for obj, outline in zip(objects, outlines, strict=True):
+        drawing = first if outline is outlines[0] else convert.drawing_in(first.frame, outline)
+        found[obj.name] = drawing.mesh(core)
+    return found
+
+
+def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, flip_y: bool, triangles: bool) -> None:
+    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`. Raises: Refusal.
+
+    flip_y: y pointing down as in pictures; only the last mesh, the coarsest, goes to the JSON of engines.
+    """
+    exchange = core.exchange
+    try:
+        if kind == "ENGINE":
+            outermost = list(shapes.values())[-1]
+            text = exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles)
+        else:
+            turned = {name: _upside_down(mesh, core) if flip_y else mesh for name, mesh in shapes.items()}
+            if kind == "SVG":
+                text = exchange.to_svg(turned)
+            else:
+                text = exchange.to_geojson([exchange.Feature(m, {"name": name}) for name, m in turned.items()])
+        path.write_text(text, encoding="utf-8")
+    except (core.NestedCagesError, OSError) as error:
+        raise Refusal("'{path}' cannot be written: {problem}", path=path.name, problem=error) from error
+
+
+def _upside_down(mesh: Any, core: ModuleType) -> Any:
+    return core.Mesh(mesh.vertices * (1.0, -1.0) + 0.0, mesh.edges)

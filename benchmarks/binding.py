@@ -1,0 +1,123 @@
+"""Both ways to bind a drawing in Blender on every shape: errors at rest and under affine poses, and the time to bind.
+
+    python benchmarks/binding.py --data ../shared/data/shapes --picture build/binding.png
+
+The shapes are pairs of files `name_V.csv` and `name_E.csv`. Needs Blender as a Python module (bpy); the picture, a bent
+glyph by each modifier as Blender evaluates it, needs matplotlib.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import sys
+import time
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from coordinates import BENT, SHAPES, bend  # noqa: E402
+from data import read_shape  # noqa: E402
+
+PACKAGE = "nested_cages_extension"  # any name: Blender gives extensions names of its own
+
+
+def extension() -> ModuleType:
+    """The root package as Blender's extension."""
+    spec = importlib.util.spec_from_file_location(PACKAGE, ROOT / "__init__.py", submodule_search_locations=[str(ROOT)])
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[PACKAGE] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def scene(fine: Any, cage: Any, following: ModuleType) -> tuple[Any, Any]:
+    """An empty scene with the drawing as a wire and its cage as filled faces."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    filling, core = import_module(f"{PACKAGE}.addon.filling"), import_module(f"{PACKAGE}.nestedcages_core")
+    wire = bpy.data.meshes.new("Fine")
+    wire.from_pydata([(*point, 0.0) for point in fine.vertices.tolist()], fine.edges.tolist(), [])
+    corners = np.column_stack([cage.vertices, np.zeros(len(cage.vertices))])
+    data = filling.filled("Cage", corners, cage, core)
+    made = [bpy.data.objects.new("Fine", wire), bpy.data.objects.new("Cage", data)]
+    for obj in made:
+        bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return made[0], made[1]
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--data", type=Path, default=SHAPES, help="folder of the shapes")
+    options.add_argument("--vertices", type=int, default=32, help="vertices of the cages (default: 32)")
+    options.add_argument("--picture", type=Path, help="file for a picture of a bent glyph")
+    given = options.parse_args()
+    names = sorted(path.name.removesuffix("_V.csv") for path in given.data.glob("*_V.csv"))
+    if not names:
+        options.error(f"{given.data} has no shapes")
+    package = extension()
+    package.register()
+    try:
+        run(names, given)
+    finally:
+        package.unregister()  # some versions of bpy hang at exit otherwise
+
+
+def run(names: list[str], given: argparse.Namespace) -> None:
+    core = import_module(f"{PACKAGE}.nestedcages_core")
+    following = import_module(f"{PACKAGE}.addon.following")
+    kinds = {"Surface Deform": following.SURFACE, "Mesh Deform": following.PRISM}
+    print(f"{'shape':12s} {'modifier':16s} {'at rest':>9s} {'affine':>9s} {'seconds':>8s}")
+    bent = {}
+    for name in names:
+        fine = read_shape(given.data, name)
+        fine = core.Mesh(fine.vertices, fine.edges)  # as the extension's own core knows it
+        cage = core.nested_cages(fine, [given.vertices]).cages[0]
+        for kind, method in kinds.items():
+            drawing, control = scene(fine, cage, following)
+            began = time.perf_counter()
+            bound = following.attach(bpy.context, drawing, control, method)
+            seconds = time.perf_counter() - began
+            rest, affine = following.measure(bpy.context, drawing, control) if bound else (np.nan, np.nan)
+            print(f"{name:12s} {kind:16s} {rest:9.1e} {affine:9.1e} {seconds:8.2f}", flush=True)
+            if name == BENT and bound:
+                posed = bend(cage, fine.vertices.min(axis=0))
+                control.data.vertices.foreach_set("co", np.column_stack([posed, np.zeros(len(posed))]).ravel())
+                control.data.update()
+                points = following.evaluated_points(bpy.context, drawing)[:, :2]
+                bent[kind] = (fine.moved(points), cage.moved(posed))
+    if given.picture and bent:
+        draw(bent, given.picture)
+
+
+def draw(poses: dict[str, tuple[Any, Any]], path: Path) -> None:
+    """Drawing and cage side by side, as each modifier bends them."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(1, len(poses), figsize=(4 * len(poses), 5), layout="constrained", squeeze=False)
+    styles = ({"color": "#27364b"}, {"color": "#d55e00", "marker": ".", "linewidth": 1})
+    for axes, (title, meshes) in zip(panels[0], poses.items(), strict=True):
+        for mesh, style in zip(meshes, styles, strict=True):
+            for loop in mesh.loops:
+                axes.plot(*mesh.vertices[np.append(loop, loop[0])].T, **style)
+        axes.set_title(title)
+        axes.set_aspect("equal")
+        axes.axis("off")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
+    print(f"Wrote {path}")
+
+
+if __name__ == "__main__":
+    main()
