@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.linalg.lapack import dpbtrf, dpbtrs
@@ -172,9 +173,15 @@ class _SparseRows:
         return np.concatenate(self._data), indices.astype(np.int32), ends.astype(np.int32)
 
 
+@cache
+def _triangle(size: int) -> tuple[IntArray, IntArray]:
+    """Rows and columns of the upper triangle of a matrix."""
+    return np.triu_indices(size)
+
+
 def _products(unknown: IntArray, entries: FloatArray, height: int) -> tuple[IntArray, FloatArray]:
     """Places in the band and values of the products of the entries (length, K) of each row at the unknowns named."""
-    first, second = np.triu_indices(len(entries))
+    first, second = _triangle(len(entries))
     return _place(unknown[first], unknown[second], height), entries[first] * entries[second]
 
 
