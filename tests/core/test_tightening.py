@@ -12,7 +12,7 @@ from nestedcages_core import Mesh
 from nestedcages_core.broad_phase import smallest_distance
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
-from nestedcages_core.energies import Area
+from nestedcages_core.energies import Area, InitialDisplacement
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 from nestedcages_core.tightening import Tightening, TighteningOutcome
 from nestedcages_core.tightening.restoration import restore
@@ -254,3 +254,22 @@ def test_widening_shares_what_room_there_is() -> None:
     cage, home = widened.x[: bodies.m], fine.vertices
     assert smallest_distance(home, cage, cage[bodies.cage_successor]) >= clearance
     assert smallest_distance(cage, home, home[bodies.fine_successor]) >= clearance
+
+
+def test_other_energies_are_minimised_too() -> None:
+    """A rest shape that the fine mesh sticks out of: the cage comes as near to it as the clearance allows."""
+    fine, rest, coarse = Mesh.from_loops([ring(90)]), Mesh.from_loops([ring(9, 0.9)]), Mesh.from_loops([ring(9, 1.4)])
+    outcome = Tightening().run(
+        Bodies.of(coarse, fine),
+        coarse.vertices,
+        fine.vertices,
+        clearance=1e-3,
+        energy=InitialDisplacement().at(rest),
+        on_step=lambda cage: None,
+    )
+    cage = coarse.moved(outcome.cage)
+    assert outcome.converged
+    assert_nested(cage, fine)
+    assert distance_of(cage, fine) == pytest.approx(1e-3, rel=1e-2)
+    radii = np.linalg.norm(outcome.cage, axis=1)
+    np.testing.assert_allclose(radii, (1.0 + 1e-3) / np.cos(np.pi / 9), rtol=1e-2)  # edges touch at their middle
