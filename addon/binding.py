@@ -6,8 +6,7 @@ that they had are kept and come back when they are unbound.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from types import ModuleType
@@ -16,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import convert, filling, following, looks, nodes, output
+from . import filling, following, looks, nodes, originals, output
 from .following import HELPER, Link
 from .plane import PLANARITY, size, transform
 from .refusal import Refusal, load_core, say
@@ -24,8 +23,6 @@ from .refusal import Refusal, load_core, say
 # Custom properties of bound objects and of their collection.
 BOUND = "nested_cages_bound"
 PARKED_MESH, PARKED_ACTION, PARKED_STATE = "nested_cages_mesh", "nested_cages_action", "nested_cages_before"
-ORIGINAL = "nested_cages_follows"
-ORIGINAL_MODIFIER = "Nested Cages Follow"
 
 
 @dataclass(frozen=True)
@@ -92,19 +89,6 @@ def forget(collection: bpy.types.Collection) -> None:
             if name in obj:
                 del obj[name]
     del collection[BOUND]
-
-
-@contextmanager
-def unposed(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Originals that follow their cages show their own shape for a moment."""
-    found = [m for obj in objects if (m := obj.modifiers.get(ORIGINAL_MODIFIER)) is not None and m.show_viewport]
-    for modifier in found:
-        modifier.show_viewport = False
-    try:
-        yield
-    finally:
-        for modifier in found:
-            modifier.show_viewport = True
 
 
 def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -213,7 +197,7 @@ def _connect(
         )
     for obj in levels:
         _take_lines_out(obj, collection)
-    sentence = _original_follows(context, collection, levels, links)
+    sentence = originals.follow(context, collection, levels, links[0].method)
     _remove_helpers(collection, [obj for obj in collection.objects if HELPER in obj and not _used(obj)])
     return Binding(links, sentence)
 
@@ -225,11 +209,7 @@ def _disconnect(
         following.release(obj)
         if "nested_cages_link" in obj:
             del obj["nested_cages_link"]
-    for obj in bpy.data.objects:
-        modifier = obj.modifiers.get(ORIGINAL_MODIFIER)
-        if modifier is not None and obj.get(ORIGINAL) == collection:
-            obj.modifiers.remove(modifier)
-            del obj[ORIGINAL]
+    originals.release(collection)
     for helper in [obj for obj in collection.objects if HELPER in obj]:
         owner = helper.get("nested_cages_lines_of")
         if lines_back and owner is not None:
@@ -270,46 +250,3 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     collection.objects.link(helper)
     nodes.add(helper, nodes.EDGES, Object=obj)
     looks.set_thickness(helper, obj[output.LEVEL], 2.0 * radius)
-
-
-def _original_follows(
-    context: bpy.types.Context,
-    collection: bpy.types.Collection,
-    levels: list[bpy.types.Object],
-    links: tuple[Link, ...],
-) -> str:
-    """Makes the object that the drawing was read from follow too; how it does, or why it does not."""
-    fine = levels[0]
-    source = bpy.data.objects.get(collection[output.SOURCE])
-    if source is None or source == fine:
-        return say("The original object is gone; '{fine}' follows", fine=fine.name)
-    if source.name not in context.view_layer.objects or not source.is_editable or not convert.readable(source):
-        return say("'{name}' cannot be changed here; '{fine}' follows in its place", name=source.name, fine=fine.name)
-    solid = source.type in {"CURVE", "FONT"} and (source.data.bevel_depth or source.data.extrude)
-    if source.type == "MESH" or solid or (source.type == "CURVE" and source.data.bevel_mode == "OBJECT"):
-        method = links[0].method if source.type == "MESH" else following.PRISM
-        reach = 2.0 * max(abs(corner[2]) for corner in source.bound_box)
-        modifier = following.bind_modifier(context, source, levels[1], method, reach)
-        modifier.name = ORIGINAL_MODIFIER
-        if not modifier.is_bound:
-            source.modifiers.remove(modifier)
-            return say(
-                "'{name}' cannot be bound itself; '{fine}' follows in its place", name=source.name, fine=fine.name
-            )
-        source[ORIGINAL] = collection
-        kind = "Surface Deform" if method == following.SURFACE else "Mesh Deform, which is exact to a few per cent"
-        return say("'{name}' follows by {kind}", name=source.name, kind=kind)
-    if source.type not in {"CURVE", "FONT", "CURVES"}:
-        return say(
-            "Blender has no modifier that lets a Grease Pencil follow; '{fine}' follows in place of '{name}'",
-            name=source.name,
-            fine=fine.name,
-        )
-    flat = source.type == "FONT" or (source.type == "CURVE" and source.data.dimensions == "2D")
-    if flat and source.data.fill_mode != "NONE":
-        modifier = nodes.add(source, nodes.AREA, Object=fine, Material=source.active_material)
-    else:
-        modifier = nodes.add(source, nodes.CURVES, Object=fine)
-    modifier.name = ORIGINAL_MODIFIER
-    source[ORIGINAL] = collection
-    return say("'{name}' shows what '{fine}' does", name=source.name, fine=fine.name)

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .. import binding, convert, output, properties
+from .. import binding, convert, originals, output, properties
 from ..generate import Generation, Request
 from ..job import TICK, Job, running
 from ..properties import GenerationProperties
@@ -108,7 +108,7 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     def _prepare(self, context: bpy.types.Context) -> Job:
         """Reads the selection. Raises: Refusal."""
         options = properties.options(self)
-        with binding.unposed(sources(context)):
+        with originals.unposed(sources(context)):
             return Job(Generation(requests(context, self), options))
 
     def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:

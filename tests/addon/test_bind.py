@@ -184,6 +184,28 @@ def test_a_cage_that_no_longer_encloses_is_refused() -> None:
     np.testing.assert_array_equal(evaluated(fine), shape)
 
 
+def test_a_binding_that_fails_half_way_changes_nothing(extension, addon, monkeypatch) -> None:
+    poly_curve("Drawing", [star() * 2.0])
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12", thickness=0.02) == {"FINISHED"}
+    following = sys.modules[f"{extension.__name__}.addon.following"]
+    made = following.link
+
+    def second_fails(context, inner, cage, method):
+        if cage.name.endswith("2"):
+            raise addon.refusal.Refusal("It does not hold")
+        return made(context, inner, cage, method)
+
+    monkeypatch.setattr(following, "link", second_fails)
+    before = snapshot()
+    with pytest.raises(RuntimeError, match="It does not hold"):
+        bpy.ops.object.nested_cages_bind()
+    after = snapshot()
+    # The file keeps the node groups for the next attempt.
+    assert {key: value for key, value in after.items() if key != "node_groups"} == {
+        key: value for key, value in before.items() if key != "node_groups"
+    }
+
+
 def test_a_cage_moved_out_of_the_plane_is_refused() -> None:
     _, _, _, cages = bound(levels="12")
     cages[0].location.z += 1.0
