@@ -65,7 +65,7 @@ QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
 def signed_area(vertices: FloatArray, successor: IntArray) -> float:
-    """½ Σ x_a × x_b over the edges, about the mean vertex so that far origins cost no digits. Unit: length²."""
-    centred = vertices - vertices.mean(axis=0)
+    """½ Σ x_a × x_b over the edges, about the first vertex so that far origins cost no digits. Unit: length²."""
+    centred = vertices - vertices[0]
     following = centred[successor]
     return 0.5 * float(centred[:, 0] @ following[:, 1] - centred[:, 1] @ following[:, 0])

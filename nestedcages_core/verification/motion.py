@@ -32,7 +32,7 @@ ROUNDING = 16.0 * np.finfo(float).eps
 """Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
 safety."""
 
-SKIN = 0.25
+SKIN = 1.0
 """Skin of the candidate list as a fraction of the mean cage edge length."""
 
 
