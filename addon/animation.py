@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
-
-from .generate import CageLevel
 
 # Blender's numbers for the interpolation of a keyframe.
 CONSTANT, LINEAR = 0, 1
@@ -22,11 +20,41 @@ CONSTANT, LINEAR = 0, 1
 
 @dataclass(frozen=True)
 class Timing:
-    """Frame of the first step, frames from one step to the next, and whether the flow is part of the animation."""
+    """Frame of the first step, frames from one step to the next, and whether the flow is part of the animation.
+
+    `ease`: each phase begins and ends slowly, in the same frames. `loop_back`: after the result all plays back to the
+    start.
+    """
 
     start_frame: int = 1
     frames_per_step: int = 4
     show_flow: bool = True
+    ease: bool = False
+    loop_back: bool = False
+
+
+class Phases(Protocol):
+    """Where the phases of a level are in its steps: the last index of the flow, the first of the tightening, and the
+    last of all.
+    """
+
+    @property
+    def flow_end(self) -> int: ...
+
+    @property
+    def tightening(self) -> int: ...
+
+    @property
+    def last(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class StoredPhases:
+    """The phases of a level that was written before, to tell how long it will play."""
+
+    flow_end: int
+    tightening: int
+    last: int
 
 
 @dataclass(frozen=True)
@@ -41,7 +69,7 @@ class Span:
     end: int
 
 
-def spans(levels: Sequence[CageLevel], timing: Timing) -> tuple[Span, ...]:
+def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
     """When each level plays: one after the other, with a pause of one step between them."""
     found: list[Span] = []
     start = timing.start_frame
@@ -51,9 +79,43 @@ def spans(levels: Sequence[CageLevel], timing: Timing) -> tuple[Span, ...]:
         def at(step: int, start: int = start, skipped: int = skipped) -> int:
             return start + (step - skipped) * timing.frames_per_step
 
-        found.append(Span(start, at(level.flow_end), at(level.tightening), at(len(level.cage_steps) - 1)))
+        found.append(Span(start, at(level.flow_end), at(level.tightening), at(level.last)))
         start = found[-1].end + timing.frames_per_step
     return tuple(found)
+
+
+def last_frame(timeline: Sequence[Span], timing: Timing) -> int:
+    """The last frame of the whole animation; without looping back it shows the result."""
+    end = timeline[-1].end
+    return round(mirrored(timing.start_frame, end, timing)) if timing.loop_back else end
+
+
+def mirrored(frame: Any, end: int, timing: Timing) -> Any:
+    """Frame on the way back that shows what `frame` shows on the way there; the result on `end` stays for a step."""
+    return 2 * end + timing.frames_per_step - frame
+
+
+def step_frames(level: Phases, span: Span, timing: Timing) -> NDArray[np.float64]:
+    """Frames (S,) of the steps that are shown.
+
+    Easing moves the steps in time within their phase, so the way is the same and so is what is certified: between two
+    steps the motion stays linear, and the phases begin and end on the same frames.
+    """
+    first = 0 if timing.show_flow else level.flow_end
+    indices = np.arange(first, level.last + 1)
+    frames = span.flow + (indices - first) * float(timing.frames_per_step)
+    if timing.ease:
+        for start, end in ((first, level.flow_end), (level.flow_end, level.tightening), (level.tightening, level.last)):
+            if end > start:
+                part = (indices[start - first : end - first + 1] - start) / (end - start)
+                length = (end - start) * timing.frames_per_step
+                frames[start - first : end - first + 1] = frames[start - first] + length * _when(part)
+    return frames
+
+
+def _when(part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Times in [0, 1] at which smoothstep, s = 3t² - 2t³, has come to `part`: t = 1/2 - sin(asin(1 - 2s) / 3)."""
+    return 0.5 - np.sin(np.arcsin(1.0 - 2.0 * part) / 3.0)
 
 
 def add_basis(obj: bpy.types.Object) -> None:
@@ -62,11 +124,20 @@ def add_basis(obj: bpy.types.Object) -> None:
         obj.shape_key_add(name="Basis", from_mix=False)
 
 
-def add_steps(obj: bpy.types.Object, steps: NDArray[np.float32], frames: NDArray[np.int64], name: str) -> None:
+def add_steps(
+    obj: bpy.types.Object,
+    steps: NDArray[np.float32],
+    frames: NDArray[Any],
+    name: str,
+    *,
+    back: NDArray[Any] | None = None,
+    from_rest: bool = False,
+) -> None:
     """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
 
     Equal steps in a row share a key, which is held. Before the first and after the last frame, the first and the last
-    step stay.
+    step stay; `from_rest`: the mesh itself is seen until one frame before the first. The steps play once more on the
+    frames `back` (S,), which go down and are later than all `frames`.
     """
     basis = np.empty((steps.shape[1], 3), np.float32)
     obj.data.vertices.foreach_get("co", basis.ravel())
@@ -81,21 +152,32 @@ def add_steps(obj: bpy.types.Object, steps: NDArray[np.float32], frames: NDArray
         coordinates[:, :2] = steps[first]
         key = obj.shape_key_add(name=f"{name} Step {first}", from_mix=False)
         key.points.foreach_set("co", coordinates.ravel())
-        keyframes: list[float] = []
-        if index > 0:
-            keyframes += (frames[first - 1], 0.0)
-        keyframes += (frames[first], 1.0)
-        if last > first:
-            keyframes += (frames[last], 1.0)
-        if index + 1 < len(runs):
-            keyframes += (frames[last + 1], 0.0)
-        fcurves.append((f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value', keyframes))
+        there = _rise_and_fall(frames, first, last, len(steps))
+        back_again = [] if back is None else _rise_and_fall(back, first, last, len(steps))[::-1]
+        if index == 0 and from_rest:
+            there.insert(0, (frames[0] - 1.0, 0.0))
+            back_again += [(back[0] + 1.0, 0.0)] if back is not None else []
+        path = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
+        fcurves.append((path, [number for point in (*there, *back_again) for number in point]))
     animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps")
 
 
-def hide_until(obj: bpy.types.Object, frame: int) -> None:
-    """Hides the object, in the viewport and in renders, on all frames before `frame`."""
+def _rise_and_fall(frames: NDArray[Any], first: int, last: int, count: int) -> list[tuple[float, float]]:
+    """Frames and values of the key that is seen from one step to another, both included, out of so many steps."""
+    points = [(float(frames[first - 1]), 0.0)] if first > 0 else []
+    points.append((float(frames[first]), 1.0))
+    if last > first:
+        points.append((float(frames[last]), 1.0))
+    if last + 1 < count:
+        points.append((float(frames[last + 1]), 0.0))
+    return points
+
+
+def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> None:
+    """Hides the object, in the viewport and in renders, on all frames before `frame`, and after `last` if given."""
     keyframes = [float(frame - 1), 1.0, float(frame), 0.0]
+    if last is not None:
+        keyframes += [float(last + 1), 1.0]
     animate(obj, [("hide_viewport", keyframes), ("hide_render", keyframes)], CONSTANT, obj.name)
 
 

@@ -77,6 +77,11 @@ class CageLevel:
         """The cage's vertices (m, 2)."""
         return self.cage_steps[-1]
 
+    @property
+    def last(self) -> int:
+        """Index of the last step."""
+        return len(self.cage_steps) - 1
+
 
 @dataclass(frozen=True)
 class Result:

@@ -14,7 +14,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from . import animation, looks
-from .animation import Span, Timing
+from .animation import Span, StoredPhases, Timing
 from .generate import CageLevel, Result
 from .refusal import Refusal, say
 
@@ -23,6 +23,7 @@ SOURCE = "nested_cages_source"
 LEVEL = "nested_cages_level"
 MARKERS = "nested_cages_markers"
 FRAME_END = "nested_cages_frame_end"
+PHASES = "nested_cages_phases"
 
 
 def collection_of(scene: bpy.types.Scene, source: str) -> bpy.types.Collection | None:
@@ -43,6 +44,15 @@ def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | N
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """All output objects of a collection, the fine mesh first."""
     return sorted((o for o in collection.objects if LEVEL in o), key=lambda o: o[LEVEL])
+
+
+def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
+    """Frames that the steps of an output would play with other timing, or None if it has none."""
+    cages = members(collection)[1:]
+    if not cages or any(PHASES not in cage for cage in cages):
+        return None
+    timeline = animation.spans([StoredPhases(*cage[PHASES]) for cage in cages], timing)
+    return animation.last_frame(timeline, timing) - timing.start_frame + 1
 
 
 def write(
@@ -95,7 +105,7 @@ def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.ty
     fine = _member_with_mesh(
         collection, 0, say("{name} Fine", name=name), first.fine_edges, first.fine_steps[-1], result
     )
-    _play(fine, first.fine_steps, first, timeline[0], timing, 1)
+    _play(fine, first.fine_steps, first, timeline, timing, 1)
     _describe(fine, {LEVEL: 0, SOURCE: name, "nested_cages_vertices": len(fine.data.vertices)})
     for number, (level, span) in enumerate(zip(result.levels, timeline, strict=True), 1):
         cage = _member_with_mesh(
@@ -106,11 +116,12 @@ def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.ty
             level.cage,
             result,
         )
-        _play(cage, level.cage_steps, level, span, timing, number)
+        _play(cage, level.cage_steps, level, timeline, timing, number)
         if number < len(result.levels):
             inner = result.levels[number]
-            _play(cage, inner.fine_steps, inner, timeline[number], timing, number + 1)
-        animation.hide_until(cage, span.flow)
+            _play(cage, inner.fine_steps, inner, timeline, timing, number + 1, from_rest=True)
+        gone = animation.mirrored(span.flow, timeline[-1].end, timing)
+        animation.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
         _describe(cage, _facts(result, level, span, number))
     for surplus in [o for o in members(collection) if o[LEVEL] > len(result.levels)]:
         _remove(surplus)
@@ -119,19 +130,28 @@ def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.ty
         collection, {SOURCE: name, "nested_cages_levels": len(result.levels), "nested_cages_end": timeline[-1].end}
     )
     collection[MARKERS] = json.dumps(animation.add_markers(scene, timeline))
-    if scene.frame_end < timeline[-1].end:
-        collection[FRAME_END] = [scene.frame_end, timeline[-1].end]
-        scene.frame_end = timeline[-1].end
+    last = animation.last_frame(timeline, timing)
+    if scene.frame_end < last:
+        collection[FRAME_END] = [scene.frame_end, last]
+        scene.frame_end = last
     return collection
 
 
 def _play(
-    obj: bpy.types.Object, steps: NDArray[np.float32], level: CageLevel, span: Span, timing: Timing, number: int
+    obj: bpy.types.Object,
+    steps: NDArray[np.float32],
+    level: CageLevel,
+    timeline: Sequence[Span],
+    timing: Timing,
+    number: int,
+    *,
+    from_rest: bool = False,
 ) -> None:
-    """Animates the steps of a level on one object."""
+    """Animates the steps of the level of that number on one object."""
     shown = steps if timing.show_flow else steps[level.flow_end :]
-    frames = span.flow + np.arange(len(shown)) * timing.frames_per_step
-    animation.add_steps(obj, shown, frames, f"Level {number}")
+    frames = animation.step_frames(level, timeline[number - 1], timing)
+    back = animation.mirrored(frames, timeline[-1].end, timing) if timing.loop_back else None
+    animation.add_steps(obj, shown, frames, f"Level {number}", back=back, from_rest=from_rest)
 
 
 def _member_with_mesh(
@@ -212,6 +232,7 @@ def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[st
         "nested_cages_reinflation_start": span.reinflation,
         "nested_cages_tightening_start": span.tightening,
         "nested_cages_end": span.end,
+        PHASES: [level.flow_end, level.tightening, level.last],
         "nested_cages_certificate": say(
             "Certified as stored: simple, all loops kept, strictly encloses level {inner}; clearance {clearance:.3g}, "
             "excess {excess:.2f} %",

@@ -7,7 +7,8 @@ import bpy
 from . import binding, output
 from .job import running
 from .presets import NESTEDCAGES_PT_presets
-from .properties import copy_values
+from .properties import copy_values, timing
+from .refusal import say
 
 CATEGORY = "Nested Cages"
 
@@ -43,9 +44,10 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "start_frame")
         column.prop(settings, "frames_per_step")
         column = layout.column()
-        column.prop(settings, "show_flow")
-        column.prop(settings, "show_result")
+        for name in ("show_flow", "ease", "loop_back", "show_result"):
+            column.prop(settings, name)
         column.prop(settings, "thickness")
+        _draw_length(layout, context)
         job = running()
         if job is None:
             row = layout.row()
@@ -115,6 +117,15 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
             layout.operator("object.nested_cages_bind", icon="LINKED")
         layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         layout.operator("object.nested_cages_export", icon="EXPORT")
+
+
+def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How long the animation will be with these settings, known from the steps that the cages were made of before."""
+    collection, scene = _shown_collection(context), context.scene
+    frames = output.length(collection, timing(scene.nested_cages)) if collection is not None else None
+    if frames is not None:
+        seconds = frames * scene.render.fps_base / scene.render.fps
+        layout.label(text=say("Length as before: {frames} frames, {seconds:.1f} s", frames=frames, seconds=seconds))
 
 
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:

@@ -81,9 +81,21 @@ class GenerationProperties:
         description="Begin the animation with the drawing shrinking into the coarse mesh, which it passes through",
         default=True,
     )
+    ease: BoolProperty(  # type: ignore[valid-type]
+        name="Ease",
+        description=(
+            "Begin and end shrinking, growing back and tightening slowly, on the same way and as free of collisions"
+        ),
+        default=False,
+    )
+    loop_back: BoolProperty(  # type: ignore[valid-type]
+        name="Loop Back",
+        description="Play everything backwards after the result, so that the animation ends as it began",
+        default=False,
+    )
     show_result: BoolProperty(  # type: ignore[valid-type]
         name="Jump to Result",
-        description="Go to the last frame of the animation when the cages are made",
+        description="Go to the frame that shows the finished cages when they are made",
         default=True,
     )
     thickness: FloatProperty(  # type: ignore[valid-type]
@@ -140,7 +152,8 @@ def options(values: GenerationProperties) -> Options:
 
 def timing(values: GenerationProperties) -> Timing:
     """How the result is animated."""
-    return Timing(start_frame=values.start_frame, frames_per_step=values.frames_per_step, show_flow=values.show_flow)
+    names = ("start_frame", "frames_per_step", "show_flow", "ease", "loop_back")
+    return Timing(**{name: getattr(values, name) for name in names})
 
 
 def copy_values(source: GenerationProperties, target: GenerationProperties) -> None:
