@@ -55,12 +55,27 @@ class Panel:
     shapes: Sequence[Fill | Outline]
 
 
-def render(path: Path, panels: Sequence[Panel]) -> None:
-    """Draws `panels` side by side, in one common scale, into the PNG file `path`."""
+def extent(panels: Sequence[Panel]) -> tuple[np.ndarray, np.ndarray]:
+    """The lower left and the upper right corner of everything that is drawn."""
+    points = np.concatenate([loop for panel in panels for shape in panel.shapes for loop in shape.loops])
+    return points.min(axis=0), points.max(axis=0)
+
+
+def render(
+    path: Path,
+    panels: Sequence[Panel],
+    *,
+    corners: tuple[np.ndarray, np.ndarray] | None = None,
+    pixels: int = PANEL_PIXELS,
+    samples: int = SAMPLES,
+) -> None:
+    """Draws `panels` side by side, in one common scale, into the PNG file `path`.
+
+    corners: lower left and upper right of a panel in the drawing's units, so that several pictures fit on each other.
+    """
     scene = bpy.data.scenes.new("Picture")
     try:
-        points = np.concatenate([loop for panel in panels for shape in panel.shapes for loop in shape.loops])
-        low, high = points.min(axis=0), points.max(axis=0)
+        low, high = corners if corners is not None else extent(panels)
         scale = 1.0 / (high - low)[0]
         height = (high - low)[1] * scale
         step = 1.0 + 2 * MARGIN
@@ -72,7 +87,7 @@ def render(path: Path, panels: Sequence[Panel]) -> None:
             write(scene, panel.text, (place + 0.5) * step, -MARGIN - TEXT_SIZE)
         below, above = -2 * MARGIN - 1.5 * TEXT_SIZE, height + MARGIN
         aim(scene, step * len(panels), below, above)
-        set_up(scene, path, step * len(panels), above - below)
+        set_up(scene, path, (round(pixels * step * len(panels)), round(pixels * (above - below))), samples)
         bpy.ops.render.render(write_still=True, scene=scene.name)
     finally:
         remove(scene)
@@ -172,7 +187,7 @@ def aim(scene: bpy.types.Scene, width: float, below: float, above: float) -> Non
     scene.camera = camera
 
 
-def set_up(scene: bpy.types.Scene, path: Path, width: float, height: float) -> None:
+def set_up(scene: bpy.types.Scene, path: Path, size: tuple[int, int], samples: int) -> None:
     """Chooses Cycles on the CPU, exact colours on white, and the size in pixels."""
     world = bpy.data.worlds.new("Picture")
     world.use_nodes = True
@@ -180,12 +195,11 @@ def set_up(scene: bpy.types.Scene, path: Path, width: float, height: float) -> N
     scene.world = world
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
-    scene.cycles.samples = SAMPLES
+    scene.cycles.samples = samples
     scene.cycles.use_denoising = False
     scene.cycles.max_bounces = 0
     scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x = round(PANEL_PIXELS * width)
-    scene.render.resolution_y = round(PANEL_PIXELS * height)
+    scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     scene.render.image_settings.compression = 100
