@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 # Blender's numbers for the interpolation of a keyframe.
 CONSTANT, LINEAR = 0, 1
+# The properties that hide an object.
+HIDING = ("hide_viewport", "hide_render")
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,7 @@ def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> No
     keyframes = [float(frame - 1), 1.0, float(frame), 0.0]
     if last is not None:
         keyframes += [float(last + 1), 1.0]
-    animate(obj, [("hide_viewport", keyframes), ("hide_render", keyframes)], CONSTANT, obj.name)
+    animate(obj, [(path, keyframes) for path in HIDING], CONSTANT, obj.name)
 
 
 def animate(owner: Any, fcurves: Sequence[tuple[str, Sequence[float]]], interpolation: int, name: str) -> None:
@@ -200,6 +202,25 @@ def animate(owner: Any, fcurves: Sequence[tuple[str, Sequence[float]]], interpol
         fcurve.keyframe_points.foreach_set("co", keyframes)
         fcurve.keyframe_points.foreach_set("interpolation", [interpolation] * count)
         fcurve.update()
+
+
+def curves_of(owner: Any) -> Any:
+    """The F-curves of an animated data-block, as a collection that can take one away."""
+    animation = owner.animation_data
+    if not hasattr(animation, "action_slot"):
+        return animation.action.fcurves
+    bags = (strip.channelbag(animation.action_slot) for layer in animation.action.layers for strip in layer.strips)
+    return next((bag.fcurves for bag in bags if bag is not None), ())
+
+
+def always_show(obj: bpy.types.Object) -> None:
+    """Takes back what `hide_until` did; other animation of the object stays."""
+    curves = curves_of(obj)
+    for curve in [curve for curve in curves if curve.data_path in HIDING]:
+        curves.remove(curve)
+    if not len(curves_of(obj)):
+        remove_animation(obj)
+    obj.hide_viewport = obj.hide_render = False
 
 
 def remove_animation(owner: Any) -> None:

@@ -52,6 +52,16 @@ def filled(name: str, points: Points, mesh: Any, core: ModuleType) -> bpy.types.
     return data
 
 
+def add_faces(data: bpy.types.Mesh, triangles: NDArray[np.int64]) -> None:
+    """Adds triangles (t, 3) to a mesh without faces, whose vertices, and so its shape keys, stay."""
+    data.loops.add(triangles.size)
+    data.loops.foreach_set("vertex_index", triangles.astype(np.int32).ravel())
+    data.polygons.add(len(triangles))
+    data.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
+    data.update(calc_edges=True)
+    data.validate()
+
+
 def prism(name: str, points: Points, mesh: Any, half_height: float, core: ModuleType) -> bpy.types.Mesh:
     """A new closed mesh: the filled outline (n, 3) below and above its plane, and walls between; normals point out."""
     count = len(points)

@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from mathutils import Matrix
 
-from . import convert, filling, looks, output
+from . import animation, convert, filling, looks, output
 from .plane import size
 from .refusal import Refusal
 
@@ -59,6 +59,43 @@ def make(
             new.matrix_world = Matrix(frame.matrix.tolist())
         made.append(new)
     return made
+
+
+def make_animated(objects: Sequence[bpy.types.Object], core: ModuleType) -> list[bpy.types.Object]:
+    """A copy of each animated level beside it, with its shape keys, its action, and triangles between its vertices.
+
+    Alembic keeps only the points of a mesh without faces; glTF carries either, lone edges as lines if asked for them.
+    The triangles fill the result, and only follow on the way to it. The copies are seen on all frames, because
+    exporters leave out what is hidden on their first. Raises: Refusal.
+    """
+    for obj in objects:
+        if output.LEVEL not in obj or obj.data.shape_keys is None:
+            raise Refusal("'{name}' is no cage that is animated: choose faces instead", name=obj.name)
+    outlines = [filling.outline(obj, core) for obj in objects]
+    made = []
+    for obj, outline in zip(objects, outlines, strict=True):
+        new = obj.copy()
+        new.data = obj.data.copy()
+        new.name = new.data.name = f"{obj.name} Animated"
+        filling.add_faces(new.data, core.triangulation.triangulate(outline).triangles)
+        if new.animation_data is not None and new.animation_data.action is not None:
+            _own_action(new)
+            animation.always_show(new)
+        looks.set_thickness(new, 0, 0.0)
+        new.display_type, new.show_in_front = "TEXTURED", False
+        for name in [name for name in new.keys() if name.startswith("nested_cages_")]:  # noqa: SIM118
+            del new[name]
+        (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
+        made.append(new)
+    return made
+
+
+def _own_action(obj: bpy.types.Object) -> None:
+    """Gives an object a copy of its action, which plays in the same slot."""
+    slot = getattr(obj.animation_data, "action_slot", None)
+    obj.animation_data.action = obj.animation_data.action.copy()
+    if slot is not None:
+        obj.animation_data.action_slot = obj.animation_data.action.slots[slot.identifier]
 
 
 def meshes(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> dict[str, Any]:

@@ -99,7 +99,7 @@ def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.ty
     if collection is None:
         collection = bpy.data.collections.new(say("{name} Cages", name=name))
         scene.collection.children.link(collection)
-    _forget_frames(scene, collection)
+    forget_frames(scene, collection)
     timeline = animation.spans(result.levels, timing)
 
     fine = _member_with_mesh(
@@ -248,7 +248,7 @@ def _describe(owner: Any, properties: dict[str, Any]) -> None:
         owner[name] = value
 
 
-def _forget_frames(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
+def forget_frames(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     """Takes back the markers and the end frame that this collection's earlier output brought."""
     animation.remove_markers(scene, [(name, frame) for name, frame in json.loads(collection.get(MARKERS, "[]"))])
     before, after = collection.get(FRAME_END, (0, 0))

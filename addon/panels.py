@@ -115,6 +115,12 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
             row.operator("object.nested_cages_unbind", icon="UNLINKED")
         else:
             layout.operator("object.nested_cages_bind", icon="LINKED")
+        row = layout.row(align=True)
+        row.operator("object.nested_cages_bake_action", icon="ACTION")
+        row.operator("object.nested_cages_remove_animation", icon="X")
+        layout.operator(
+            "object.nested_cages_to_objects", text="Convert Cages to Curves", icon="OUTLINER_OB_CURVE"
+        ).shape = "CURVE"
         layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
@@ -138,8 +144,9 @@ def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
             ("Excess", f"{100.0 * obj['nested_cages_excess']:.2f} %"),
             ("Clearance", f"{obj['nested_cages_clearance']:.3g}"),
             ("Time", f"{obj['nested_cages_seconds']:.2f} s"),
-            ("Frames", f"{obj['nested_cages_flow_start']} – {obj['nested_cages_end']}"),
         ]
+        if "nested_cages_end" in obj:
+            rows.append(("Frames", f"{obj['nested_cages_flow_start']} – {obj['nested_cages_end']}"))
         if "nested_cages_check" in obj:
             rows.append(("Check", obj["nested_cages_check"]))
     return rows

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import bind, hand_on, picture
+from . import actions, bind, hand_on, picture
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -12,6 +12,7 @@ CLASSES = (
     OBJECT_OT_nested_cages_generate,
     NESTEDCAGES_OT_cancel,
     OBJECT_OT_nested_cages_verify,
+    *actions.CLASSES,
     *bind.CLASSES,
     *hand_on.CLASSES,
     *picture.CLASSES,

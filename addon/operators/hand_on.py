@@ -15,6 +15,7 @@ SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
     ("FILLED", "Faces", "Meshes of triangles, with holes open"),
     ("PRISM", "Prisms", "Closed meshes of some height"),
+    ("ANIMATED", "Animated Faces", "Meshes of triangles that play the steps, for Alembic, which drops lone edges"),
 )
 FILE_ITEMS = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
@@ -43,7 +44,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_to_objects"
     bl_label = "Cages to Objects"
-    bl_description = "Make new objects of the selected cages as they are on this frame: curves, faces or closed prisms"
+    bl_description = "Make new objects of the selected cages: as on this frame, or as faces that play the animation"
     bl_options = {"REGISTER", "UNDO"}
 
     shape: EnumProperty(  # type: ignore[valid-type]
@@ -60,7 +61,11 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            made = handing_on.make(context, chosen(context), self.shape, self.height, load_core())
+            core, objects = load_core(), chosen(context)
+            if self.shape == "ANIMATED":
+                made = handing_on.make_animated(objects, core)
+            else:
+                made = handing_on.make(context, objects, self.shape, self.height, core)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}

@@ -24,6 +24,8 @@ def test_everything_has_a_description(extension) -> None:
         bpy.ops.object.nested_cages_generate,
         bpy.ops.object.nested_cages_cancel,
         bpy.ops.object.nested_cages_verify,
+        bpy.ops.object.nested_cages_bake_action,
+        bpy.ops.object.nested_cages_remove_animation,
         bpy.ops.object.nested_cages_bind,
         bpy.ops.object.nested_cages_rebind,
         bpy.ops.object.nested_cages_unbind,

@@ -1,0 +1,70 @@
+"""Bake to One Action, and Remove Animation."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import actions, binding, output
+from ..refusal import Refusal, say
+
+
+class OnAnimation:
+    """What both operators share: they work on the animated cages of the active object."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        collection = _collection(context)
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Switch to Object Mode")
+        elif collection is None:
+            cls.poll_message_set("Select a drawing that has cages, or one of these")
+        elif binding.is_bound(collection):
+            cls.poll_message_set("Unbind the drawing from its cages first: its animation is put aside")
+        elif not actions.is_animated(collection):
+            cls.poll_message_set("The cages have no animation")
+        else:
+            return True
+        return False
+
+
+class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
+    """Makes one action of many."""
+
+    bl_idname = "object.nested_cages_bake_action"
+    bl_label = "Bake to One Action"
+    bl_description = "Put the animation of the drawing and of all of its cages into one action, each with its own slot"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            action = actions.bake(_collection(context))
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        self.report({"INFO"}, say("The animation is in the action '{name}'", name=action.name))
+        return {"FINISHED"}
+
+
+class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
+    """Leaves the result alone."""
+
+    bl_idname = "object.nested_cages_remove_animation"
+    bl_label = "Remove Animation, Keep Cages"
+    bl_description = "Take away the steps, their keyframes and their markers; the finished cages stay"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            actions.remove(context.scene, _collection(context))
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _collection(context: bpy.types.Context) -> bpy.types.Collection | None:
+    active = context.active_object
+    return output.collection_about(context.scene, active) if active is not None else None
+
+
+CLASSES = (OBJECT_OT_nested_cages_bake_action, OBJECT_OT_nested_cages_remove_animation)
