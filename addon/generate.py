@@ -26,18 +26,22 @@ MARGIN = 2.0 * np.sqrt(2.0)
 MARGINS = (1.0, 64.0)
 
 Percent = float
+# Stands for an own coarse drawing in a list of levels.
+OWN = "*"
+Level = int | Percent | str
 Steps = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class Options:
-    """`levels`: vertex counts (int) or percentages of the drawing's vertices (float), finest first. `clearance`: a
-    length of the scene, 0 = automatic. `decimation`: a key of `DECIMATIONS`.
+    """`levels`: vertex counts (int), percentages of the drawing's vertices (float), or `OWN`, finest first.
+    `clearance`: a length of the scene, 0 = automatic. `decimation`, `energy`: keys of `DECIMATIONS` and `ENERGIES`.
     """
 
-    levels: tuple[int | Percent, ...] = ()
+    levels: tuple[Level, ...] = ()
     clearance: float = 0.0
     decimation: str = "ON_CURVE"
+    energy: str = "AREA"
 
 
 # How the coarse mesh of a level is made from the mesh inside it: for the first level, and for those after it. Cages of
@@ -49,9 +53,21 @@ DECIMATIONS: dict[str, tuple[Callable[[ModuleType], Any], Callable[[ModuleType],
 }
 
 
+# What a cage minimises.
+ENERGIES: dict[str, Callable[[ModuleType], Any]] = {
+    "AREA": lambda core: core.Area(),
+    "SHAPE_KEEPING": lambda core: core.ShapeKeeping(),
+    "INITIAL_DISPLACEMENT": lambda core: core.InitialDisplacement(),
+    "BOUNDARY_ARAP": lambda core: core.BoundaryARAP(),
+    "INTERIOR_ARAP": lambda core: core.InteriorARAP(),
+}
+
+
 @dataclass(frozen=True)
 class Request:
-    """A drawing, and the user's own coarse drawings for it, finest first; without these, `Options.levels` counts."""
+    """A drawing, and the user's own coarse drawings for it, finest first: one for each `OWN` in `Options.levels`, or
+    all levels if there are none in it.
+    """
 
     fine: Drawing
     coarse: tuple[Drawing, ...] = ()
@@ -99,19 +115,21 @@ class Progress:
     message: str
 
 
-def parse_levels(text: str) -> tuple[int | Percent, ...]:
-    """Counts and percentages from a text such as "64, 24" or "10% 3%". Raises: Refusal."""
-    levels: list[int | Percent] = []
+def parse_levels(text: str) -> tuple[Level, ...]:
+    """Counts, percentages and own drawings from a text such as "64, 24", "10% 3%" or "64, *". Raises: Refusal."""
+    levels: list[Level] = []
     words = re.findall(r"[^\s,;]+", re.sub(r"\s+%", "%", text)) or [text]
     for word in words:
         if re.fullmatch(r"\d+", word):
             levels.append(int(word))
         elif re.fullmatch(r"\d+(\.\d*)?%|\.\d+%", word):
             levels.append(float(word[:-1]))
+        elif word == OWN:
+            levels.append(OWN)
         else:
             raise Refusal(
-                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas; "
-                "'{text}' is neither",
+                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas, and * for an "
+                "object of your own; '{text}' is none of these",
                 text=word,
             )
     return tuple(levels)
@@ -144,6 +162,22 @@ def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, 
     return tuple(found)
 
 
+def _wanted(levels: Sequence[Level], fine: Any, own: Sequence[Any], name: str) -> tuple[Any, ...]:
+    """The vertex count or own ``Mesh`` of each level. Raises: Refusal."""
+    if not levels:
+        return tuple(own)
+    if levels.count(OWN) != len(own):
+        raise Refusal(
+            "'{name}': the levels have {places} places for own objects (*), but {objects} are named",
+            name=name,
+            places=levels.count(OWN),
+            objects=len(own),
+        )
+    numbers = iter(counts([level for level in levels if level != OWN], fine, name))
+    meshes = iter(own)
+    return tuple(next(meshes) if level == OWN else next(numbers) for level in levels)
+
+
 class Generation:
     """Cages for several drawings as an iterator of `Progress`; ``results`` is complete when it ends. Dropping it
     cancels.
@@ -161,7 +195,7 @@ class Generation:
             own = tuple(drawing.mesh(self.core) for drawing in request.coarse)
             if not own and not options.levels:
                 raise Refusal("Give a vertex count for at least one level, such as 64")
-            self._plans.append((request, fine, own or counts(options.levels, fine, request.fine.name)))
+            self._plans.append((request, fine, _wanted(options.levels, fine, own, request.fine.name)))
 
     def __iter__(self) -> Iterator[Progress]:
         total = sum(len(levels) for _, _, levels in self._plans)
@@ -193,7 +227,10 @@ class Generation:
         """The core's progress of one level, and at the end its `CageLevel`. Raises: Refusal."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
-        settings = self.core.Settings(decimation=DECIMATIONS[self.options.decimation][min(number, 2) - 1](self.core))
+        settings = self.core.Settings(
+            decimation=DECIMATIONS[self.options.decimation][min(number, 2) - 1](self.core),
+            energy=ENERGIES[self.options.energy](self.core),
+        )
         for clearance in clearances:
             for margins in MARGINS:
                 asked = replace(settings, clearance=clearance + margins * margin)

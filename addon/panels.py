@@ -34,12 +34,16 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
-        levels = column.row()
+        levels = column.row(align=True)
         levels.active = not settings.use_selected_as_levels
         levels.prop(settings, "levels")
+        levels.operator("scene.nested_cages_level_add", text="", icon="ADD")
+        if len(settings.level_list):
+            _draw_list(column, settings)
         column.prop(settings, "use_selected_as_levels")
         column.prop(settings, "clearance")
         column.prop(settings, "decimation")
+        column.prop(settings, "energy")
         column = layout.column(align=True)
         column.prop(settings, "start_frame")
         column.prop(settings, "frames_per_step")
@@ -125,6 +129,17 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
+def _draw_list(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """The levels one by one, and the buttons that change their number and order."""
+    row = layout.row()
+    row.active = not settings.use_selected_as_levels
+    row.template_list("NESTEDCAGES_UL_levels", "", settings, "level_list", settings, "level_index", rows=3)
+    buttons = row.column(align=True)
+    buttons.operator("scene.nested_cages_level_remove", text="", icon="REMOVE")
+    buttons.operator("scene.nested_cages_level_move", text="", icon="TRIA_UP").step = -1
+    buttons.operator("scene.nested_cages_level_move", text="", icon="TRIA_DOWN").step = 1
+
+
 def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """How long the animation will be with these settings, known from the steps that the cages were made of before."""
     collection, scene = _shown_collection(context), context.scene
@@ -132,6 +147,15 @@ def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
     if frames is not None:
         seconds = frames * scene.render.fps_base / scene.render.fps
         layout.label(text=say("Length as before: {frames} frames, {seconds:.1f} s", frames=frames, seconds=seconds))
+
+
+class NESTEDCAGES_UL_levels(bpy.types.UIList):
+    """One level per line"""
+
+    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index=0) -> None:
+        row = layout.row(align=True)
+        row.prop(item, "kind", text="")
+        row.prop(item, {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}[item.kind], text="")
 
 
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
@@ -159,6 +183,7 @@ def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None
 
 
 CLASSES = (
+    NESTEDCAGES_UL_levels,
     VIEW3D_PT_nested_cages,
     VIEW3D_PT_nested_cages_reading,
     VIEW3D_PT_nested_cages_result,
@@ -168,10 +193,11 @@ CLASSES = (
 
 def move_to(category: str) -> None:
     """Shows the panels in another tab of the sidebar."""
-    if all(cls.bl_category == category for cls in CLASSES):
+    panels = [cls for cls in CLASSES if issubclass(cls, SidebarPanel)]
+    if all(cls.bl_category == category for cls in panels):
         return
     unregister()
-    for cls in CLASSES:
+    for cls in panels:
         cls.bl_category = category
     register()
 

@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from . import level_list
 from .animation import Timing
 from .convert import ReadingOptions
 from .generate import Options, parse_levels
@@ -25,6 +34,21 @@ DECIMATION_ITEMS = (
 )
 
 
+ENERGY_ITEMS = (
+    ("AREA", "Least Area", "As tight as the number of vertices allows"),
+    ("SHAPE_KEEPING", "Keep Shape", "Tight, but straight stays straight, level stays level and symmetric symmetric"),
+    ("INITIAL_DISPLACEMENT", "Least Motion", "As close to the coarse mesh as can be"),
+    ("BOUNDARY_ARAP", "Rigid Outline", "The outline of the coarse mesh bends and stretches as little as can be"),
+    ("INTERIOR_ARAP", "Rigid Inside", "What is inside the coarse mesh bends and stretches as little as can be"),
+)
+
+
+def _fill_list(self: object, _context: bpy.types.Context) -> None:
+    """Shows the levels' text in the list, which only the scene's settings have."""
+    if isinstance(self, NestedCagesSettings):
+        level_list.fill(self)
+
+
 class GenerationProperties:
     """The settings, for a class of Blender to inherit."""
 
@@ -32,9 +56,16 @@ class GenerationProperties:
         name="Levels",
         description=(
             "Number of vertices of each cage from the inside out, such as 64, 24; or parts of the drawing's own "
-            "number, such as 10%"
+            "number, such as 10%. * stands for the next of the own objects"
         ),
         default="64, 24",
+        update=_fill_list,
+    )
+    level_objects: StringProperty(  # type: ignore[valid-type]
+        name="Own Objects",
+        description="Names of the objects that * stands for in the levels, one on each line",
+        default="",
+        update=_fill_list,
     )
     use_selected_as_levels: BoolProperty(  # type: ignore[valid-type]
         name="Selected as Levels",
@@ -62,6 +93,12 @@ class GenerationProperties:
         description="How the coarse mesh that becomes a cage is made",
         items=DECIMATION_ITEMS,
         default="ON_CURVE",
+    )
+    energy: EnumProperty(  # type: ignore[valid-type]
+        name="Energy",
+        description="What a cage minimises",
+        items=ENERGY_ITEMS,
+        default="AREA",
     )
     start_frame: IntProperty(  # type: ignore[valid-type]
         name="Start Frame",
@@ -136,7 +173,14 @@ NAMES = tuple(GenerationProperties.__annotations__)
 
 
 class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
-    """The scene's settings for the next cages."""
+    """The scene's settings for the next cages; the levels also as a list, which writes the text and is filled by it."""
+
+    level_list: CollectionProperty(  # type: ignore[valid-type]
+        name="Level List", description="The levels, one by one", type=level_list.NestedCagesLevel
+    )
+    level_index: IntProperty(  # type: ignore[valid-type]
+        name="Level", description="The level that is chosen in the list", default=0, min=0
+    )
 
 
 def reading_options(values: GenerationProperties) -> ReadingOptions:
@@ -147,7 +191,12 @@ def reading_options(values: GenerationProperties) -> ReadingOptions:
 def options(values: GenerationProperties) -> Options:
     """What is computed. Raises: Refusal if the levels are not numbers."""
     levels = () if values.use_selected_as_levels else parse_levels(values.levels)
-    return Options(levels=levels, clearance=values.clearance, decimation=values.decimation)
+    return Options(levels=levels, clearance=values.clearance, decimation=values.decimation, energy=values.energy)
+
+
+def own_names(values: GenerationProperties) -> list[str]:
+    """Names of the own objects that the levels use."""
+    return [] if values.use_selected_as_levels else level_list.names_of(values.levels, values.level_objects)
 
 
 def timing(values: GenerationProperties) -> Timing:
@@ -160,9 +209,13 @@ def copy_values(source: GenerationProperties, target: GenerationProperties) -> N
     """Sets all settings of `target` to those of `source`."""
     for name in NAMES:
         setattr(target, name, getattr(source, name))
+    if isinstance(source, NestedCagesSettings) and len(source.level_list):
+        # The list knows its objects even if they were renamed.
+        target.level_objects = level_list.own_objects(source)
 
 
 def register() -> None:
+    bpy.utils.register_class(level_list.NestedCagesLevel)
     bpy.utils.register_class(NestedCagesSettings)
     bpy.types.Scene.nested_cages = PointerProperty(type=NestedCagesSettings, name="Nested Cages")
 
@@ -170,3 +223,4 @@ def register() -> None:
 def unregister() -> None:
     del bpy.types.Scene.nested_cages
     bpy.utils.unregister_class(NestedCagesSettings)
+    bpy.utils.unregister_class(level_list.NestedCagesLevel)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import actions, bind, hand_on, picture
+from . import actions, bind, hand_on, levels, picture
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -15,6 +15,7 @@ CLASSES = (
     *actions.CLASSES,
     *bind.CLASSES,
     *hand_on.CLASSES,
+    *levels.CLASSES,
     *picture.CLASSES,
 )
 

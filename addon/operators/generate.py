@@ -176,7 +176,16 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
     reading = properties.reading_options(values)
     selected = sources(context)
     if not values.use_selected_as_levels:
-        return [Request(convert.fine_drawing(convert.read(context, obj, reading), reading)) for obj in selected]
+        own = _own_objects(context, values)
+        found = []
+        for obj in selected:
+            if obj not in own:
+                fine = convert.fine_drawing(convert.read(context, obj, reading), reading)
+                coarse = [convert.drawing_in(fine.frame, convert.read(context, o, reading), reading) for o in own]
+                found.append(Request(fine, tuple(coarse)))
+        if not found:
+            raise Refusal("Select the drawing too: all that is selected is one of its levels")
+        return found
     active = context.view_layer.objects.active
     if active not in selected or len(selected) < 2:
         raise Refusal(
@@ -190,6 +199,19 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
         if obj is not active
     ]
     return [Request(fine, tuple(sorted(coarse, key=lambda drawing: -sum(map(len, drawing.loops)))))]
+
+
+def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:
+    """The objects that are levels. Raises: Refusal."""
+    objects = []
+    for name in properties.own_names(values):
+        obj = context.scene.objects.get(name)
+        if obj is None:
+            raise Refusal("'{name}' is named as a level but is not in the scene", name=name)
+        if not convert.readable(obj):
+            raise Refusal("'{name}' is named as a level but has no outline", name=name)
+        objects.append(obj)
+    return objects
 
 
 def _show_colours(context: bpy.types.Context) -> None:

@@ -1,0 +1,73 @@
+"""The buttons beside the list of levels."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import IntProperty
+
+from .. import level_list
+
+
+class OnLevels:
+    """What these operators share: they need a list with something in it."""
+
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        settings = context.scene.nested_cages
+        if settings.level_index < len(settings.level_list):
+            return True
+        cls.poll_message_set("Choose a level in the list")
+        return False
+
+
+class SCENE_OT_nested_cages_level_add(bpy.types.Operator):
+    """Adds a level."""
+
+    bl_idname = "scene.nested_cages_level_add"
+    bl_label = "Add Level"
+    bl_description = "Add a coarser level, and list the levels one by one"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        level_list.add(context.scene.nested_cages)
+        return {"FINISHED"}
+
+
+class SCENE_OT_nested_cages_level_remove(OnLevels, bpy.types.Operator):
+    """Removes a level."""
+
+    bl_idname = "scene.nested_cages_level_remove"
+    bl_label = "Remove Level"
+    bl_description = "Take the chosen level out of the list; one is always left"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if len(context.scene.nested_cages.level_list) < 2:
+            cls.poll_message_set("One level is needed at least")
+            return False
+        return super().poll(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        level_list.remove(context.scene.nested_cages)
+        return {"FINISHED"}
+
+
+class SCENE_OT_nested_cages_level_move(OnLevels, bpy.types.Operator):
+    """Moves a level."""
+
+    bl_idname = "scene.nested_cages_level_move"
+    bl_label = "Move Level"
+    bl_description = "Move the chosen level up or down in the list, which goes from the inside out"
+
+    step: IntProperty(  # type: ignore[valid-type]
+        name="Step", description="Lines to move it down; up if negative", default=1, min=-1, max=1
+    )
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        level_list.move(context.scene.nested_cages, self.step)
+        return {"FINISHED"}
+
+
+CLASSES = (SCENE_OT_nested_cages_level_add, SCENE_OT_nested_cages_level_remove, SCENE_OT_nested_cages_level_move)
