@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import bpy
 
-from . import operators, panels, preferences, presets, properties
+from . import manual, operators, panels, preferences, presets, properties
 from .properties import copy_values
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (properties, operators, presets, panels, preferences)
+_ROOMS = (properties, operators, presets, panels, preferences, manual)
 
 
 def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:

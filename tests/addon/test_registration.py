@@ -24,6 +24,7 @@ def test_everything_has_a_description(extension) -> None:
         bpy.ops.object.nested_cages_generate,
         bpy.ops.object.nested_cages_cancel,
         bpy.ops.object.nested_cages_verify,
+        bpy.ops.scene.nested_cages_store_defaults,
         bpy.ops.scene.nested_cages_level_add,
         bpy.ops.scene.nested_cages_level_remove,
         bpy.ops.scene.nested_cages_level_move,
