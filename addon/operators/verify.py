@@ -52,7 +52,9 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
                 verdict = "Holds on frame {frame}" if finding.holds else "Broken on frame {frame}"
                 cage["nested_cages_check"] = say(verdict, frame=context.scene.frame_current)
                 cage["nested_cages_finding"] = finding.sentence
-        for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in findings):
+        reports = dict.fromkeys((finding.holds, finding.sentence) for finding in findings)
+        for holds, sentence in sorted(reports, key=lambda found: not found[0]):
+            # The status bar shows the last one: what does not hold.
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault:
             for obj in context.selected_objects:
