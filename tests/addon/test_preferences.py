@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import sys
 from collections.abc import Iterator
 
 import bpy
@@ -10,6 +10,11 @@ import pytest
 from bl_operators.wm import WM_OT_doc_view_manual as DocView
 
 from conftest import PACKAGE, ROOT
+
+
+@pytest.fixture
+def manual(extension):
+    return sys.modules[f"{extension.__name__}.addon.manual"]
 
 
 @pytest.fixture
@@ -24,26 +29,28 @@ def preferences(extension) -> Iterator[bpy.types.AddonPreferences]:
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("name", "page"),
     [
-        "bpy.ops.object.nested_cages_generate",
-        "bpy.ops.object.nested_cages_verify",
-        "bpy.ops.scene.nested_cages_level_add",
-        "bpy.types.NestedCagesSettings.clearance",
-        "bpy.types.NestedCagesLevel.count",
-        "bpy.types.NestedCagesPreferences.category",
-        "bpy.types.OBJECT_OT_nested_cages_generate.levels",
+        ("bpy.ops.object.nested_cages_generate", "cages"),
+        ("bpy.ops.object.nested_cages_verify", "verify"),
+        ("bpy.ops.object.nested_cages_rebind", "bind"),
+        ("bpy.ops.scene.nested_cages_level_add", "levels"),
+        ("bpy.types.NestedCagesSettings.clearance", "levels"),
+        ("bpy.types.NestedCagesSettings.ease", "animation"),
+        ("bpy.types.NestedCagesSettings.thickness", "cages"),
+        ("bpy.types.NestedCagesLevel.count", "levels"),
+        ("bpy.types.NestedCagesPreferences.category", "cages"),
+        ("bpy.types.OBJECT_OT_nested_cages_generate.resolution", "cages"),
     ],
 )
-def test_f1_leads_to_a_heading_of_the_repository(extension, name) -> None:
-    import sys
-
+def test_f1_leads_to_a_page_of_the_guide(manual, name, page) -> None:
     url = DocView._lookup_rna_url(name, verbose=False)
-    prefix = sys.modules[f"{extension.__name__}.addon.manual"].REPOSITORY
-    assert url is not None and url.startswith(prefix)
-    path, _, anchor = url.removeprefix(prefix).partition("#")
-    headings = re.findall(r"^#+ (.+)$", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE)
-    assert anchor in {heading.lower().replace(" ", "-") for heading in headings}
+    assert url == f"{manual.REPOSITORY}docs/guide/{page}.md"
+
+
+def test_all_pages_are_in_the_repository(manual) -> None:
+    for _, page in manual.PAGES:
+        assert (ROOT / page).is_file(), page
 
 
 def test_other_pages_are_left_to_blender(extension) -> None:
