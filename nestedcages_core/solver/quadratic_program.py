@@ -1,12 +1,14 @@
-"""Convex quadratic programs over the vertices of a cage, by Mehrotra's predictor-corrector interior-point method.
+"""Quadratic programs over the vertices of a cage, by Mehrotra's predictor-corrector interior-point method.
 
     minimise   G·D + ½ Dᵀ (W + δ I) D + ½ Σ e² / ε
     subject to r + J D + e ≥ 0,   |D_i| ≤ Δ_i along two axes
 
-with the shift δ raised until the matrix of the Newton system is positive definite. Without softness (ε = 0) the
-constraints hold strictly (e = 0). Complementarity, feasibility and stationarity are solved for together, first for the
-affine step, then for one that is centred and corrected to second order by what the affine step has shown (Mehrotra
-1992; Nocedal & Wright, Numerical Optimization, section 16.6).
+Without softness (ε = 0) the constraints hold strictly (e = 0). Complementarity, feasibility and stationarity are solved
+for together, first for the affine step, then for one that is centred and corrected to second order by what the affine
+step has shown (Mehrotra 1992; Nocedal & Wright, Numerical Optimization, section 16.6).
+
+W may be indefinite: where the matrix of a Newton system is not positive definite, the system is damped until it is. The
+constraints that become active on the way make it definite in the end, unless the bounds alone end the descent.
 """
 
 from __future__ import annotations
@@ -33,11 +35,15 @@ SMALLEST_CENTRING = 1e-4
 FAILED_CORRECTOR = 0.02
 """Step lengths below which the corrector is dropped for a plain centring step."""
 
-FIRST_SHIFT = 0.05
-"""First shift δ tried when the Newton system is not positive definite, relative to the largest block of W."""
+FIRST_DAMPING = 0.05
+"""First damping tried when the Newton system is not positive definite, relative to the largest block of W."""
 
-SHIFT_GROWTH = 3.0
-"""Factor of the further tries."""
+MORE_DAMPING, LESS_DAMPING, SMALLEST_DAMPING = 3.0, 1.0 / 3.0, 1e-3
+"""Factors of the further tries, and of the first try of the next system; fraction of the first damping below which none
+is tried."""
+
+DAMPING_MARGIN = 3.0
+"""Factor of the damping that succeeded: a matrix that is hardly positive definite lets roundings decide the way."""
 
 TINY = float(np.finfo(float).tiny)
 """Guards divisions."""
@@ -61,7 +67,7 @@ class QuadraticProgram:
     """(m, 2, 2) the two axes of each vertex: vertex, axis, component. Axes that turn with the cage make its motion
     independent of the coordinates."""
     shift: float = 0.0
-    """First δ ≥ 0."""
+    """δ ≥ 0."""
     softness: FloatArray | None = None
     """(K,) ε ≥ 0 of each row; 0 makes it hard, and None all of them."""
     scale: float | None = None
@@ -78,8 +84,6 @@ class Solution:
     """(m, 2) D."""
     multipliers: FloatArray
     """(K,) multipliers of the rows, ≥ 0."""
-    shift: float
-    """The δ that was needed."""
     decrease: float
     """Predicted decrease -(G·D + ½ Dᵀ (W + δ I) D)."""
     iterations: int
@@ -130,7 +134,8 @@ class _Iteration:
         self.shift = program.shift
         self.length = float(radius.mean())
         self.scale = program.scale or max(_longest(self.G), TINY)
-        self.first_shift = FIRST_SHIFT * block_scale(program.hessian) or FIRST_SHIFT
+        self.damping = 0.0
+        self.first_damping = FIRST_DAMPING * block_scale(program.hessian) or FIRST_DAMPING
 
         # start: slacks at least a little inside, multipliers so that no product is larger than the others
         K = self.K
@@ -162,21 +167,24 @@ class _Iteration:
             self._factorise()
             self._step(complementarity / len(self.s))
         return Solution(
-            self.D[self.unknowns], self.z[:K].copy(), self.shift, decrease, iteration, converged
+            self.D[self.unknowns], self.z[:K].copy(), decrease, iteration, converged
         )  # fmt: skip
 
     def _factorise(self) -> None:
-        """Factorise the Newton system, with a larger shift where it is not positive definite."""
+        """Factorise the Newton system, damped where it is not positive definite."""
         self.denominator = self.s
         if self.softness is not None:
             self.denominator = self.s.copy()
             self.denominator[: self.K] += self.softness * self.z[: self.K]
         self.h = self.z / self.denominator
         self.system.set_matrix(self.h)
-        while not self.system.factorise(self.shift):
-            larger = max(SHIFT_GROWTH * self.shift, self.first_shift)
-            self.dual = self.dual + (larger - self.shift) * self.D  # the shift is part of the objective
-            self.shift = larger
+        damping = least = LESS_DAMPING * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
+        while not self.system.factorise(self.shift + damping):
+            damping = max(MORE_DAMPING * damping, self.first_damping)
+        if damping > least:
+            damping *= DAMPING_MARGIN
+            self.system.factorise(self.shift + damping)
+        self.damping = damping
 
     def _step(self, mean: float) -> None:
         """One predictor-corrector step from the mean complementarity."""
@@ -191,9 +199,9 @@ class _Iteration:
             d, spread, ds, dz = self._direction(affine + mean)
             step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
         step, dual_step = min(step, 1.0), min(dual_step, 1.0)
-        # a whole step would undo both residuals: A d + primal + ε dz = ds and (W + δ I) d + dual = Aᵀ dz
+        # undamped, a whole step would undo both residuals: A d + primal + ε dz = ds, (W + δ I) d + dual = Aᵀ dz
         curved = self.system.transposed(dz) - self.dual
-        self.dual = (1.0 - dual_step) * self.dual + (step - dual_step) * curved
+        self.dual = (1.0 - dual_step) * self.dual + (step - dual_step) * curved - (step * self.damping) * d
         self.primal = (1.0 - step) * self.primal
         if self.softness is not None:
             self.primal[: self.K] += (dual_step - step) * self.softness * dz[: self.K]

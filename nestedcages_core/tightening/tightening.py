@@ -159,7 +159,7 @@ class _Run:
                 "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e, "
                 "radius %.1e, shortened %d",
                 iteration, value, solution.decrease, value - trial.value, len(model.around.pairs),
-                solution.iterations, "" if solution.converged else "!", solution.shift, float(np.median(region.radius)),
+                solution.iterations, "" if solution.converged else "!", region.shift, float(np.median(region.radius)),
                 int((trial.fraction < 1.0).sum()),
             )  # fmt: skip
             gain = value - trial.value

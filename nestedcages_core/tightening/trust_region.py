@@ -115,7 +115,6 @@ class TrustRegion:
         if gain > FAIR_GAIN:
             wide = np.maximum(radius, np.minimum(WIDEN * step, self.largest))
             radius = np.where(good, wide, radius)
-        self.shift = solution.shift
         if gain > GOOD_GAIN:
             self.shift = LESS_SHIFT * self.shift if self.shift > SMALLEST_SHIFT else 0.0
         elif gain < POOR_GAIN and not bad.any():
