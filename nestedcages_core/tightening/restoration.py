@@ -14,11 +14,12 @@ from .._types import FloatArray
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, Pairs
 
-PASSES = 6
+PASSES = 10
 """Number of rounds: a shift of one edge can bring its neighbour too close, by far less each time."""
 
-OVERSHOOT = 1.02
-"""Factor of every shift, so that rounds end."""
+OVERSHOOT, LATER_OVERSHOOT, LATER = 1.02, 1.5, 3
+"""Factor of every shift, so that rounds end; a larger one from this round on, where edges push each other back and
+forth by lengths that hardly matter."""
 
 NUDGE = 1e-6
 """Smallest extra shift, as a fraction of the wanted distance, for the same reason."""
@@ -38,18 +39,20 @@ def restore(
     required: (K,) wanted distances; side: (K,) sides on which the points belong.
     """
     contacts = measure(pairs, x, side)
-    for _ in range(PASSES):
+    for number in range(PASSES):
         missing = required - contacts.distance
         if float(missing.max(initial=0.0)) <= 0.0:
             break
+        missing *= OVERSHOOT if number < LATER else LATER_OVERSHOOT
+        missing[missing > 0.0] += NUDGE * required[missing > 0.0]
         x = x.copy()
-        x[: bodies.m] += _correction(bodies, pairs, contacts, x, missing, required)
+        x[: bodies.m] += _correction(bodies, pairs, contacts, x, missing)
         contacts = measure(pairs, x, side)
     return x, contacts
 
 
 def _correction(
-    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray, required: FloatArray
+    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray
 ) -> FloatArray:
     """(m, 2) motion of the cage that makes up for the missing distances (K,)."""
     m = bodies.m
@@ -57,13 +60,13 @@ def _correction(
     family = pairs.fine_cage
     short = np.flatnonzero(missing[family] > 0.0)
     shift = np.zeros(m)
-    np.maximum.at(shift, pairs.start[short], OVERSHOOT * missing[short] + NUDGE * required[short])
+    np.maximum.at(shift, pairs.start[short], missing[short])
     correction = _shift_edges(bodies, cage, shift)
     for family, share in ((pairs.cage_fine, 1.0), (pairs.cage_cage, 0.5)):
         short = np.flatnonzero(missing[family] > 0.0) + family.start
         if len(short) == 0:
             continue
-        push = contacts.normal[short] * (share * (OVERSHOOT * missing[short] + NUDGE * required[short]))[:, None]
+        push = contacts.normal[short] * (share * missing[short])[:, None]
         np.add.at(correction, pairs.point[short], push)
         if share < 1.0:
             np.subtract.at(correction, pairs.start[short], push)
