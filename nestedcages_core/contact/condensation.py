@@ -166,7 +166,7 @@ def _sparse_solver(matrix: sp.csc_matrix) -> Solve:
 
 
 def _inverse_2x2(blocks: FloatArray) -> FloatArray:
-    """Inverses of (k, 2, 2) positive definite matrices; where rounding has cancelled a determinant, of ones close by."""
+    """Inverses of (k, 2, 2) positive definite matrices; where rounding cancelled a determinant, of ones close by."""
     a, b, c, d = blocks[:, 0, 0], blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1]
     inverse = np.empty_like(blocks)
     inverse[:, 0, 0], inverse[:, 0, 1], inverse[:, 1, 0], inverse[:, 1, 1] = d, -b, -c, a
