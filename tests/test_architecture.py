@@ -49,7 +49,15 @@ ROOMS = (
 
 THIRD_PARTY = {"numpy", "scipy"}
 BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "gpu_extras", "blf", "aud", "addon_utils", "bl_ui"}
-BLENDER_PLACES = ("addon/", "__init__.py", "benchmarks/binding.py", "examples/", "packaging/", "tests/addon/")
+BLENDER_PLACES = (
+    "addon/",
+    "__init__.py",
+    "benchmarks/binding.py",
+    "benchmarks/blender_writing.py",
+    "examples/",
+    "packaging/",
+    "tests/addon/",
+)
 
 PUBLIC = (
     "ArcLength",
