@@ -14,8 +14,9 @@ import numpy as np
 
 from data import read_shape
 from nestedcages_core import Level, Mesh, OnCurve, Settings, nested_cages
-from nestedcages_core.broad_phase import smallest_distance
 from nestedcages_core.energies import signed_area
+from nestedcages_core.predicates import BoxTree
+from nestedcages_core.smallest_gap import smallest_gap
 
 
 def flower() -> Mesh:
@@ -30,10 +31,7 @@ def measures(level: Level) -> np.ndarray:
     rows = []
     for inner, outer in zip(way.fine_steps, way.cage_steps, strict=True):
         excess = 100.0 * (signed_area(outer, cage.successor) / fine.area - 1.0)
-        gap = min(
-            smallest_distance(inner, outer, outer[cage.successor]),
-            smallest_distance(outer, inner, inner[fine.successor]),
-        )
+        gap = smallest_gap(BoxTree(inner, inner[fine.successor]), BoxTree(outer, outer[cage.successor]))
         left = np.hypot(*(fine.vertices - inner).T).max()
         rows.append((excess, gap / fine.diagonal, left / fine.diagonal))
     return np.array(rows)

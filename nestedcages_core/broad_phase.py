@@ -1,10 +1,9 @@
 """Broad phase: the point-edge pairs that are close enough to matter, without looking at all of them.
 
-Few pairs are simply all measured. Above that, edges are cut into pieces no longer than a grid cell, so that long coarse
-edges beside short fine
-ones cost no more than their length; each piece looks up the rows of cells around it in the points sorted by cell. A
-pair found by several pieces
-is kept only by the piece that holds its closest point, so nothing has to be deduplicated.
+Of few pairs simply all are compared by boxes. Above that, edges are cut into pieces no longer than a grid cell, so
+that long coarse edges beside short fine ones cost no more than their length; each piece looks up the rows of cells
+around it in the points sorted by cell. A pair found by several pieces is kept only by the piece that holds its closest
+point, so nothing has to be deduplicated.
 """
 
 from __future__ import annotations
@@ -14,9 +13,6 @@ import numpy as np
 from ._types import FloatArray, IntArray
 from .distance import point_edge
 
-ALL_PAIRS_LIMIT = 60_000
-"""Number of pairs up to which measuring all of them is faster than any structure (measured)."""
-
 ALL_BOXES_LIMIT = 200_000
 """Number of pairs up to which a test of all points against the boxes of all edges is faster than cells (measured)."""
 
@@ -25,12 +21,6 @@ FINEST_GRID = 1000
 
 CHUNK_PAIRS = 2_000_000
 """Pairs measured at once: bounds the memory to about 300 MB."""
-
-SEARCH_START = 1e-4
-"""First search radius of :func:`smallest_distance`, as a fraction of the extent of the points and edges."""
-
-SEARCH_GROWTH = 8.0
-"""Factor by which :func:`smallest_distance` widens a search that found nothing."""
 
 
 def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float) -> tuple[IntArray, IntArray]:
@@ -43,25 +33,6 @@ def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius:
     if len(points) * len(starts) <= ALL_BOXES_LIMIT:
         return _near_pairs_by_boxes(points, starts, ends, radius)
     return _near_pairs_by_cells(points, starts, ends, radius)
-
-
-def smallest_distance(points: FloatArray, starts: FloatArray, ends: FloatArray) -> float:
-    """Smallest distance between (P, 2) points and (E, 2) edges; infinite when there are none."""
-    if len(points) == 0 or len(starts) == 0:
-        return float("inf")
-    if len(points) * len(starts) <= ALL_PAIRS_LIMIT:
-        return float(point_edge(points[:, None], starts[None], ends[None]).distance.min())
-    low = np.minimum(points.min(axis=0), np.minimum(starts.min(axis=0), ends.min(axis=0)))
-    high = np.maximum(points.max(axis=0), np.maximum(starts.max(axis=0), ends.max(axis=0)))
-    extent = float(np.hypot(*(high - low)))
-    radius = SEARCH_START * extent
-    while radius < extent:
-        i, j = near_pairs(points, starts, ends, radius)
-        if len(i):
-            return float(point_edge(points[i], starts[j], ends[j]).distance.min())
-        radius *= SEARCH_GROWTH
-    i, j = near_pairs(points, starts, ends, 2.0 * extent)
-    return float(point_edge(points[i], starts[j], ends[j]).distance.min())
 
 
 def _near_pairs_by_boxes(

@@ -22,6 +22,7 @@ ROOMS = (
     "predicates",
     "mesh",
     "distance",
+    "smallest_gap",
     "broad_phase",
     "signed_distance",
     "triangulation",

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ..broad_phase import smallest_distance
 from ..errors import NestingError
 from ..mesh import Mesh
 from ..mesh.validation import place
+from ..predicates import BoxTree
+from ..smallest_gap import smallest_gap
 from .base import Count, Decimation, checked_budget
 from .contour import Field
 from .douglas_peucker import DouglasPeucker
@@ -144,10 +145,7 @@ class _Search:
 
 def _distance(one: Mesh, other: Mesh) -> float:
     """Smallest distance between two meshes whose edges do not cross."""
-    return min(
-        smallest_distance(one.vertices, other.vertices, other.vertices[other.successor]),
-        smallest_distance(other.vertices, one.vertices, one.vertices[one.successor]),
-    )
+    return smallest_gap(*(BoxTree(mesh.vertices, mesh.vertices[mesh.successor]) for mesh in (one, other)))
 
 
 def _changed(contour: Mesh, fine: Mesh) -> str:

@@ -13,7 +13,7 @@ from ..mesh import Mesh
 from ..mesh.loops import enclosing_pairs, extreme_places, parents
 from ..mesh.validation import crossing_point, place
 from ..predicates import BoxTree, segments_intersect
-from .clearance import smallest_gap
+from ..smallest_gap import smallest_gap
 
 CLEARANCE_TOLERANCE = 1e-9
 """Relative shortfall of the measured clearance that still counts as reached; above the rounding of a distance."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import broad_phase
-from nestedcages_core.broad_phase import near_pairs, smallest_distance
+from nestedcages_core.broad_phase import near_pairs
 from nestedcages_core.distance import point_edge
 
 
@@ -36,7 +36,7 @@ def test_cells_find_each_close_pair_once(radius: float, long_share: float) -> No
 def test_few_pairs_take_the_short_way(monkeypatch: pytest.MonkeyPatch) -> None:
     points, starts, ends = (part[:50] for part in scene(2, 0.1))
     short = near_pairs(points, starts, ends, 0.05)
-    monkeypatch.setattr(broad_phase, "ALL_PAIRS_LIMIT", 0)
+    monkeypatch.setattr(broad_phase, "ALL_BOXES_LIMIT", 0)
     cells = near_pairs(points, starts, ends, 0.05)
     assert set(zip(*short, strict=True)) == set(zip(*cells, strict=True))
 
@@ -49,16 +49,7 @@ def test_small_chunks_lose_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(zip(*whole, strict=True)) == set(zip(*chunked, strict=True))
 
 
-@pytest.mark.parametrize("shift", [0.0, 100.0])
-def test_smallest_distance_agrees_with_all_pairs(shift: float) -> None:
-    points, starts, ends = scene(4, 0.1)
-    points = points + shift
-    expected = point_edge(points[:, None], starts[None], ends[None]).distance.min()
-    assert smallest_distance(points, starts, ends) == pytest.approx(expected, rel=1e-12)
-
-
 def test_nothing_is_near_nothing() -> None:
     nothing, one = np.zeros((0, 2)), np.zeros((1, 2))
     assert len(near_pairs(nothing, one, one + 1, 1.0)[0]) == 0
     assert len(near_pairs(one, nothing, nothing, 1.0)[0]) == 0
-    assert smallest_distance(nothing, one, one + 1) == np.inf

@@ -9,10 +9,11 @@ import pytest
 import shapely
 
 from nestedcages_core import Mesh
-from nestedcages_core.broad_phase import smallest_distance
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.energies import Area, InitialDisplacement
+from nestedcages_core.predicates import BoxTree
+from nestedcages_core.smallest_gap import smallest_gap
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 from nestedcages_core.tightening import Tightening, TighteningOutcome
 from nestedcages_core.tightening.restoration import restore
@@ -252,8 +253,8 @@ def test_widening_shares_what_room_there_is() -> None:
     widened = widen(bodies, x, clearance, CandidateList(bodies), InteriorPoint(), lambda x: None)
     assert widened.closest == -1
     cage, home = widened.x[: bodies.m], fine.vertices
-    assert smallest_distance(home, cage, cage[bodies.cage_successor]) >= clearance
-    assert smallest_distance(cage, home, home[bodies.fine_successor]) >= clearance
+    boundaries = BoxTree(home, home[bodies.fine_successor]), BoxTree(cage, cage[bodies.cage_successor])
+    assert smallest_gap(*boundaries) >= clearance
 
 
 def test_other_energies_are_minimised_too() -> None:

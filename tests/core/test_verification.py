@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from fractions import Fraction
 from typing import Any
@@ -15,8 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core.mesh import Mesh
-from nestedcages_core.predicates import BoxTree
-from nestedcages_core.verification import Certificate, clearance, verify
+from nestedcages_core.verification import Certificate, verify
 
 Point = tuple[float, float]
 
@@ -215,21 +213,6 @@ def test_clearance_against_shapely(seed: int) -> None:
     expected = polygon_of(cage).boundary.distance(polygon_of(fine).boundary)
     for a, b in ((cage, fine), (fine, cage)):
         assert verify(a, b).clearance == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize("crowded", [-1, clearance.CROWDED])
-@pytest.mark.parametrize(("first", "second"), [*itertools.product([3, 4, 5, 16, 17, 700], [3, 5, 64, 300])])
-def test_smallest_gap_is_that_of_all_pairs(
-    first: int, second: int, crowded: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(clearance, "CROWDED", crowded)
-    random = np.random.default_rng(first * second)
-    for shift in (0.0, 0.5, 2.5):
-        inner, outer = star(random, first), 2.6 * star(random, second) + np.array([10.0 * shift, shift])
-        expected = shapely.LinearRing(inner).distance(shapely.LinearRing(outer))
-        trees = [BoxTree(loop, np.roll(loop, -1, axis=0)) for loop in (inner, outer)]
-        if expected > 0:
-            assert clearance.smallest_gap(*trees) == pytest.approx(expected, rel=1e-12)
 
 
 def test_cages_at_a_constant_distance_are_measured() -> None:

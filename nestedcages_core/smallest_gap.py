@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..distance import point_edge
-from ..predicates import BoxTree
-from ..predicates.box_tree import CROWDED, FANOUT, children
+from ._types import FloatArray, IntArray
+from .distance import point_edge
+from .predicates import BoxTree
+from .predicates.box_tree import CROWDED, FANOUT, children
 
 
 class Balls(NamedTuple):

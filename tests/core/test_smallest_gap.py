@@ -1,0 +1,41 @@
+"""The smallest distance between two boundaries against shapely's."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import smallest_gap as room
+from nestedcages_core.predicates import BoxTree
+from nestedcages_core.smallest_gap import smallest_gap
+
+
+def star(random: np.random.Generator, count: int) -> np.ndarray:
+    """A simple loop with random radii up to 1, (count, 2)."""
+    angle = (np.arange(count) + random.uniform(0.0, 0.9, count)) / count * 2 * np.pi
+    return np.stack((np.cos(angle), np.sin(angle)), axis=1) * random.uniform(0.4, 1.0, (count, 1))
+
+
+@pytest.mark.parametrize("crowded", [-1, room.CROWDED])
+@pytest.mark.parametrize(("first", "second"), [*itertools.product([3, 4, 5, 16, 17, 700], [3, 5, 64, 300])])
+def test_it_is_that_of_all_pairs(first: int, second: int, crowded: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "CROWDED", crowded)
+    random = np.random.default_rng(first * second)
+    for shift in (0.0, 0.5, 2.5):
+        inner, outer = star(random, first), 2.6 * star(random, second) + np.array([10.0 * shift, shift])
+        expected = shapely.LinearRing(inner).distance(shapely.LinearRing(outer))
+        trees = [BoxTree(loop, np.roll(loop, -1, axis=0)) for loop in (inner, outer)]
+        if expected > 0:
+            assert smallest_gap(*trees) == pytest.approx(expected, rel=1e-12)
+
+
+def test_edges_may_come_in_any_order() -> None:
+    random = np.random.default_rng(5)
+    inner, outer = star(random, 60), 2.6 * star(random, 90)
+    expected = shapely.LinearRing(inner).distance(shapely.LinearRing(outer))
+    mixed = [(loop, np.roll(loop, -1, axis=0), random.permutation(len(loop))) for loop in (inner, outer)]
+    trees = [BoxTree(starts[order], ends[order]) for starts, ends, order in mixed]
+    assert smallest_gap(*trees) == pytest.approx(expected, rel=1e-12)
