@@ -191,7 +191,7 @@ def _connect(
     for obj, made in zip(levels, links, strict=False):
         obj["nested_cages_link"] = say(
             "{method}, error {rest:.1e} at rest, {affine:.1e} under affine poses",
-            method="Surface Deform" if made.method == following.SURFACE else "Mesh Deform",
+            method=following.NAMES[made.method],
             rest=made.rest,
             affine=made.affine,
         )

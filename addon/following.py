@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
@@ -10,13 +10,21 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import filling, nodes
+from . import filling, nodes, weights
 from .plane import size, transform
 from .refusal import Refusal, load_core
 
 SURFACE, PRISM = "SURFACE_DEFORM", "MESH_DEFORM"
 SURFACE_MODIFIER, PRISM_MODIFIER = "Nested Cages Surface Deform", "Nested Cages Mesh Deform"
-OURS = (nodes.REMEMBER, SURFACE_MODIFIER, PRISM_MODIFIER, nodes.ADD_EDITS)
+OURS = (nodes.REMEMBER, nodes.COORDINATES, SURFACE_MODIFIER, PRISM_MODIFIER, nodes.ADD_EDITS)
+# What users call the methods, in the order in which they are tried.
+NAMES = {
+    weights.HARMONIC: "Harmonic Coordinates",
+    weights.LINEAR: "Linear Coordinates",
+    SURFACE: "Surface Deform",
+    PRISM: "Mesh Deform",
+}
+AUTOMATIC = (weights.HARMONIC, SURFACE, PRISM)
 # Marks the objects that only help others to follow.
 HELPER = "nested_cages_helper"
 
@@ -47,10 +55,17 @@ class Link:
 
 def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> Link:
     """Makes `inner` follow `cage`, a filled mesh, by `method`, or by the best one if "AUTO". Raises: Refusal."""
-    wanted = (SURFACE, PRISM) if method == "AUTO" else (method,)
+    wanted: Sequence[str] = (method,)
+    if method == "AUTO":
+        wanted = AUTOMATIC if weights.fits(inner, cage) else AUTOMATIC[1:]
     found: list[Link] = []
     for kind in wanted:
-        tried = _try(context, inner, cage, kind)
+        try:
+            tried = _try(context, inner, cage, kind)
+        except Refusal:
+            if method != "AUTO":
+                raise
+            tried = None
         if tried is not None and tried.rest <= REST_ERROR and tried.affine <= AFFINE_ERROR:
             found.append(tried)
             if tried.affine <= EXACT:
@@ -79,23 +94,31 @@ def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.
         inner.data.attributes.new(nodes.REST, "FLOAT_VECTOR", "POINT")
     rest = inner.data.attributes[nodes.REST]
     rest.data.foreach_set("vector", filling.points_of(inner.data).astype(np.float32).ravel())
-    bound = bind_modifier(context, inner, cage, method)
+    modifier = bind_modifier(context, inner, cage, method)
     nodes.add(inner, nodes.REMEMBER)
     nodes.add(inner, nodes.ADD_EDITS)
-    for place, name in enumerate((nodes.REMEMBER, bound.name, nodes.ADD_EDITS)):
+    for place, name in enumerate((nodes.REMEMBER, modifier.name, nodes.ADD_EDITS)):
         inner.modifiers.move(inner.modifiers.find(name), place)
-    if bound.is_bound:
+    bound = is_bound(modifier)
+    if bound:
         rest = inner.data.attributes[nodes.REST]
         # What the modifier is off by while nothing is posed, in thin triangles for instance, counts as no edit.
         rest.data.foreach_set("vector", evaluated_points(context, inner).astype(np.float32).ravel())
         inner.data.update()
-    return bool(bound.is_bound)
+    return bound
+
+
+def is_bound(modifier: bpy.types.Modifier) -> bool:
+    """Whether Blender could bind a modifier; node groups always are."""
+    return bool(getattr(modifier, "is_bound", True))
 
 
 def bind_modifier(
     context: bpy.types.Context, obj: bpy.types.Object, cage: bpy.types.Object, method: str, half_height: float = 0.0
 ) -> bpy.types.Modifier:
     """Adds and binds the modifier alone; `half_height`: how far the object reaches out of its plane."""
+    if method in weights.KINDS:
+        return weights.add(obj, cage, evaluated_points(context, obj), method)
     if method == SURFACE:
         modifier = obj.modifiers.new(SURFACE_MODIFIER, method)
         modifier.target = surface_of(obj, cage)
@@ -162,6 +185,7 @@ def release(inner: bpy.types.Object) -> None:
         modifier = inner.modifiers.get(name)
         if modifier is not None:
             inner.modifiers.remove(modifier)
+    weights.clear(inner)
 
 
 def _try(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> Link | None:

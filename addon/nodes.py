@@ -11,6 +11,8 @@ from .filling import CORNER, HEIGHT
 
 # Where a vertex was when it was bound, and how far it has been edited since; attributes of the bound mesh.
 REST, EDIT = "nested_cages_rest", "nested_cages_edit"
+# Attributes with the share that each vertex of the cage has in a vertex, with the number of the cage's vertex behind.
+WEIGHT = "nested_cages_weight_"
 
 Tree = bpy.types.NodeTree
 
@@ -109,6 +111,46 @@ def _whole(tree: Tree) -> None:
     tree.links.new(source.outputs["Geometry"], end.inputs[0])
 
 
+def _coordinates(tree: Tree) -> None:
+    """Puts each vertex where its weights and the vertices of the object say: the sum of both, vertex by vertex."""
+    start, end, source = _object(tree, "RELATIVE")
+    count = tree.nodes.new("GeometryNodeAttributeDomainSize")
+    first, last = tree.nodes.new("GeometryNodeRepeatInput"), tree.nodes.new("GeometryNodeRepeatOutput")
+    first.pair_with_output(last)
+    last.repeat_items.clear()
+    last.repeat_items.new("INT", "Number")
+    last.repeat_items.new("VECTOR", "Place")
+    tree.links.new(source.outputs["Geometry"], count.inputs["Geometry"])
+    tree.links.new(count.outputs["Point Count"], first.inputs["Iterations"])
+    # The vertex of this number, and its weight.
+    place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
+    pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
+    sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
+    tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
+    tree.links.new(place.outputs[0], sockets["Value"])
+    tree.links.new(first.outputs["Number"], sockets["Index"])
+    digits, name = tree.nodes.new("FunctionNodeValueToString"), tree.nodes.new("FunctionNodeReplaceString")
+    name.inputs["String"].default_value, name.inputs["Find"].default_value = f"{WEIGHT}#", "#"
+    tree.links.new(first.outputs["Number"], digits.inputs["Value"])
+    tree.links.new(digits.outputs[0], name.inputs["Replace"])
+    weight = _attribute(tree, "", "FLOAT")
+    tree.links.new(name.outputs[0], weight.node.inputs["Name"])
+    # Added to the sum.
+    total, onward = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("ShaderNodeMath")
+    total.operation, onward.operation = "MULTIPLY_ADD", "ADD"
+    onward.inputs[1].default_value = 1.0
+    tree.links.new(next(s for s in pick.outputs if s.enabled), total.inputs[0])
+    tree.links.new(weight, total.inputs[1])
+    tree.links.new(first.outputs["Place"], total.inputs[2])
+    tree.links.new(first.outputs["Number"], onward.inputs[0])
+    tree.links.new(total.outputs[0], last.inputs["Place"])
+    tree.links.new(onward.outputs[0], last.inputs["Number"])
+    move = tree.nodes.new("GeometryNodeSetPosition")
+    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
+    tree.links.new(last.outputs["Place"], move.inputs["Position"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
 def _outline(tree: Tree) -> tuple[bpy.types.Node, bpy.types.NodeSocket]:
     """Group output, and the outline of the object as curves: its edges with at most one face."""
     _, end, source = _object(tree, "RELATIVE")
@@ -147,13 +189,14 @@ def _area(tree: Tree) -> None:
 
 
 REMEMBER, ADD_EDITS, WALLS = "Nested Cages Remember Edits", "Nested Cages Add Edits", "Nested Cages Prism"
-WHOLE = "Nested Cages Surface"
+WHOLE, COORDINATES = "Nested Cages Surface", "Nested Cages Coordinates"
 CURVES, EDGES, AREA = "Nested Cages Follow as Curves", "Nested Cages Follow as Edges", "Nested Cages Follow Filled"
 BUILDERS: dict[str, Callable[[Tree], None]] = {
     REMEMBER: _remember,
     ADD_EDITS: _add_edits,
     WALLS: _walls,
     WHOLE: _whole,
+    COORDINATES: _coordinates,
     CURVES: _curves,
     EDGES: _edges,
     AREA: _area,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import bpy
 
-from . import convert, following, nodes, output
-from .refusal import say
+from . import convert, following, nodes, output, weights
+from .refusal import Refusal, say
 
 # Custom property with the collection that an object follows, and its modifier.
 ORIGINAL = "nested_cages_follows"
@@ -43,17 +43,13 @@ def follow(
         return say("'{name}' cannot be changed here; '{fine}' follows in its place", name=source.name, fine=fine.name)
     solid = source.type in {"CURVE", "FONT"} and (source.data.bevel_depth or source.data.extrude)
     if source.type == "MESH" or solid or (source.type == "CURVE" and source.data.bevel_mode == "OBJECT"):
-        kind = method if source.type == "MESH" else following.PRISM
-        reach = 2.0 * max(abs(corner[2]) for corner in source.bound_box)
-        modifier = following.bind_modifier(context, source, levels[1], kind, reach)
-        modifier.name = ORIGINAL_MODIFIER
-        if not modifier.is_bound:
-            source.modifiers.remove(modifier)
+        kind = _bind_shape(context, source, levels[1], method if source.type == "MESH" else following.PRISM)
+        if kind is None:
             return say(
                 "'{name}' cannot be bound itself; '{fine}' follows in its place", name=source.name, fine=fine.name
             )
         source[ORIGINAL] = collection
-        words = "Surface Deform" if kind == following.SURFACE else "Mesh Deform, which is exact to a few per cent"
+        words = f"{following.NAMES[kind]}{', which is exact to a few per cent' if kind == following.PRISM else ''}"
         return say("'{name}' follows by {kind}", name=source.name, kind=words)
     if source.type not in {"CURVE", "FONT", "CURVES"}:
         return say(
@@ -71,10 +67,32 @@ def follow(
     return say("'{name}' shows what '{fine}' does", name=source.name, fine=fine.name)
 
 
+def _bind_shape(
+    context: bpy.types.Context, source: bpy.types.Object, cage: bpy.types.Object, method: str
+) -> str | None:
+    """Binds an object with faces or thickness itself; the method that did it, if any could."""
+    methods = [method]
+    if method in weights.KINDS:
+        # Modifiers that make vertices, and shapes that are not flat, have no weights: Surface Deform takes them.
+        plain = len(following.evaluated_points(context, source)) == len(source.data.vertices)
+        methods = [method, following.SURFACE] if plain and weights.fits(source, cage) else [following.SURFACE]
+    reach = 2.0 * max(abs(corner[2]) for corner in source.bound_box)
+    for kind in methods:
+        with suppress(Refusal):
+            modifier = following.bind_modifier(context, source, cage, kind, reach)
+            if following.is_bound(modifier):
+                modifier.name = ORIGINAL_MODIFIER
+                return kind
+            source.modifiers.remove(modifier)
+    return None
+
+
 def release(collection: bpy.types.Collection) -> None:
     """Lets the objects that follow a collection show their own shape again."""
     for obj in bpy.data.objects:
         modifier = obj.modifiers.get(ORIGINAL_MODIFIER)
         if modifier is not None and obj.get(ORIGINAL) == collection:
             obj.modifiers.remove(modifier)
+            if obj.type == "MESH":
+                weights.clear(obj)
             del obj[ORIGINAL]

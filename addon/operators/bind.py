@@ -6,13 +6,20 @@ import bpy
 from bpy.props import EnumProperty
 
 from .. import binding, output
-from ..following import PRISM, SURFACE
+from ..following import NAMES, PRISM, SURFACE
 from ..refusal import Refusal, say
+from ..weights import HARMONIC, LINEAR
 
 METHOD_ITEMS = (
     ("AUTO", "Automatic", "What is exact at rest and under affine poses, by measurement"),
-    (SURFACE, "Surface Deform", "By the triangles inside the cage: exact, and quick for any drawing"),
-    (PRISM, "Mesh Deform", "By a closed prism over the cage: smooth across the whole cage, exact to a few per cent"),
+    (HARMONIC, NAMES[HARMONIC], "By weights in a node group: exact and smooth, also in concave cages and around holes"),
+    (
+        LINEAR,
+        NAMES[LINEAR],
+        "By weights, linear on the triangles of the cage: nothing leaves the cage while no triangle turns over",
+    ),
+    (SURFACE, NAMES[SURFACE], "By the triangles inside the cage: exact, and quick for the largest drawings"),
+    (PRISM, NAMES[PRISM], "By a closed prism over the cage: smooth across the whole cage, exact to a few per cent"),
 )
 
 

@@ -1,0 +1,57 @@
+"""One mesh follows one cage by cage coordinates: weights as attributes, summed by a node group that the file keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import filling, nodes
+from .plane import PLANARITY, Array, size, transform
+from .refusal import Refusal, load_core
+
+HARMONIC, LINEAR = "HARMONIC", "LINEAR"
+# The core's coordinates by method.
+KINDS: dict[str, Callable[[ModuleType], Any]] = {
+    HARMONIC: lambda core: core.Harmonic(),
+    LINEAR: lambda core: core.PiecewiseLinear(),
+}
+# Vertices times vertices of the cage, at the most: Blender sums this many weights in some 30 ms, on every frame.
+MOST_WEIGHTS = 2_000_000
+
+
+def fits(obj: bpy.types.Object, cage: bpy.types.Object) -> bool:
+    """Whether the weights are few enough to be summed while the cage is moved."""
+    return len(obj.data.vertices) * len(cage.data.vertices) <= MOST_WEIGHTS
+
+
+def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: str) -> bpy.types.Modifier:
+    """Stores the weights of an object's vertices at `points` (n, 3), in its own space, and adds the modifier.
+
+    Raises: Refusal if the points are not in the plane and the inside of the cage.
+    """
+    core = load_core()
+    there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(obj.matrix_world)
+    inside, corners = transform(there, points), filling.points_of(cage.data)
+    if np.ptp(np.concatenate([inside[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
+        raise Refusal("'{inner}' and '{cage}' do not lie in one plane", inner=obj.name, cage=cage.name)
+    try:
+        found = core.cage_coordinates(inside[:, :2], filling.outline(cage, core), KINDS[method](core))
+    except core.NestedCagesError as error:
+        raise Refusal("'{name}': {problem}", name=obj.name, problem=error) from error
+    columns = (found if isinstance(found, np.ndarray) else found.toarray()).T.astype(np.float32)
+    clear(obj)
+    for corner, column in enumerate(columns):
+        attribute = obj.data.attributes.new(f"{nodes.WEIGHT}{corner}", "FLOAT", "POINT")
+        attribute.data.foreach_set("value", np.ascontiguousarray(column))
+    return nodes.add(obj, nodes.COORDINATES, Object=cage)
+
+
+def clear(obj: bpy.types.Object) -> None:
+    """Takes the weights off a mesh object."""
+    attributes = obj.data.attributes
+    for name in [attribute.name for attribute in attributes if attribute.name.startswith(nodes.WEIGHT)]:
+        attributes.remove(attributes[name])
