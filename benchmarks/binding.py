@@ -1,9 +1,9 @@
-"""Both ways to bind a drawing in Blender on every shape: errors at rest and under affine poses, and the time to bind.
+"""All ways to bind a drawing in Blender on every shape: errors at rest and under affine poses, and the time to bind.
 
     python benchmarks/binding.py --data ../shared/data/shapes --picture build/binding.png
 
 The shapes are pairs of files `name_V.csv` and `name_E.csv`. Needs Blender as a Python module (bpy); the picture, a bent
-glyph by each modifier as Blender evaluates it, needs matplotlib.
+glyph by each of them as Blender evaluates it, needs matplotlib.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from coordinates import BENT, SHAPES, bend  # noqa: E402
+from bent import BENT, arguments, bend, draw, left_outside  # noqa: E402
 from data import read_shape  # noqa: E402
 
 PACKAGE = "nested_cages_extension"  # any name: Blender gives extensions names of its own
@@ -55,14 +55,7 @@ def scene(fine: Any, cage: Any, following: ModuleType) -> tuple[Any, Any]:
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--data", type=Path, default=SHAPES, help="folder of the shapes")
-    options.add_argument("--vertices", type=int, default=32, help="vertices of the cages (default: 32)")
-    options.add_argument("--picture", type=Path, help="file for a picture of a bent glyph")
-    given = options.parse_args()
-    names = sorted(path.name.removesuffix("_V.csv") for path in given.data.glob("*_V.csv"))
-    if not names:
-        options.error(f"{given.data} has no shapes")
+    given, names = arguments(__doc__)
     package = extension()
     package.register()
     try:
@@ -74,49 +67,28 @@ def main() -> None:
 def run(names: list[str], given: argparse.Namespace) -> None:
     core = import_module(f"{PACKAGE}.nestedcages_core")
     following = import_module(f"{PACKAGE}.addon.following")
-    kinds = {"Surface Deform": following.SURFACE, "Mesh Deform": following.PRISM}
-    print(f"{'shape':12s} {'modifier':16s} {'at rest':>9s} {'affine':>9s} {'seconds':>8s}")
+    print(f"{'shape':12s} {'bound by':20s} {'at rest':>9s} {'affine':>9s} {'seconds':>8s}")
     bent = {}
     for name in names:
         fine = read_shape(given.data, name)
         fine = core.Mesh(fine.vertices, fine.edges)  # as the extension's own core knows it
         cage = core.nested_cages(fine, [given.vertices]).cages[0]
-        for kind, method in kinds.items():
+        for method, kind in following.NAMES.items():
             drawing, control = scene(fine, cage, following)
             began = time.perf_counter()
             bound = following.attach(bpy.context, drawing, control, method)
             seconds = time.perf_counter() - began
             rest, affine = following.measure(bpy.context, drawing, control) if bound else (np.nan, np.nan)
-            print(f"{name:12s} {kind:16s} {rest:9.1e} {affine:9.1e} {seconds:8.2f}", flush=True)
+            print(f"{name:12s} {kind:20s} {rest:9.1e} {affine:9.1e} {seconds:8.2f}", flush=True)
             if name == BENT and bound:
                 posed = bend(cage, fine.vertices.min(axis=0))
                 control.data.vertices.foreach_set("co", np.column_stack([posed, np.zeros(len(posed))]).ravel())
                 control.data.update()
                 points = following.evaluated_points(bpy.context, drawing)[:, :2]
-                bent[kind] = (fine.moved(points), cage.moved(posed))
+                moved, around = fine.moved(points), cage.moved(posed)
+                bent[f"{kind}: {left_outside(moved, around)} points outside"] = (moved, around)
     if given.picture and bent:
         draw(bent, given.picture)
-
-
-def draw(poses: dict[str, tuple[Any, Any]], path: Path) -> None:
-    """Drawing and cage side by side, as each modifier bends them."""
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, panels = plt.subplots(1, len(poses), figsize=(4 * len(poses), 5), layout="constrained", squeeze=False)
-    styles = ({"color": "#27364b"}, {"color": "#d55e00", "marker": ".", "linewidth": 1})
-    for axes, (title, meshes) in zip(panels[0], poses.items(), strict=True):
-        for mesh, style in zip(meshes, styles, strict=True):
-            for loop in mesh.loops:
-                axes.plot(*mesh.vertices[np.append(loop, loop[0])].T, **style)
-        axes.set_title(title)
-        axes.set_aspect("equal")
-        axes.axis("off")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
-    print(f"Wrote {path}")
 
 
 if __name__ == "__main__":
