@@ -45,7 +45,7 @@ def point_edge(p: FloatArray, a: FloatArray, b: FloatArray) -> PointEdge:
     edge_x, edge_y = b[..., 0] - a[..., 0], b[..., 1] - a[..., 1]
     to_x, to_y = p[..., 0] - a[..., 0], p[..., 1] - a[..., 1]
     squared_length = np.maximum(edge_x * edge_x + edge_y * edge_y, SMALLEST_LENGTH**2)
-    parameter = np.clip((to_x * edge_x + to_y * edge_y) / squared_length, 0.0, 1.0)
+    parameter = np.minimum(np.maximum((to_x * edge_x + to_y * edge_y) / squared_length, 0.0), 1.0)
     to_x = to_x - parameter * edge_x
     to_y = to_y - parameter * edge_y
     distance = np.sqrt(to_x * to_x + to_y * to_y)

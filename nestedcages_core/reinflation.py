@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,8 @@ from .energies.containment import Containment
 from .errors import ReinflationError
 from .mesh import Mesh
 from .solver import Solver
+
+logger = logging.getLogger(__name__)
 
 REMEDY = "use more cage vertices, or a coarse mesh closer to the fine one"
 """What a user can change when the way home is blocked."""
@@ -88,6 +91,8 @@ def reinflate(
                 bodies, start, path, clearance=clearance, energy=energy, solver=solver, on_step=on_step
             )
             iterations, came_home, reason = outcome.iterations, outcome.came_home, outcome.reason
+            logger.debug("reinflation by %s: %d systems, %d steps: %s", contact, iterations, len(steps) - 1,
+                         "home" if came_home else reason)  # fmt: skip
         if came_home:
             vertex = containment.first_contact(steps[-1])
             if vertex is None:

@@ -3,6 +3,7 @@ free steps."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -18,6 +19,8 @@ from .incremental_potential import IncrementalPotential, Weights
 from .pair_search import BroadPhase, Cells
 from .pairs import Bodies
 from .step_filter import StepFilter, TimeOfImpact
+
+logger = logging.getLogger(__name__)
 
 STIFFER = 4.0
 """Factor on λ_R when the minimum of the energy leaves the fine mesh short of its target."""
@@ -93,6 +96,10 @@ class IPC:
                 solution = solver.minimise(objective, x, on_step)
                 x = solution.x
                 iterations += solution.iterations
+                logger.debug(
+                    "IPC: %d iterations towards a target, stiffness %.2e, ranges x %.2g%s", solution.iterations,
+                    stiffness, shortening, "" if solution.converged else ", not converged",
+                )  # fmt: skip
                 if objective.finished(x):
                     x = np.concatenate([x[:m], target])
                     on_step(x)

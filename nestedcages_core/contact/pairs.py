@@ -132,13 +132,15 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
     cage_end, fine_end = cage[bodies.cage_successor], fine[bodies.fine_successor]
     of_vertex = np.broadcast_to(np.asarray(radius, float), m)
     of_edge = np.maximum(of_vertex, of_vertex[bodies.cage_successor])
-    found = [near_pairs(fine, cage[k], cage_end[k], r) for r, k in _groups(of_edge)]
+    groups = _groups(of_edge)
+    found = [near_pairs(fine, cage[k], cage_end[k], r) for r, k in groups]
     fine_vertex = np.concatenate([i for i, _ in found])
-    cage_edge = np.concatenate([k[j] for (_, j), (_, k) in zip(found, _groups(of_edge), strict=True)])
+    cage_edge = np.concatenate([k[j] for (_, j), (_, k) in zip(found, groups, strict=True)])
     order = np.argsort(cage_edge, kind="stable")
     fine_vertex, cage_edge = fine_vertex[order], cage_edge[order]
-    found = [near_pairs(cage[k], fine, fine_end, r) for r, k in _groups(of_vertex)]
-    cage_vertex = np.concatenate([k[i] for (i, _), (_, k) in zip(found, _groups(of_vertex), strict=True)])
+    groups = _groups(of_vertex)
+    found = [near_pairs(cage[k], fine, fine_end, r) for r, k in groups]
+    cage_vertex = np.concatenate([k[i] for (i, _), (_, k) in zip(found, groups, strict=True)])
     fine_edge = np.concatenate([j for _, j in found])
     own_vertex, own_edge = near_pairs(cage, cage, cage_end, float(of_vertex.max()))
     foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage_successor[own_edge])

@@ -7,6 +7,7 @@ cuts off are first drawn in along the inside of the fine mesh); correspondence (
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -24,6 +25,8 @@ from .matching import Matching, match_loops
 from .penetration import PenetrationEnergy
 from .samples import Spacing
 from .smoothing import StepSystem
+
+logger = logging.getLogger(__name__)
 
 FINE_LIMIT, COARSE_LIMIT = 16, 64
 """Most samples on a fine and on a coarse edge."""
@@ -62,6 +65,9 @@ class TwoSidedFlow:
         """
         run = _Run(self, match_loops(fine, coarse))
         for tried, result in enumerate(run.attempts()):
+            cause = "inside" if result.obstacle is None else result.obstacle.cause
+            logger.debug("flow by %s: %d steps, %d iterations so far: %s", result.stage, len(result.steps) - 1,
+                         result.iterations, cause)  # fmt: skip
             if result.obstacle is None:
                 return result
             if progress is not None:

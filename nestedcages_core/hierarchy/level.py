@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -21,6 +22,8 @@ from .reporting import Reporter
 from .results import Level, NestingReport
 from .settings import Settings
 from .units import Clearance, Frame
+
+logger = logging.getLogger(__name__)
 
 FIRST_LOOK = 4
 """Steps of a tightening before it is compared with the best one: the first steps only repair the start."""
@@ -53,6 +56,7 @@ class LevelBuilder:
             if settings.fallback is None or (generated and settings.fallback == settings.decimation):
                 raise
             note = f"Started from the outer hull instead of the coarse mesh: {error}"
+            logger.debug("fallback: %s", error)
         self.report.begin("decimation")
         return self._best(self._starts(settings.fallback, self._counts(wanted)), (note,))
 
@@ -81,12 +85,16 @@ class LevelBuilder:
         errors: list[NestedCagesError] = []
         for number, coarse in enumerate(starts):
             self.report.start(number, len(starts))
+            size, area = len(coarse.vertices), coarse.area
+            logger.debug("start %d of %d: %d vertices, area %.9g", number + 1, len(starts), size, area)
             beat = min((attempt.area for attempt in attempts), default=np.inf)
             try:
                 attempts.append(self._approach(coarse, True, beat))
             except _LosingError:
+                logger.debug("start %d given up: it will not beat the best one", number + 1)
                 continue
             except (FlowError, ReinflationError, NestingError) as error:
+                logger.debug("start %d failed: %s", number + 1, error)
                 errors.append(error)
         for attempt in sorted(attempts, key=lambda attempt: attempt.area):
             try:

@@ -133,6 +133,8 @@ class _Rays:
         y = self.points[point, 1]
         rises = (self.ends[last, 1] > y).astype(np.int64) - (self.starts[first, 1] > y)
         k = np.flatnonzero(rises)
+        if len(k) == 0:
+            return
         side = orientation(self.starts[first[k]], self.ends[last[k]], self.points[point[k]])
         k = k[side == rises[k]]
         self.parts.append((point[k], self.tree.chain[first[k]], rises[k]))

@@ -145,6 +145,8 @@ def segments_intersect(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArra
     meet &= (np.minimum(c, d) <= np.maximum(a, b)).all(axis=-1)
     for start, end, first, second in ((a, b, c, d), (c, d, a, b)):
         k = np.flatnonzero(meet)
+        if len(k) == 0:
+            break
         sides = orientation(start[k], end[k], first[k]) * orientation(start[k], end[k], second[k])
         meet[k] = sides <= 0
     return meet

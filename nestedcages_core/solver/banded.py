@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dpbtrf, dpbtrs
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .._types import FloatArray, IntArray
@@ -36,10 +37,6 @@ class Rows:
     def count(self) -> int:
         """Number of rows."""
         return self.vertex.shape[1]
-
-    def entries(self) -> FloatArray:
-        """(2w, K) the entries of the rows, vertex by vertex, x before y."""
-        return (self.weight[:, None, :] * self.direction[None, :, :]).reshape(2 * len(self.vertex), self.count)
 
     def coupled(self) -> tuple[IntArray, IntArray]:
         """Pairs of vertices that one row names, the first with each other."""
@@ -81,57 +78,82 @@ class BandOrder:
 
 
 class BandedSystem:
-    """W and all constraints over 2m unknowns, x before y within a vertex, the vertices in the band's order.
+    """W and all constraints over 2m unknowns: the motion of every vertex along its two axes, in the band's order.
 
-    The constraints are A = (J; R; -R): the rows J, then lower and upper bounds of the motion of every vertex along two
-    axes of its own, given as ``axes`` (m, 2, 2): vertex, axis, component.
+    The constraints are A = (J; I; -I): the rows J, then lower and upper bounds of the unknowns. ``axes`` (m, 2, 2) are
+    perpendicular unit vectors: vertex, axis, component. Sums over the entries of A are cheaper by `bincount` than by
+    sparse matrices, which cost more to make than a few products with them.
     """
 
     def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows], axes: FloatArray) -> None:
         size = 2 * len(order.position)
         height = 2 * order.spread + 2  # diagonals stored: the main one and 2 spread + 1 below
         self._shape = size, height
+        self._axes = axes
+        self._unknowns = 2 * order.position[:, None] + _AXES
 
-        row = 2 * order.position[hessian.row][:, None, None] + _AXES[:, None]
-        column = 2 * order.position[hessian.column][:, None, None] + _AXES
+        turned = axes.take(hessian.column, axis=0).transpose(0, 2, 1)
+        value = np.matmul(np.matmul(axes.take(hessian.row, axis=0), hessian.value), turned)
+        row = self._unknowns.take(hessian.row, axis=0)[:, :, None]
+        column = self._unknowns.take(hessian.column, axis=0)[:, None, :]
         # a block above the diagonal is stored as its transpose; of one on the diagonal only the lower triangle counts
-        value = hessian.value.copy()
         value[hessian.row == hessian.column, 0, 1] = 0.0
         self._W = np.bincount(_place(row, column, height).ravel(), value.ravel(), size * height)
 
-        # the entries of A, and the products of the entries of each row, by which h is multiplied for Aᵀ diag(h) A
-        matrix, products = _SparseRows(), _SparseRows()
+        # the entries of J, and the products of the entries of each row, by which h is multiplied for Jᵀ diag(h) J
+        self._count = sum(group.count for group in rows)
+        numbers = np.arange(self._count)
+        entries, products = [_Entries.none()], [_Entries.none()]
+        first = 0
         for group in rows:
-            unknown = (2 * order.position[group.vertex][:, None, :] + _AXES[:, None]).reshape(2 * len(group.vertex), -1)
-            matrix.add(unknown, group.entries())
-            products.add(*_products(unknown, group.entries(), height))
-        turned = np.empty((size // 2, 2, 2))
-        turned[order.position] = axes
-        entries = turned.reshape(size, 2).T
-        unknown = np.repeat(np.arange(0, size, 2), 2) + _AXES[:, None]
-        for sign in (1.0, -1.0):
-            matrix.add(unknown, sign * entries)
-            products.add(*_products(unknown, entries, height))
-        self._A = csr_array(matrix.parts(), shape=(matrix.count, size))
-        self._A_transposed = csc_array(matrix.parts(), shape=(size, matrix.count))
-        self._products = csc_array(products.parts(), shape=(size * height, matrix.count))
+            number = numbers[first : first + group.count, None]
+            first += group.count
+            along = np.matmul(axes.take(group.vertex.T, axis=0), group.direction.T[:, None, :, None])[..., 0]
+            entry = (group.weight.T[:, :, None] * along).reshape(group.count, 2 * len(group.vertex))
+            unknown = self._unknowns.take(group.vertex.T, axis=0).reshape(entry.shape)
+            entries.append(_Entries.of(number, unknown, entry))
+            one, other = _triangle(entry.shape[1])
+            place = _place(unknown[:, one], unknown[:, other], height)
+            products.append(_Entries.of(number, place, entry[:, one] * entry[:, other]))
+        self._J, self._products = _Entries.joined(entries), _Entries.joined(products)
+
+    def along_axes(self, vectors: FloatArray) -> FloatArray:
+        """Vectors (m, 2) of the vertices as unknowns, (2m,)."""
+        unknowns = np.empty(self._shape[0])
+        unknowns[self._unknowns] = np.matmul(self._axes, vectors[:, :, None])[:, :, 0]
+        return unknowns
+
+    def of_vertices(self, unknowns: FloatArray) -> FloatArray:
+        """Unknowns (2m,) as vectors (m, 2) of the vertices."""
+        vectors: FloatArray = np.matmul(unknowns[self._unknowns][:, None, :], self._axes)[:, 0]
+        return vectors
+
+    def per_unknown(self, lengths: FloatArray) -> FloatArray:
+        """A length of every vertex (m,) for each of its unknowns, (2m,)."""
+        values = np.empty(self._shape[0])
+        values[self._unknowns] = lengths[:, None]
+        return values
 
     def constraints(self, d: FloatArray) -> FloatArray:
         """A d, (K + 4m,)."""
-        product: FloatArray = self._A @ d
-        return product
+        return np.concatenate([self._J.rows(d, self._count), d, -d])
 
     def transposed(self, z: FloatArray) -> FloatArray:
         """Aᵀ z, (2m,)."""
-        product: FloatArray = self._A_transposed @ z
+        count, size = self._count, self._shape[0]
+        product: FloatArray = self._J.columns(z, size)
+        product += z[count : count + size]
+        product -= z[count + size :]
         return product
 
     def set_matrix(self, h: FloatArray) -> None:
         """Assemble W + Aᵀ diag(h) A."""
-        band: FloatArray = self._products @ h
+        count, (size, height) = self._count, self._shape
+        band = self._products.columns(h, size * height)
         band += self._W
         self._band = band.reshape(self._shape)
-        self._diagonal = self._band[:, 0].copy()
+        self._diagonal = self._band[:, 0] + h[count : count + size]
+        self._diagonal += h[count + size :]
 
     def factorise(self, shift: float) -> bool:
         """Factorise the matrix plus shift times the identity; whether it is positive definite."""
@@ -148,41 +170,45 @@ class BandedSystem:
 _AXES = np.array([0, 1])
 
 
-class _SparseRows:
-    """Compressed sparse rows, put together from groups of rows that have equally many entries."""
+class _Entries(NamedTuple):
+    """E entries of a sparse matrix."""
 
-    def __init__(self) -> None:
-        self.count = 0
-        self._filled = 0
-        self._data: list[FloatArray] = []
-        self._indices: list[IntArray] = []
-        self._ends: list[IntArray] = [np.zeros(1, np.int64)]
+    row: IntArray
+    """(E,)."""
+    column: IntArray
+    """(E,)."""
+    value: FloatArray
+    """(E,)."""
 
-    def add(self, indices: IntArray, data: FloatArray) -> None:
-        """Add rows with the entries (length, K) at the columns ``indices``."""
-        length, count = indices.shape
-        self._data.append(data.T.ravel())
-        self._indices.append(indices.T.ravel())
-        self._ends.append(self._filled + length * np.arange(1, count + 1))
-        self.count += count
-        self._filled += length * count
+    @classmethod
+    def none(cls) -> _Entries:
+        return cls(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
-    def parts(self) -> tuple[FloatArray, IntArray, IntArray]:
-        """Entries, their columns, and where the rows begin."""
-        indices, ends = np.concatenate(self._indices), np.concatenate(self._ends)
-        return np.concatenate(self._data), indices.astype(np.int32), ends.astype(np.int32)
+    @classmethod
+    def of(cls, row: IntArray, column: IntArray, value: FloatArray) -> _Entries:
+        """From entries (K, w), of which all in one line have one row (K, 1)."""
+        return cls(np.repeat(row, value.shape[1]), column.ravel(), value.ravel())
+
+    @classmethod
+    def joined(cls, parts: Sequence[_Entries]) -> _Entries:
+        """All of them."""
+        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def rows(self, x: FloatArray, count: int) -> FloatArray:
+        """The matrix of ``count`` rows times x."""
+        sums = np.bincount(self.row, self.value * x.take(self.column), count)
+        return sums.astype(np.float64, copy=False)  # integers where there are no entries
+
+    def columns(self, y: FloatArray, count: int) -> FloatArray:
+        """The transpose of the matrix of ``count`` columns times y."""
+        sums = np.bincount(self.column, self.value * y.take(self.row), count)
+        return sums.astype(np.float64, copy=False)  # integers where there are no entries
 
 
 @cache
 def _triangle(size: int) -> tuple[IntArray, IntArray]:
     """Rows and columns of the upper triangle of a matrix."""
     return np.triu_indices(size)
-
-
-def _products(unknown: IntArray, entries: FloatArray, height: int) -> tuple[IntArray, FloatArray]:
-    """Places in the band and values of the products of the entries (length, K) of each row at the unknowns named."""
-    first, second = _triangle(len(entries))
-    return _place(unknown[first], unknown[second], height), entries[first] * entries[second]
 
 
 def _place(row: IntArray, column: IntArray, height: int) -> IntArray:

@@ -112,7 +112,7 @@ class InteriorPoint:
 
 
 class _Iteration:
-    """State of one solve, the unknowns in the band's order.
+    """State of one solve, the unknowns those of the banded system.
 
     Slacks and multipliers are ordered: K rows, then the 2m lower, then the 2m upper bounds. The residuals of
     feasibility and stationarity are linear in the steps, so they are kept up to date instead of computed anew, and the
@@ -125,11 +125,9 @@ class _Iteration:
         order = program.order or BandOrder.of(m, program.hessian.row, program.hessian.column)
         order = order.including(program.hessian, program.rows)
         self.system = BandedSystem(order, program.hessian, program.rows, program.axes)
-        self.unknowns = 2 * order.position[:, None] + np.arange(2)
         size = 2 * m
-        self.G, radius = np.empty(size), np.empty(size)
-        self.G[self.unknowns] = program.gradient
-        radius[self.unknowns] = program.radius[:, None]
+        self.G = self.system.along_axes(program.gradient)
+        radius = self.system.per_unknown(program.radius)
         self.softness = program.softness
         self.shift = program.shift
         self.length = float(radius.mean())
@@ -166,9 +164,7 @@ class _Iteration:
                 break
             self._factorise()
             self._step(complementarity / len(self.s))
-        return Solution(
-            self.D[self.unknowns], self.z[:K].copy(), decrease, iteration, converged
-        )  # fmt: skip
+        return Solution(self.system.of_vertices(self.D), self.z[:K].copy(), decrease, iteration, converged)
 
     def _factorise(self) -> None:
         """Factorise the Newton system, damped where it is not positive definite."""

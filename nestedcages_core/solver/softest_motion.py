@@ -54,10 +54,7 @@ def softest_motion(program: QuadraticProgram, order: BandOrder, active: BoolArra
     shift = FIRST_SHIFT * scale
     while not system.factorise(shift):
         shift *= SHIFT_GROWTH
-    unknowns = 2 * order.position[:, None] + np.arange(2)
-    generic = np.cos(np.arange(size) ** 2).reshape(-1, 1, 2)  # orthogonal to no eigenvector of a symmetric shape
-    v = np.empty(size)
-    v[unknowns] = (generic @ program.axes)[:, 0]
+    v = np.cos(np.arange(size) ** 2)  # orthogonal to no eigenvector of a symmetric shape
     growth = 1.0
     for _ in range(ITERATIONS):
         v /= np.sqrt(v @ v)
@@ -67,6 +64,6 @@ def softest_motion(program: QuadraticProgram, order: BandOrder, active: BoolArra
     curvature = 1.0 / growth - shift
     if curvature > -NEGATIVE * scale:
         return None
-    motion = v[unknowns]
+    motion = system.of_vertices(v)
     longest = np.sqrt((motion**2).sum(axis=1).max())
     return SoftestMotion(motion / longest, curvature * float(v @ v) / float(longest) ** 2)

@@ -156,11 +156,9 @@ class _Run:
             loads = model.loads(solution)
             trial = self._try(model, solution.step, value, solution.decrease)
             logger.debug(
-                "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e, "
-                "radius %.1e, shortened %d",
+                "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e",
                 iteration, value, solution.decrease, value - trial.value, len(model.around.pairs),
-                solution.iterations, "" if solution.converged else "!", region.shift, float(np.median(region.radius)),
-                int((trial.fraction < 1.0).sum()),
+                solution.iterations, "" if solution.converged else "!", region.shift,
             )  # fmt: skip
             gain = value - trial.value
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
@@ -213,4 +211,5 @@ class _Run:
         return f"cage vertex {vertex}" if vertex < self.m else f"fine vertex {vertex - self.m}"
 
     def _outcome(self, iterations: int, converged: bool, reason: str) -> TighteningOutcome:
+        logger.debug("tightening ended after %d iterations, %d systems: %s", iterations, self.systems, reason)
         return TighteningOutcome(self.x[: self.m].copy(), iterations, self.systems, converged, reason)

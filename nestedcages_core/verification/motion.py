@@ -85,13 +85,13 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
     pair = np.arange(len(pairs))
     certified = np.ones(len(pairs), bool)
     for _ in range(MAX_HALVINGS):
-        if len(pair) == 0:
-            break
         side = _bernstein(edge0, edge1, start0, start1, cross=True)
-        along_start = _bernstein(edge0, edge1, start0, start1, cross=False)
-        along_end = _bernstein(edge0, edge1, end0, end1, cross=False)
-        apart = _sure(side, 1.0) | _sure(side, -1.0) | _sure(along_start, -1.0) | _sure(along_end, 1.0)
-        open_ = ~apart
+        open_ = ~(_sure(side, 1.0) | _sure(side, -1.0))
+        if not open_.any():
+            break
+        along_start = _bernstein(edge0[open_], edge1[open_], start0[open_], start1[open_], cross=False)
+        along_end = _bernstein(edge0[open_], edge1[open_], end0[open_], end1[open_], cross=False)
+        open_[open_] = ~(_sure(along_start, -1.0) | _sure(along_end, 1.0))
         crowded = np.bincount(pair[open_], minlength=len(pairs)) > MAX_PIECES
         certified[crowded] = False
         open_ &= ~crowded[pair]
@@ -104,7 +104,8 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
         edge0, edge1 = np.concatenate([edge0, edge]), np.concatenate([edge, edge1])
         start0, start1 = np.concatenate([start0, start]), np.concatenate([start, start1])
         end0, end1 = np.concatenate([end0, end]), np.concatenate([end, end1])
-    certified[pair] = False
+    else:
+        certified[pair] = False
     return certified
 
 

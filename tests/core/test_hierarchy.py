@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 import pytest
 
 from nestedcages_core import (
@@ -199,3 +201,16 @@ def test_a_fine_mesh_must_be_a_mesh() -> None:
 def test_impossible_clearances_are_refused(clearance: float) -> None:
     with pytest.raises(NestedCagesError, match="clearance must be a finite length"):
         Settings(clearance=clearance)
+
+
+def test_the_log_at_debug_level_tells_the_story_of_a_run(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG, logger="nestedcages_core"):
+        nested_cages(letter_a(), [letter_a_coarse()])
+        nested_cages(star(), [12])
+    told = caplog.text
+    chapters = ("flow by", "reinflation by", "tightening 1:", "tightening ended after", "start 1 of", "excess")
+    for chapter in chapters:
+        assert chapter in told
+    caplog.clear()
+    nested_cages(star(), [12])
+    assert caplog.text == ""

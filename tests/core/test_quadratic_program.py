@@ -203,21 +203,21 @@ def test_band_holds_the_matrices(counts: tuple[int, int, int]) -> None:
     axes = turned_axes(m, rng.uniform(0.0, 6.0, m))
     system = BandedSystem(order, program.hessian, program.rows, axes)
     unknown = (2 * order.position[:, None] + np.arange(2)).ravel()  # place of every unknown in the band
-    J = full_rows(program.rows, m)
-    R = np.zeros((2 * m, 2 * m))  # bounds, in the band's order of vertices
+    turn = np.zeros((2 * m, 2 * m))  # from the vertices' coordinates to those along their axes, in the band's order
     for vertex, place in enumerate(order.position):
-        R[2 * place : 2 * place + 2, 2 * vertex : 2 * vertex + 2] = axes[vertex]
-    A = np.concatenate([J, R, -R])
+        turn[2 * place : 2 * place + 2, 2 * vertex : 2 * vertex + 2] = axes[vertex]
+    A = np.concatenate([full_rows(program.rows, m) @ turn.T, np.eye(2 * m), -np.eye(2 * m)])
     d, z = rng.normal(size=2 * m), rng.normal(size=len(A))
-    ordered = np.empty(2 * m)
-    ordered[unknown] = d
-    np.testing.assert_allclose(system.constraints(ordered), A @ d, atol=1e-13)
-    np.testing.assert_allclose(system.transposed(z)[unknown], A.T @ z, atol=1e-13)
+    np.testing.assert_allclose(system.along_axes(d.reshape(m, 2)), turn @ d, atol=1e-13)
+    np.testing.assert_allclose(system.of_vertices(d).ravel(), turn.T @ d, atol=1e-13)
+    np.testing.assert_array_equal(system.per_unknown(np.arange(m))[unknown], np.repeat(np.arange(m), 2))
+    np.testing.assert_allclose(system.constraints(d), A @ d, atol=1e-13)
+    np.testing.assert_allclose(system.transposed(z), A.T @ z, atol=1e-13)
     h = rng.uniform(0.1, 2.0, len(A))
     system.set_matrix(h)
     assert system.factorise(0.7)
-    M = program.hessian.dense(m) + A.T @ (h[:, None] * A) + 0.7 * np.eye(2 * m)
-    np.testing.assert_allclose(system.solve(ordered)[unknown], np.linalg.solve(M, d), rtol=1e-9, atol=1e-12)
+    M = turn @ program.hessian.dense(m) @ turn.T + A.T @ (h[:, None] * A) + 0.7 * np.eye(2 * m)
+    np.testing.assert_allclose(system.solve(d), np.linalg.solve(M, d), rtol=1e-9, atol=1e-12)
 
 
 def test_the_order_of_a_ring_is_a_narrow_band() -> None:
