@@ -11,6 +11,7 @@ import pytest
 from mathutils import Matrix
 
 from drawings import (
+    add,
     at_frame,
     bezier_circle,
     circle,
@@ -62,7 +63,10 @@ def turned(points):
     return moved
 
 
-@pytest.mark.parametrize(("method", "error"), [("AUTO", 2e-6), ("SURFACE_DEFORM", 2e-6), ("MESH_DEFORM", 0.15)])
+EXACT = ("AUTO", "HARMONIC", "LINEAR", "SURFACE_DEFORM")
+
+
+@pytest.mark.parametrize(("method", "error"), [*((method, 2e-6) for method in EXACT), ("MESH_DEFORM", 0.15)])
 def test_the_drawing_follows_affine_poses_through_all_levels(method, error) -> None:
     _, _, fine, cages = bound(method=method)
     assert np.abs(evaluated(fine) - base(fine)).max() <= 1e-5 * 4
@@ -71,7 +75,9 @@ def test_the_drawing_follows_affine_poses_through_all_levels(method, error) -> N
         assert np.abs(evaluated(obj) - turned(base(obj))).max() <= error * 8
 
 
-@pytest.mark.parametrize(("method", "error"), [("AUTO", 2e-5), ("MESH_DEFORM", 0.15)])
+@pytest.mark.parametrize(
+    ("method", "error"), [("AUTO", 2e-5), ("LINEAR", 2e-5), ("SURFACE_DEFORM", 2e-5), ("MESH_DEFORM", 0.15)]
+)
 def test_a_moved_cage_object_takes_the_drawing_along(method, error) -> None:
     _, _, fine, cages = bound(method=method)
     before = in_world(fine, evaluated(fine))
@@ -80,6 +86,97 @@ def test_a_moved_cage_object_takes_the_drawing_along(method, error) -> None:
     bpy.context.view_layer.update()
     expected = before @ np.array(step.to_3x3()).T + np.array(step.translation)
     assert np.abs(in_world(fine, evaluated(fine)) - expected).max() < error
+
+
+def following_of(extension):
+    return sys.modules[f"{extension.__name__}.addon.following"]
+
+
+def made_by(fine):
+    return fine["nested_cages_link"].split(",")[0]
+
+
+def test_the_method_chosen_is_exact_where_triangles_are_thin(extension, core) -> None:
+    following, filling = following_of(extension), sys.modules[f"{extension.__name__}.addon.filling"]
+    inner = wire("Inner", [circle(90)])
+    tips = circle(5, 3.0, (0.3, 0.1))
+    beside = tips + 3e-5 * (np.roll(tips, -1, axis=0) - tips)
+    twice = np.stack([tips, beside], axis=1).reshape(-1, 2)  # as cages have them at sharp tips
+    outline = core.Mesh.from_loops([twice])
+    points = np.column_stack([outline.vertices, np.zeros(len(twice))])
+    cage = add("Cage", filling.filled("Cage", points, outline, core))
+    best = following.link(bpy.context, inner, cage, "AUTO")
+    assert best.method == "HARMONIC"
+    assert best.rest <= 1e-5
+    assert best.affine <= 1e-6
+
+
+def test_large_drawings_take_surface_deform(extension, monkeypatch) -> None:
+    weights = sys.modules[f"{extension.__name__}.addon.weights"]
+    monkeypatch.setattr(weights, "MOST_WEIGHTS", 60 * 12 - 1)
+    poly_curve("Drawing", [star() * 2.0])
+    bpy.ops.object.nested_cages_generate(levels="12")
+    bpy.ops.object.nested_cages_bind()
+    fine = bpy.data.objects["Drawing Fine"]
+    assert made_by(fine) == "Surface Deform"
+    assert not [a.name for a in fine.data.attributes if a.name.startswith("nested_cages_weight")]
+
+
+def test_mesh_deform_steps_in_where_surface_deform_refuses(extension, monkeypatch) -> None:
+    following, weights = following_of(extension), sys.modules[f"{extension.__name__}.addon.weights"]
+    monkeypatch.setattr(weights, "MOST_WEIGHTS", 0)
+
+    def without_faces(follower, cage):
+        mesh = bpy.data.meshes.new("Lines")
+        mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (1, 2)], [])
+        obj = bpy.data.objects.new("Lines", mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        return obj
+
+    monkeypatch.setattr(following, "surface_of", without_faces)  # Blender binds to faces only
+    poly_curve("Drawing", [star() * 2.0])
+    bpy.ops.object.nested_cages_generate(levels="12")
+    bpy.ops.object.nested_cages_bind()
+    fine, cage = (bpy.data.objects[f"Drawing {name}"] for name in ("Fine", "Cage 1"))
+    assert made_by(fine) == "Mesh Deform"
+    assert [m.type for m in fine.modifiers] == ["NODES", "MESH_DEFORM", "NODES"]
+    rest, affine = following.measure(bpy.context, fine, cage)
+    assert rest <= 1e-5
+    assert affine <= 0.1
+    bpy.ops.object.nested_cages_unbind()
+    with pytest.raises(RuntimeError, match="cannot follow"):
+        bpy.ops.object.nested_cages_bind(method="SURFACE_DEFORM")
+
+
+def test_a_drawing_that_leaves_its_posed_cage_is_found() -> None:
+    _, _, _, (cage,) = bound(levels="12")
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds")
+    folded = base(cage)
+    far = np.argmax(folded[:, 0])
+    folded[far] *= -0.9
+    put(cage, folded)
+    bpy.ops.object.nested_cages_verify()
+    assert cage["nested_cages_check"] == f"Broken on frame {bpy.context.scene.frame_current}"
+
+
+def test_an_armature_on_the_cage_moves_the_drawing() -> None:
+    _, _, fine, cages = bound()
+    rest, cage = evaluated(fine), cages[-1]
+    bones = bpy.data.armatures.new("Rig")
+    rig = bpy.data.objects.new("Rig", bones)
+    bpy.context.scene.collection.objects.link(rig)
+    rig.matrix_world = cage.matrix_world
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = bones.edit_bones.new("Bone")
+    bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    cage.vertex_groups.new(name="Bone").add(range(len(cage.data.vertices)), 1.0, "REPLACE")
+    cage.modifiers.new("Rig", "ARMATURE").object = rig
+    rig.pose.bones["Bone"].location = (0.25, 0.5, 0.0)  # along the bone's own axes: y is the bone, z its roll
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated(fine) - rest - (0.25, 0.5, 0.0)).max() < 1e-5
 
 
 def test_keys_on_the_cage_play() -> None:
@@ -119,6 +216,21 @@ def test_the_original_follows(draw) -> None:
     distance = np.linalg.norm(points[:, None] - mine[None], axis=2)
     assert distance.min(axis=1).max() < 1e-4
     assert distance.min(axis=0).max() < 1e-4
+
+
+def test_an_original_whose_modifiers_make_vertices_follows_by_surface_deform() -> None:
+    source = wire("Drawing", [circle(40)[:20] + np.array((0.0, 0.3))])
+    source.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    _, _, _, (cage,) = members(source)
+    before = evaluated(source)
+    assert len(before) > len(source.data.vertices)
+    put(cage, base(cage) + np.array((0.5, 0.0, 0.0)))
+    assert np.abs(evaluated(source) - before - (0.5, 0.0, 0.0)).max() < 1e-5
+    assert source.modifiers[-1].type == "SURFACE_DEFORM"
+    bpy.ops.object.nested_cages_unbind()
+    assert [m.name for m in source.modifiers] == ["Subdivision"]
 
 
 def test_a_thick_curve_follows_in_a_prism() -> None:
@@ -245,7 +357,7 @@ for name, rest in zip(names, before):
 """
 
 
-@pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "MESH_DEFORM")])
+@pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "AUTO"), (wire, "MESH_DEFORM")])
 def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
     bound(draw, method=method)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bound.blend"))

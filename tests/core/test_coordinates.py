@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 import shapely
 
 from nestedcages_core import (
     Harmonic,
+    InvalidMeshError,
     MeanValue,
     Mesh,
     NestedCagesError,
@@ -17,6 +20,7 @@ from nestedcages_core import (
     grids,
     nested_cages,
 )
+from nestedcages_core.triangulation import triangulate
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
 KINDS = [MeanValue(), Harmonic(), PiecewiseLinear()]
@@ -182,6 +186,37 @@ def test_a_bent_cage_bends_the_drawing_smoothly(nested: dict[str, tuple[Mesh, Me
     posed = np.stack((x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)), axis=1)
     moved = deform(cage_coordinates(fine, cage), posed)
     assert shapely.MultiPoint(posed).convex_hull.buffer(1e-9).covers(shapely.MultiPoint(moved))
+
+
+def test_linear_coordinates_keep_the_drawing_inside_while_no_triangle_turns_over(
+    nested: dict[str, tuple[Mesh, Mesh]],
+) -> None:
+    """Then the triangles of the posed cage tile its solid, and each point stays in its own: the guarantee."""
+    rng = np.random.default_rng(3)
+    for fine, cage in nested.values():
+        grid = triangulate(cage)
+        weights = cage_coordinates(fine, cage, PiecewiseLinear())
+        pose, poses = cage.vertices, 0
+        for _ in range(300):
+            trial = pose + 0.05 * cage.diagonal * rng.normal(size=pose.shape) * (rng.random((len(pose), 1)) < 0.1)
+            a, b, c = (trial[grid.triangles[:, k]] for k in range(3))
+            upright = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) > 0.0
+            with suppress(InvalidMeshError):  # a cage that crosses itself has no inside
+                if upright.all() and cage.moved(trial).validated():
+                    pose, poses = trial, poses + 1
+        assert poses > 10
+        solid = polygon(cage.moved(pose)).buffer(1e-9 * cage.diagonal)
+        assert solid.covers(shapely.MultiPoint(deform(weights, pose)))
+
+
+def test_harmonic_coordinates_keep_the_drawing_inside_a_convex_pose() -> None:
+    """A harmonic map onto a convex shape is one to one (Radó, Kneser and Choquet): nothing leaves, nothing crosses."""
+    fine = star(7, 120)
+    cage = nested_cages(fine, [24]).cages[0]
+    posed = cage.moved(ring(24, 1.5))
+    moved = fine.moved(deform(cage_coordinates(fine, cage), posed))
+    assert polygon(moved).is_valid
+    assert polygon(posed).covers(polygon(moved))
 
 
 def test_prolongation_keeps_linear_functions_on_every_level() -> None:
