@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from types import ModuleType
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .convert import Drawing
+from .methods import Methods
 from .refusal import Refusal, load_core, say
 
 # Automatic clearances as parts of the drawing's diagonal: the core's default, and one for drawings whose gaps leave no
@@ -35,32 +35,12 @@ Steps = NDArray[np.float32]
 @dataclass(frozen=True)
 class Options:
     """`levels`: vertex counts (int), percentages of the drawing's vertices (float), or `OWN`, finest first.
-    `clearance`: a length of the scene, 0 = automatic. `decimation`, `energy`: keys of `DECIMATIONS` and `ENERGIES`.
+    `clearance`: a length of the scene, 0 = automatic.
     """
 
     levels: tuple[Level, ...] = ()
     clearance: float = 0.0
-    decimation: str = "ON_CURVE"
-    energy: str = "AREA"
-
-
-# How the coarse mesh of a level is made from the mesh inside it: for the first level, and for those after it. Cages of
-# later levels start outside of the one before, so that nothing has to shrink again, unless resampling was asked for.
-DECIMATIONS: dict[str, tuple[Callable[[ModuleType], Any], Callable[[ModuleType], Any]]] = {
-    "ON_CURVE": (lambda core: core.OnCurve(), lambda core: core.OuterHull()),
-    "OUTER_HULL": (lambda core: core.OuterHull(), lambda core: core.OuterHull()),
-    "ARC_LENGTH": (lambda core: core.ArcLength(), lambda core: core.ArcLength()),
-}
-
-
-# What a cage minimises.
-ENERGIES: dict[str, Callable[[ModuleType], Any]] = {
-    "AREA": lambda core: core.Area(),
-    "SHAPE_KEEPING": lambda core: core.ShapeKeeping(),
-    "INITIAL_DISPLACEMENT": lambda core: core.InitialDisplacement(),
-    "BOUNDARY_ARAP": lambda core: core.BoundaryARAP(),
-    "INTERIOR_ARAP": lambda core: core.InteriorARAP(),
-}
+    methods: Methods = field(default_factory=Methods)
 
 
 @dataclass(frozen=True)
@@ -188,6 +168,7 @@ class Generation:
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
         self.core = load_core()
         self.options = options
+        options.methods.check()
         self.results: list[Result] = []
         self._plans: list[tuple[Request, Any, tuple[Any, ...]]] = []
         for request in requests:
@@ -227,10 +208,7 @@ class Generation:
         """The core's progress of one level, and at the end its `CageLevel`. Raises: Refusal."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
-        settings = self.core.Settings(
-            decimation=DECIMATIONS[self.options.decimation][min(number, 2) - 1](self.core),
-            energy=ENERGIES[self.options.energy](self.core),
-        )
+        settings = self.options.methods.settings(self.core, number)
         for clearance in clearances:
             for margins in MARGINS:
                 asked = replace(settings, clearance=clearance + margins * margin)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import binding, output
+from . import binding, output, properties
 from .job import running
 from .presets import NESTEDCAGES_PT_presets
 from .properties import copy_values, timing
@@ -40,17 +40,9 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         levels.operator("scene.nested_cages_level_add", text="", icon="ADD")
         if len(settings.level_list):
             _draw_list(column, settings)
-        column.prop(settings, "use_selected_as_levels")
-        column.prop(settings, "clearance")
-        column.prop(settings, "decimation")
-        column.prop(settings, "energy")
-        column = layout.column(align=True)
-        column.prop(settings, "start_frame")
-        column.prop(settings, "frames_per_step")
-        column = layout.column()
-        for name in ("show_flow", "ease", "loop_back", "show_result"):
-            column.prop(settings, name)
-        column.prop(settings, "thickness")
+        properties.draw(column, settings, properties.WHAT)
+        properties.draw(layout.column(align=True), settings, properties.FRAMES)
+        properties.draw(layout.column(), settings, (*properties.ANIMATION, *properties.LOOKS))
         _draw_length(layout, context)
         job = running()
         if job is None:
@@ -62,19 +54,32 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
             layout.operator("object.nested_cages_cancel", icon="CANCEL")
 
 
-class VIEW3D_PT_nested_cages_reading(SidebarPanel, bpy.types.Panel):
+class SettingsPanel(SidebarPanel):
+    """A closed part of the main panel with settings."""
+
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+    bl_options = {"DEFAULT_CLOSED"}
+    names: tuple[str, ...] = ()
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        properties.draw(layout.column(), context.scene.nested_cages, self.names)
+
+
+class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
     """How the selected objects are read"""
 
     bl_label = "Drawing"
-    bl_parent_id = "VIEW3D_PT_nested_cages"
-    bl_options = {"DEFAULT_CLOSED"}
+    names = properties.READING
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, settings = self.layout, context.scene.nested_cages
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        for name in ("resolution", "close_open", "project"):
-            layout.prop(settings, name)
+
+class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
+    """The methods, for those who compare them; what is dimmed has no part in what is chosen"""
+
+    bl_label = "Advanced"
+    names = properties.ADVANCED
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
@@ -186,6 +191,7 @@ CLASSES = (
     NESTEDCAGES_UL_levels,
     VIEW3D_PT_nested_cages,
     VIEW3D_PT_nested_cages_reading,
+    VIEW3D_PT_nested_cages_advanced,
     VIEW3D_PT_nested_cages_result,
     VIEW3D_PT_nested_cages_use,
 )

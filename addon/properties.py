@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -17,30 +20,15 @@ from . import level_list
 from .animation import Timing
 from .convert import ReadingOptions
 from .generate import Options, parse_levels
-
-DECIMATION_ITEMS = (
-    (
-        "ON_CURVE",
-        "On the Curve",
-        "Coarse meshes start on the drawing, so that it is seen to shrink, and to push them out while it grows back; "
-        "further levels start from the outer hull",
-    ),
-    (
-        "OUTER_HULL",
-        "Outer Hull",
-        "Coarse meshes start outside of the drawing, which need not shrink: the tightest cages",
-    ),
-    ("ARC_LENGTH", "Even Resampling", "Coarse vertices lie on the drawing at equal distances along it, on every level"),
-)
+from .methods import REPAIRS, SETTINGS, Methods
 
 
-ENERGY_ITEMS = (
-    ("AREA", "Least Area", "As tight as the number of vertices allows"),
-    ("SHAPE_KEEPING", "Keep Shape", "Tight, but straight stays straight, level stays level and symmetric symmetric"),
-    ("INITIAL_DISPLACEMENT", "Least Motion", "As close to the coarse mesh as can be"),
-    ("BOUNDARY_ARAP", "Rigid Outline", "The outline of the coarse mesh bends and stretches as little as can be"),
-    ("INTERIOR_ARAP", "Rigid Inside", "What is inside the coarse mesh bends and stretches as little as can be"),
-)
+def _choice(name: str) -> Any:
+    """The property for a choice of methods."""
+    setting = SETTINGS[name]
+    return EnumProperty(
+        name=setting.name, description=setting.description, items=setting.items, default=setting.default
+    )
 
 
 def _fill_list(self: object, _context: bpy.types.Context) -> None:
@@ -88,18 +76,8 @@ class GenerationProperties:
         subtype="DISTANCE",
         unit="LENGTH",
     )
-    decimation: EnumProperty(  # type: ignore[valid-type]
-        name="Coarse Meshes",
-        description="How the coarse mesh that becomes a cage is made",
-        items=DECIMATION_ITEMS,
-        default="ON_CURVE",
-    )
-    energy: EnumProperty(  # type: ignore[valid-type]
-        name="Energy",
-        description="What a cage minimises",
-        items=ENERGY_ITEMS,
-        default="AREA",
-    )
+    decimation: _choice("decimation")  # type: ignore[valid-type]
+    energy: _choice("energy")  # type: ignore[valid-type]
     start_frame: IntProperty(  # type: ignore[valid-type]
         name="Start Frame",
         description="Frame on which the animation begins",
@@ -166,10 +144,50 @@ class GenerationProperties:
         description="Flatten drawings that are not planar onto the plane that fits them best instead of refusing them",
         default=False,
     )
+    contact: _choice("contact")  # type: ignore[valid-type]
+    repairs: EnumProperty(  # type: ignore[valid-type]
+        name="Repairs",
+        description="Which faults of the paper's program are mended in what is chosen of it",
+        items=REPAIRS,
+        default=set(Methods.repairs),
+        options={"ENUM_FLAG"},
+    )
+    expansion_energy: _choice("expansion_energy")  # type: ignore[valid-type]
+    solver: _choice("solver")  # type: ignore[valid-type]
+    step_filter: _choice("step_filter")  # type: ignore[valid-type]
+    broad_phase: _choice("broad_phase")  # type: ignore[valid-type]
+    flow: _choice("flow")  # type: ignore[valid-type]
+    quadrature: _choice("quadrature")  # type: ignore[valid-type]
+    starts: IntProperty(  # type: ignore[valid-type]
+        name="Starts",
+        description="From how many coarse meshes to go, to keep the tightest cage, where there are several",
+        default=Methods.starts,
+        min=1,
+        soft_max=12,
+    )
+    tighten: BoolProperty(  # type: ignore[valid-type]
+        name="Tighten",
+        description="Bring the cage to its optimum once the drawing is home, which the paper does not",
+        default=Methods.tighten,
+    )
+    fall_back: BoolProperty(  # type: ignore[valid-type]
+        name="Fall Back to Outer Hull",
+        description="Start from the outer hull where the drawing cannot get into a coarse mesh, instead of refusing",
+        default=Methods.fall_back,
+    )
 
 
-# In the order of the panel.
+# All settings; and what is shown together, in this order.
 NAMES = tuple(GenerationProperties.__annotations__)
+WHAT = ("use_selected_as_levels", "clearance", "decimation", "energy")
+FRAMES = ("start_frame", "frames_per_step")
+ANIMATION = ("show_flow", "ease", "loop_back", "show_result")
+LOOKS = ("thickness",)
+READING = ("resolution", "close_open", "project")
+ADVANCED = (
+    *("contact", "repairs", "expansion_energy", "solver", "step_filter", "broad_phase"),
+    *("flow", "quadrature", "starts", "tighten", "fall_back"),
+)
 
 
 class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
@@ -189,9 +207,24 @@ def reading_options(values: GenerationProperties) -> ReadingOptions:
 
 
 def options(values: GenerationProperties) -> Options:
-    """What is computed. Raises: Refusal if the levels are not numbers."""
+    """What is computed. Raises: Refusal if the levels cannot be read."""
     levels = () if values.use_selected_as_levels else parse_levels(values.levels)
-    return Options(levels=levels, clearance=values.clearance, decimation=values.decimation, energy=values.energy)
+    return Options(levels=levels, clearance=values.clearance, methods=methods(values))
+
+
+def methods(values: GenerationProperties) -> Methods:
+    """How it is computed."""
+    found = {name: getattr(values, name) for name in Methods.__dataclass_fields__}
+    return Methods(**found | {"repairs": frozenset(values.repairs)})
+
+
+def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterable[str]) -> None:
+    """Draws settings, and dims those that what is chosen has no use for."""
+    chosen = methods(values)
+    for name in names:
+        row = layout.row()
+        row.active = chosen.has_use_for(name)
+        row.prop(values, name)
 
 
 def own_names(values: GenerationProperties) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from .. import binding, convert, originals, output, properties
-from ..generate import Generation, Request
+from ..generate import OWN, Generation, Request
 from ..job import TICK, Job, running
 from ..properties import GenerationProperties
 from ..refusal import Refusal, say
@@ -42,8 +42,16 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        for name in properties.NAMES:
-            layout.prop(self, name)
+        layout.prop(self, "levels")
+        if OWN in self.levels:
+            layout.prop(self, "level_objects")
+        for names in (properties.WHAT, properties.FRAMES, properties.ANIMATION, properties.LOOKS):
+            properties.draw(layout.column(), self, names)
+        for title, names in (("Drawing", properties.READING), ("Advanced", properties.ADVANCED)):
+            header, body = layout.panel(f"nested_cages_{title}", default_closed=True)
+            header.label(text=title)
+            if body is not None:
+                properties.draw(body.column(), self, names)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:

@@ -88,7 +88,7 @@ def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
 
 @pytest.mark.parametrize("decimation", ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"])
 def test_every_way_to_make_coarse_meshes_is_certified_as_stored(addon, core, decimation) -> None:
-    options = addon.generate.Options(levels=(20, 10), decimation=decimation)
+    options = addon.generate.Options(levels=(20, 10), methods=addon.methods.Methods(decimation=decimation))
     generation = addon.generate.Generation([request(addon, [star()])], options)
     for _ in generation:
         pass

@@ -24,6 +24,9 @@ class Layout:
     def __setattr__(self, name: str, value: Any) -> None:
         """Settings of the layout and of operators are not looked at."""
 
+    def panel(self, _identifier: str, **_named: Any) -> tuple[Layout, Layout]:
+        return Layout(self.drawn), Layout(self.drawn)
+
     def label(self, text: str = "", **_named: Any) -> None:
         self.drawn.append(text)
 
@@ -54,7 +57,8 @@ def draw(extension):
 
     def drawn_by(name: str) -> list[str]:
         drawn: list[str] = []
-        getattr(panels, name).draw(SimpleNamespace(layout=Layout(drawn)), bpy.context)
+        panel = getattr(panels, name)
+        panel.draw(SimpleNamespace(layout=Layout(drawn), names=getattr(panel, "names", ())), bpy.context)
         return drawn
 
     return drawn_by
@@ -67,6 +71,18 @@ def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> No
     bpy.ops.scene.nested_cages_level_add()
     assert "level_list" in draw("VIEW3D_PT_nested_cages")
     assert "resolution" in draw("VIEW3D_PT_nested_cages_reading")
+
+
+def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon) -> None:
+    names = sorted(set(addon.properties.NAMES) - {"level_objects"})
+    parts = ("", "_reading", "_advanced")
+    drawn = [name for part in parts for name in draw(f"VIEW3D_PT_nested_cages{part}")]
+    assert sorted(name for name in drawn if name in names) == names
+    drawn = []
+    operator, settings = bpy.ops.object.nested_cages_generate.get_rna_type(), bpy.context.scene.nested_cages
+    values = SimpleNamespace(bl_rna=operator, layout=Layout(drawn), **{n: getattr(settings, n) for n in names})
+    addon.operators.generate.OBJECT_OT_nested_cages_generate.draw(values, bpy.context)
+    assert sorted(name for name in drawn if name in names) == names
 
 
 def test_the_panel_shows_the_length_as_soon_as_it_is_known(draw) -> None:

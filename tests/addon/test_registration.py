@@ -7,7 +7,10 @@ import sys
 import bpy
 import pytest
 
+from conftest import ROOT
 from drawings import poly_curve, star
+
+PRESETS = ROOT / "addon" / "presets" / "nested_cages"
 
 
 def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
@@ -53,13 +56,13 @@ def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> 
         assert mine.default == scenes.default
 
 
-@pytest.mark.parametrize("name", ["Tight", "Loose", "Game Collision", "Map Outline"])
+@pytest.mark.parametrize("name", sorted(path.stem.replace("_", " ") for path in PRESETS.glob("*.py")))
 def test_presets_that_come_with_the_add_on_work(addon, name) -> None:
     path = bpy.utils.preset_find(name, "nested_cages", display_name=True)
     assert path
     bpy.ops.script.execute_preset(filepath=path, menu_idname="NESTEDCAGES_PT_presets")
     settings = bpy.context.scene.nested_cages
-    poly_curve("Drawing", [star(400)])
+    poly_curve("Drawing", [star(100)])
     values = {key: getattr(settings, key) for key in addon.properties.NAMES}
     assert bpy.ops.object.nested_cages_generate(**values) == {"FINISHED"}
 

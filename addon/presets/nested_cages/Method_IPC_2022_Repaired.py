@@ -1,0 +1,23 @@
+"""For comparisons, after Gurditta & Jacobson (2022), with its faults mended."""
+
+import bpy
+
+settings = bpy.context.scene.nested_cages
+
+settings.levels = "20%"
+settings.use_selected_as_levels = False
+settings.clearance = 0.0
+settings.decimation = "ON_CURVE"
+settings.energy = "AREA"
+settings.contact = "PAPER"
+settings.repairs = {"PARITY", "FINITE", "HOME"}
+settings.expansion_energy = "AUTOMATIC"
+settings.solver = "AUTOMATIC"
+settings.step_filter = "AUTOMATIC"
+settings.broad_phase = "AUTOMATIC"
+settings.flow = "AUTOMATIC"
+settings.quadrature = "AUTOMATIC"
+settings.starts = 1
+settings.tighten = False
+settings.fall_back = False
+settings.show_flow = True

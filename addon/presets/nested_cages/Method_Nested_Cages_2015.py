@@ -1,0 +1,23 @@
+"""For comparisons, after Sacht, Vouga & Jacobson (2015): edge collapse and velocity filter."""
+
+import bpy
+
+settings = bpy.context.scene.nested_cages
+
+settings.levels = "20%"
+settings.use_selected_as_levels = False
+settings.clearance = 0.0
+settings.decimation = "EDGE_COLLAPSE"
+settings.energy = "AREA"
+settings.contact = "VELOCITY_FILTER"
+settings.repairs = {"PARITY", "FINITE", "HOME"}
+settings.expansion_energy = "AUTOMATIC"
+settings.solver = "AUTOMATIC"
+settings.step_filter = "AUTOMATIC"
+settings.broad_phase = "AUTOMATIC"
+settings.flow = "SIGNED_DISTANCE"
+settings.quadrature = "MIDPOINT"
+settings.starts = 1
+settings.tighten = True
+settings.fall_back = True
+settings.show_flow = True

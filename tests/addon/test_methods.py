@@ -1,0 +1,231 @@
+"""Every choice of a method gives the core's object that it is called after, and a certified cage or its own refusal."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+
+import bpy
+import pytest
+
+from conftest import ROOT
+from drawings import at_frame, lines, poly_curve, solid, star
+
+# What each choice is in the core, told apart from the add-on's own table.
+EXPECTED = {
+    ("decimation", "ON_CURVE"): "OnCurve(hull=OuterHull(restarts=12, seed=0))",
+    ("decimation", "OUTER_HULL"): "OuterHull(restarts=12, seed=0)",
+    ("decimation", "ARC_LENGTH"): "ArcLength()",
+    ("decimation", "DOUGLAS_PEUCKER"): "DouglasPeucker()",
+    ("decimation", "VISVALINGAM"): "Visvalingam()",
+    ("decimation", "EDGE_COLLAPSE"): "EdgeCollapse()",
+    ("decimation", "LEVEL_SET"): "LevelSet(cells=250, simplification=EdgeCollapse(), change_loops=False)",
+    ("decimation", "LEVEL_SET_MERGING"): "LevelSet(cells=250, simplification=EdgeCollapse(), change_loops=True)",
+    ("energy", "AREA"): "Area()",
+    ("energy", "SHAPE_KEEPING"): "ShapeKeeping(strength=3.0)",
+    ("energy", "INITIAL_DISPLACEMENT"): "InitialDisplacement()",
+    ("energy", "STEP_DISPLACEMENT"): "StepDisplacement()",
+    ("energy", "BOUNDARY_ARAP"): "BoundaryARAP()",
+    ("energy", "INTERIOR_ARAP"): "InteriorARAP()",
+    ("energy", "NONE"): "NoEnergy()",
+    ("contact", "AUTOMATIC"): "None",
+    ("contact", "IPC"): "IPC",
+    ("contact", "SEQUENTIAL_QP"): "SequentialQP",
+    ("contact", "VELOCITY_FILTER"): "VelocityFilter",
+    ("contact", "PAPER"): "PaperContact",
+    ("flow", "TWO_SIDED"): "TwoSidedFlow",
+    ("flow", "SIGNED_DISTANCE"): "SignedDistanceFlow",
+    ("flow", "PAPER"): "PaperFlow",
+    ("quadrature", "QUADRATIC_FALL_OFF"): "QuadraticFallOff(samples=4)",
+    ("quadrature", "MIDPOINT"): "Midpoint()",
+    ("quadrature", "GAUSS_1"): "GaussLegendre(points=1)",
+    ("quadrature", "GAUSS_2"): "GaussLegendre(points=2)",
+    ("quadrature", "GAUSS_3"): "GaussLegendre(points=3)",
+    ("quadrature", "EVEN"): "EvenSamples(samples=4)",
+    ("solver", "PROJECTED_NEWTON"): "ProjectedNewton",
+    ("solver", "GRADIENT_DESCENT"): "GradientDescent(steps=100",
+    ("step_filter", "TIME_OF_IMPACT"): "TimeOfImpact()",
+    ("step_filter", "SMALLEST_DISTANCE"): "SmallestDistance()",
+    ("step_filter", "NONE"): "NoFilter()",
+    ("broad_phase", "CELLS"): "Cells()",
+    ("broad_phase", "ALL_PAIRS"): "AllPairs()",
+}
+# What has to be chosen too, so that a choice has a part in the cage.
+WITH = {
+    "quadrature": {"flow": "SIGNED_DISTANCE"},
+    "step_filter": {"contact": "IPC"},
+    "broad_phase": {"contact": "IPC"},
+}
+PRESETS = ROOT / "addon" / "presets" / "nested_cages"
+
+
+def choices(addon):
+    return [(name, key) for name, setting in addon.methods.SETTINGS.items() for key in setting.choices]
+
+
+def test_the_table_is_complete(addon) -> None:
+    expansion = {("expansion_energy", key) for name, key in EXPECTED if name == "energy"}
+    assert set(choices(addon)) == set(EXPECTED) | expansion | {("expansion_energy", "SAME")}
+    for setting in addon.methods.SETTINGS.values():
+        for key, name, description in setting.items:
+            assert key.isupper() and name and len(description) > 15, (key, name)
+            assert not description.endswith("."), key  # Blender adds it
+
+
+@pytest.mark.parametrize(("name", "key"), EXPECTED)
+def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, key) -> None:
+    methods = addon.methods.Methods(**WITH.get(name, {}) | {name: key})
+    methods.check()
+    settings = methods.settings(core, 1)
+    owner = {"quadrature": settings.flow, "step_filter": settings.contact, "broad_phase": settings.contact}
+    assert repr(getattr(owner.get(name, settings), name)).startswith(EXPECTED[name, key])
+
+
+def test_untouched_they_are_the_core_s_own(addon, core) -> None:
+    assert addon.methods.Methods(decimation="OUTER_HULL").settings(core, 1) == core.Settings()
+    assert addon.methods.Methods().settings(core, 2) == core.Settings()
+    assert bpy.context.scene.nested_cages.contact == "AUTOMATIC"
+    assert addon.properties.methods(bpy.context.scene.nested_cages) == addon.methods.Methods()
+
+
+def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon, core) -> None:
+    paper = addon.methods.Methods(contact="PAPER", repairs=frozenset(), tighten=False, fall_back=False, starts=1)
+    plain = core.Settings(
+        decimation=core.OnCurve(),
+        fallback=None,
+        starts=1,
+        flow=core.PaperFlow(),
+        contact=core.PaperContact(),
+        solver=core.GradientDescent(steps=100),
+        tightening=core.Tightening(iterations=0),
+    )
+
+    def without_tightening(settings):
+        assert settings.tightening.iterations == 0
+        return replace(settings, tightening=plain.tightening)
+
+    assert without_tightening(paper.settings(core, 1)) == plain
+    exact = replace(paper, repairs=frozenset({"PARITY"})).settings(core, 1)
+    assert exact.flow.exact_parity and exact.contact.repairs == core.Repairs(parity=True)
+    finite = replace(paper, repairs=frozenset({"FINITE"})).settings(core, 1)
+    assert finite.solver.refuse_infinite and finite.contact == plain.contact
+    home = replace(paper, repairs=frozenset({"HOME"})).settings(core, 1)
+    assert home.contact.repairs == core.Repairs(exact_home=True)
+    # One improvement at a time: a partner that is set stays.
+    others = {"solver": "PROJECTED_NEWTON", "step_filter": "TIME_OF_IMPACT", "broad_phase": "CELLS"}
+    newton = replace(paper, **others, flow="TWO_SIDED")
+    settings = newton.settings(core, 1)
+    assert settings.solver == core.ProjectedNewton() and settings.flow == core.TwoSidedFlow()
+    assert settings.contact == core.PaperContact(step_filter=core.TimeOfImpact(), broad_phase=core.Cells())
+
+
+def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:
+    methods = addon.methods.Methods(contact="VELOCITY_FILTER")
+    assert methods.settings(core, 1).expansion_energy == core.NoEnergy()
+    assert replace(methods, expansion_energy="SAME").settings(core, 1).expansion_energy is None
+    assert addon.methods.Methods().settings(core, 1).expansion_energy is None
+
+
+@pytest.mark.parametrize(
+    ("chosen", "sentence"),
+    [
+        ({"step_filter": "NONE"}, "'Step Filter' has no part .* Contact › IPC, Contact › The Paper's"),
+        ({"contact": "SEQUENTIAL_QP", "broad_phase": "CELLS"}, "'Broad Phase' has no part"),
+        ({"contact": "SEQUENTIAL_QP", "solver": "GRADIENT_DESCENT"}, "'Solver' has no part"),
+        ({"contact": "VELOCITY_FILTER", "solver": "PROJECTED_NEWTON"}, "'Solver' has no part"),
+        ({"contact": "SEQUENTIAL_QP", "expansion_energy": "AREA"}, "'While Growing' has no part"),
+        ({"quadrature": "MIDPOINT"}, "'Quadrature' has no part .* choose Flow › Signed Distance"),
+    ],
+)
+def test_what_nothing_would_use_is_refused(addon, chosen, sentence) -> None:
+    poly_curve("Drawing", [star()])
+    with pytest.raises(RuntimeError, match=sentence):
+        bpy.ops.object.nested_cages_generate(levels="12", **chosen)
+    assert [obj.name for obj in bpy.data.objects] == ["Drawing"]
+    dimmed = addon.methods.Methods(**chosen)
+    assert not all(dimmed.has_use_for(name) for name in chosen)
+
+
+def test_what_is_dimmed_follows_the_contact(addon) -> None:
+    methods = addon.methods.Methods
+    dependent = ("repairs", "solver", "step_filter", "broad_phase", "expansion_energy", "quadrature")
+
+    def used(**chosen):
+        return {name for name in dependent if methods(**chosen).has_use_for(name)}
+
+    assert used() == {"solver", "expansion_energy"}
+    assert used(contact="SEQUENTIAL_QP") == set()
+    assert used(contact="IPC", flow="SIGNED_DISTANCE") == set(dependent) - {"repairs"}
+    assert used(contact="PAPER") == set(dependent) - {"quadrature"}
+    assert used(contact="SEQUENTIAL_QP", flow="PAPER") == {"repairs"}
+    assert methods().has_use_for("clearance")
+
+
+@pytest.mark.parametrize(("name", "key"), [*EXPECTED, ("expansion_energy", "NONE"), ("expansion_energy", "SAME")])
+def test_each_choice_makes_a_certified_cage(addon, name, key) -> None:
+    poly_curve("Drawing", [star(24)])
+    chosen = WITH.get(name, {}) | {name: key}
+    assert bpy.ops.object.nested_cages_generate(levels="10", **chosen) == {"FINISHED"}
+    fine, cage = bpy.data.objects["Drawing Fine"], bpy.data.objects["Drawing Cage 1"]
+    assert cage["nested_cages_certificate"].startswith("Certified as stored")
+    depsgraph = at_frame(cage["nested_cages_end"])
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+    assert lines(cage, depsgraph).distance(lines(fine, depsgraph)) > 0.0
+
+
+@pytest.mark.parametrize("option", [{"tighten": False}, {"starts": 1}, {"fall_back": False}])
+def test_other_advanced_settings_reach_the_core(addon, core, option) -> None:
+    settings = addon.methods.Methods(**option).settings(core, 1)
+    assert (settings.tightening.iterations == 0) == ("tighten" in option)
+    assert (settings.starts == 1) == ("starts" in option)
+    assert (settings.fallback is None) == ("fall_back" in option)
+    poly_curve("Drawing", [star(24)])
+    assert bpy.ops.object.nested_cages_generate(levels="10", **option) == {"FINISHED"}
+
+
+def test_the_paper_as_written_fails_in_its_documented_way() -> None:
+    poly_curve("Drawing", [star(24)])
+    as_written = {"contact": "PAPER", "repairs": set(), "tighten": False, "fall_back": False}
+    with pytest.raises(RuntimeError, match=r"'Drawing, level 1': .* short of home"):
+        bpy.ops.object.nested_cages_generate(levels="10", **as_written)
+    assert [obj.name for obj in bpy.data.objects] == ["Drawing"]
+
+
+def test_where_parts_merge_the_cage_says_so() -> None:
+    poly_curve("Drawing", [star(24) * 0.5, star(24) * 0.5 + (1.3, 0.0)])
+    bpy.ops.object.nested_cages_generate(levels="8", decimation="LEVEL_SET_MERGING")
+    cage = bpy.data.objects["Drawing Cage 1"]
+    assert "1 of the cage, 2 of the mesh in it" in cage["nested_cages_notes"]
+
+
+def test_presets_keep_the_methods(addon, tmp_path, monkeypatch) -> None:
+    assert {f"settings.{name}" for name in addon.properties.NAMES} == set(
+        bpy.types.SCENE_OT_nested_cages_preset_add.preset_values
+    )
+    monkeypatch.setattr(bpy.utils, "user_resource", lambda *_, **__: str(tmp_path))
+    settings = bpy.context.scene.nested_cages
+    settings.contact, settings.repairs, settings.flow = "PAPER", {"HOME"}, "SIGNED_DISTANCE"
+    settings.tighten, settings.starts = False, 7
+    assert bpy.ops.scene.nested_cages_preset_add(name="Mine") == {"FINISHED"}
+    (stored,) = tmp_path.rglob("*.py")
+    settings.contact, settings.repairs, settings.flow = "IPC", set(), "PAPER"
+    settings.tighten, settings.starts = True, 2
+    bpy.ops.script.execute_preset(filepath=str(stored), menu_idname="NESTEDCAGES_PT_presets")
+    assert (settings.contact, settings.repairs, settings.flow) == ("PAPER", {"HOME"}, "SIGNED_DISTANCE")
+    assert (settings.tighten, settings.starts) == (False, 7)
+
+
+@pytest.mark.parametrize("path", sorted(PRESETS.glob("*.py")), ids=lambda path: path.stem)
+def test_presets_that_come_along_set_all_that_makes_a_cage(addon, path) -> None:
+    """Whatever was chosen before, a preset gives the same cages."""
+    assigned = {
+        target.attr
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Attribute)
+    }
+    expected = {"levels", "use_selected_as_levels", "clearance", "show_flow"} | set(
+        addon.methods.Methods.__dataclass_fields__
+    )
+    assert assigned == expected
