@@ -177,7 +177,7 @@ class LevelBuilder:
         if length < wanted:
             notes = (*notes, f"The gaps of the fine mesh leave room for a clearance of {length:.3g}, not {wanted:.3g}.")
         if len(coarse.loops) != len(self.fine.loops):
-            notes = (*notes, f"The cage has {len(coarse.loops)} loops, and the mesh inside it {len(self.fine.loops)}.")
+            notes = (*notes, f"Number of loops: {len(coarse.loops)} of the cage, {len(self.fine.loops)} of the mesh in it.")
         nesting = NestingReport(
             strict=certificate.strict,
             simple=certificate.simple,
