@@ -20,7 +20,7 @@ ROUGH = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
 STAGE_LEAST, STAGE_FACTOR = 150, 4
 """Restarts begin at so many vertices, or so many times the wanted number: until there, little is lost for good."""
 
-STAGE_TWICE = 4_000
+STAGE_TWICE = 400
 """Size up to which both weights lead down to where the restarts begin; larger outlines go there once."""
 
 RESTART_MOVES = 12_000

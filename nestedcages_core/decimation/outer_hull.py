@@ -38,7 +38,7 @@ LOOPS_NAMED = 8
 class OuterHull:
     """Progressive hull of a strict offset of the fine mesh, the best of several seeded runs."""
 
-    restarts: int = 12
+    restarts: int = 8
     """Runs with varied weights; large vertex counts get fewer."""
     seed: int = 0
     """Where the random numbers of the runs begin."""
