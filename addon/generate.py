@@ -26,6 +26,14 @@ MARGIN = 2.0 * np.sqrt(2.0)
 MARGINS = (1.0, 64.0)
 
 Percent = float
+# What the stages of the core are called for users.
+STAGES = {
+    "decimation": "making a coarse mesh",
+    "flow": "shrinking",
+    "reinflation": "growing back",
+    "tightening": "tightening",
+    "verification": "checking",
+}
 # Stands for an own coarse drawing in a list of levels.
 OWN = "*"
 Level = int | Percent | str
@@ -132,12 +140,12 @@ def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, 
             )
             raise Refusal(sentence, name=name, count=count, before=before)
         if count < least:
-            raise Refusal(
-                "'{name}': {count} vertices are too few for its {loops} loops, which need three each",
-                name=name,
-                count=count,
-                loops=len(fine.loops),
+            sentence = (
+                "'{name}': a level of {count} is too small: an outline needs three vertices"
+                if len(fine.loops) == 1
+                else "'{name}': a level of {count} is too small for its {loops} loops, which need three vertices each"
             )
+            raise Refusal(sentence, name=name, count=count, loops=len(fine.loops))
         found.append(count)
     return tuple(found)
 
@@ -148,7 +156,7 @@ def _wanted(levels: Sequence[Level], fine: Any, own: Sequence[Any], name: str) -
         return tuple(own)
     if levels.count(OWN) != len(own):
         raise Refusal(
-            "'{name}': the levels have {places} places for own objects (*), but {objects} are named",
+            "'{name}': own objects (*) in the levels: {places}, objects named: {objects}; name one for each",
             name=name,
             places=levels.count(OWN),
             objects=len(own),
@@ -193,7 +201,7 @@ class Generation:
                     else:
                         # A level that starts anew, from another coarse mesh, goes back; what is shown does not.
                         reached = max(reached, (done + step.fraction) / total)
-                        yield Progress(reached, f"{name}: {say(step.stage)}")
+                        yield Progress(reached, f"{name}: {say(STAGES[step.stage])}")
                 done += 1
                 yield Progress(done / total, name)
             self.results.append(Result(request.fine, tuple(finished)))

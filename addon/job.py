@@ -25,11 +25,15 @@ class Job:
         self._work: Iterator[Progress] = iter(generation)
 
     def advance(self, seconds: float = SLICE) -> bool:
-        """Works for about `seconds`; True when everything is done. Raises: Refusal."""
+        """Works for about `seconds`; True when everything is done. Raises: Refusal.
+
+        A stage that begins ends the slice: some report nothing while they work, and what is shown is what is done.
+        """
         until = time.perf_counter() + seconds
         for progress in self._work:
+            begins = progress.message != self.message
             self.fraction, self.message = progress.fraction, progress.message
-            if time.perf_counter() >= until:
+            if begins or time.perf_counter() >= until:
                 return False
         return True
 

@@ -23,6 +23,10 @@ from .generate import Options, parse_levels
 from .methods import REPAIRS, SETTINGS, Methods
 
 
+# Parts, because any drawing has them; of a text or an imported icon they are some 60 and 24 vertices.
+DEFAULT_LEVELS = "20%, 8%"
+
+
 def _choice(name: str) -> Any:
     """The property for a choice of methods."""
     setting = SETTINGS[name]
@@ -43,10 +47,10 @@ class GenerationProperties:
     levels: StringProperty(  # type: ignore[valid-type]
         name="Levels",
         description=(
-            "Number of vertices of each cage from the inside out, such as 64, 24; or parts of the drawing's own "
-            "number, such as 10%. * stands for the next of the own objects"
+            "Vertices of each cage from the inside out: parts of the drawing's own number, such as 20%, or numbers, "
+            "such as 64, 24. * stands for the next of the own objects"
         ),
-        default="64, 24",
+        default=DEFAULT_LEVELS,
         update=_fill_list,
     )
     level_objects: StringProperty(  # type: ignore[valid-type]

@@ -19,6 +19,11 @@ def say(sentence: str, **words: object) -> str:
     return str(bpy.app.translations.pgettext_rpt(sentence)).format(**words)
 
 
+def say_count(count: int, one: str, many: str, **words: object) -> str:
+    """The sentence for one thing or the one for any other number of them, with ``{count}`` and other words filled in."""
+    return say(one if count == 1 else many, count=count, **words)
+
+
 def load_core() -> ModuleType:
     """The package ``nestedcages_core``, imported only now so that a missing scipy is a sentence. Raises: Refusal."""
     try:

@@ -10,7 +10,7 @@ from .. import binding, convert, originals, output, properties
 from ..generate import OWN, Generation, Request
 from ..job import TICK, Job, running
 from ..properties import GenerationProperties
-from ..refusal import Refusal, say
+from ..refusal import Refusal, say, say_count
 
 
 class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
@@ -132,7 +132,10 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
         cages = [level for result in results for level in result.levels]
         excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
-        self.report({"INFO"}, say("{count} certified cages; excess {excess}", count=len(cages), excess=excess))
+        sentences = "{count} certified cage; excess {excess}", "{count} certified cages; excess {excess}"
+        for note in dict.fromkeys(note for level in cages for note in level.report.notes):
+            self.report({"WARNING"}, note)
+        self.report({"INFO"}, say_count(len(cages), *sentences, excess=excess))
         return {"FINISHED"}
 
     def _refuse(self, refusal: Refusal) -> set[str]:

@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 from .. import convert, handing_on, output
 from ..picture import select
-from ..refusal import Refusal, load_core, say
+from ..refusal import Refusal, load_core, say_count
 
 SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
@@ -129,7 +129,8 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        self.report({"INFO"}, say("{count} outlines written to {path}", count=len(shapes), path=path.name))
+        sentences = "{count} outline written to {path}", "{count} outlines written to {path}"
+        self.report({"INFO"}, say_count(len(shapes), *sentences, path=path.name))
         return {"FINISHED"}
 
 

@@ -79,6 +79,13 @@ def nurbs_circle(name: str) -> Any:
     return add(name, data)
 
 
+def text(name: str, body: str) -> Any:
+    """A text object in Blender's own font."""
+    data = bpy.data.curves.new(name, "FONT")
+    data.body = body
+    return add(name, data)
+
+
 def wire(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
     """A mesh object made of edge loops."""
     mesh = bpy.data.meshes.new(name)

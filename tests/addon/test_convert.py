@@ -24,6 +24,7 @@ from drawings import (
     raised,
     snapshot,
     star,
+    text,
     wire,
 )
 
@@ -129,10 +130,9 @@ def test_only_the_boundary_of_faces_is_read(addon) -> None:
 
 
 def test_a_text_is_read_without_its_fill(addon) -> None:
-    data = bpy.data.curves.new("Text", "FONT")
-    data.body = "do"
-    data.extrude = 0.1
-    drawing = read(addon, add("Text", data))
+    obj = text("Text", "do")
+    obj.data.extrude = 0.1
+    drawing = read(addon, obj)
     assert len(drawing.loops) == 4
     assert area(drawing) > 0.1
 

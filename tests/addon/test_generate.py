@@ -50,7 +50,7 @@ def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon,
     [
         ((61,), "a level of 61 vertices is more than the 60 of the drawing"),
         ((20, 21), "a level of 21 vertices is more than the 20 of the level before it"),
-        ((5,), "5 vertices are too few for its 2 loops"),
+        ((5,), "a level of 5 is too small for its 2 loops"),
     ],
 )
 def test_levels_go_down_but_not_below_three_per_loop(addon, levels, sentence) -> None:

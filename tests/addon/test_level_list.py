@@ -34,6 +34,8 @@ def test_the_text_fills_the_list(settings) -> None:
 
 
 def test_the_list_writes_the_text(settings) -> None:
+    settings.levels = "64, 24"
+    settings.level_list.clear()
     assert bpy.ops.scene.nested_cages_level_add() == {"FINISHED"}
     assert shown(settings) == [("COUNT", 64), ("COUNT", 24), ("COUNT", 12)]
     settings.level_list[0].kind = "PERCENT"
@@ -84,7 +86,7 @@ def test_an_own_object_may_be_selected_with_the_drawing() -> None:
 @pytest.mark.parametrize(
     ("levels", "objects", "sentence"),
     [
-        ("20, *", "", "1 places for own objects .*, but 0 are named"),
+        ("20, *", "", "in the levels: 1, objects named: 0; name one for each"),
         ("20, *", "Nobody", "'Nobody' is named as a level but is not in the scene"),
         ("20, *", "Empty", "'Empty' is named as a level but has no outline"),
         ("*", "Drawing", "Select the drawing too"),

@@ -19,11 +19,13 @@ from drawings import (
     evaluated,
     in_world,
     lines,
+    nurbs_circle,
     poly_curve,
     raised,
     snapshot,
     solid,
     star,
+    text,
     wire,
 )
 
@@ -144,6 +146,27 @@ def test_the_clearance_is_a_length_of_the_scene(addon, clearance) -> None:
         measured = 3.0 * lines(inner, depsgraph).distance(lines(cage, depsgraph))
         assert clearance * (1.0 - 1e-9) <= measured <= 1.05 * clearance
         assert cage["nested_cages_clearance"] == pytest.approx(measured, rel=1e-6)
+
+
+ORDINARY = {
+    "Bezier circle": lambda: bezier_circle("Drawing"),
+    "NURBS circle": lambda: nurbs_circle("Drawing"),
+    "mesh circle": lambda: wire("Drawing", [circle(32)]),
+    "square": lambda: wire("Drawing", [circle(4)]),
+    "triangle": lambda: wire("Drawing", [circle(3)]),
+    "text": lambda: text("Drawing", "Ab"),
+    "letter": lambda: poly_curve("Drawing", letter()),
+    "many parts": lambda: wire("Drawing", [circle(5, 0.3, (x, 0.0)) for x in range(12)]),
+}
+
+
+@pytest.mark.parametrize("name", ORDINARY)
+def test_the_default_works_on_any_ordinary_drawing(addon, name) -> None:
+    ORDINARY[name]()
+    assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
+    _, fine, cages = output()
+    assert len(cages) == 2
+    assert len(fine.data.vertices) >= len(cages[0].data.vertices) >= len(cages[1].data.vertices)
 
 
 TURN = Euler((0.4, 1.0, -2.0)).to_matrix().to_4x4()
@@ -295,7 +318,7 @@ REFUSALS = {
     "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "'Two': "),
     "too many vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "100"}, "more than the 60 of"),
     "rising levels": (lambda: poly_curve("Drawing", [star()]), {"levels": "10, 20"}, "more than the 10"),
-    "too few vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "2"}, "too few"),
+    "too few vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "2"}, "a level of 2 is too small: an outline needs three"),
     "no number": (lambda: poly_curve("Drawing", [star()]), {"levels": "many"}, "Levels are vertex counts"),
     "no levels selected": (
         lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Levels' needs"

@@ -81,7 +81,7 @@ def test_new_files_begin_with_the_users_defaults(preferences, tmp_path) -> None:
 def test_without_own_defaults_new_files_are_as_they_were(preferences) -> None:
     preferences.defaults.levels = "9"
     bpy.ops.wm.read_homefile(use_empty=True, load_ui=False)
-    assert bpy.context.scene.nested_cages.levels == "64, 24"
+    assert bpy.context.scene.nested_cages.levels == "20%, 8%"
 
 
 def test_defaults_cannot_be_stored_without_preferences(extension) -> None:
