@@ -3,8 +3,8 @@
     python benchmarks/growth.py [--largest 100000] [--start hull|curve] [--plot docs/growth.png]
 
 Three kinds of shapes: a fractal coast, a smooth blob and a rough one. Every case runs in a process of its own, whose
-peak memory the operating system
-tells. Prints seconds per phase and the slope of the total time on a log-log scale (1 is linear).
+peak memory the operating system tells. Prints seconds per phase and the slope of the total time on a log-log scale (1
+is linear).
 """
 
 from __future__ import annotations

@@ -3,9 +3,8 @@
     pip install ipctk && python benchmarks/ipc_iteration.py
 
 A fine ring of n vertices just inside a 64-gon, most of its vertices within the barrier's range. Both sides do the same
-four things: find the collisions,
-gradient and (projected) Hessian of the barrier, and the largest collision-free fraction of a step. Ours also solves the
-condensed system.
+four things: find the collisions, gradient and (projected) Hessian of the barrier, and the largest collision-free
+fraction of a step. Ours also solves the condensed system.
 """
 
 from __future__ import annotations

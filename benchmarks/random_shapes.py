@@ -1,8 +1,7 @@
 """Random valid shapes of ten kinds, all from a seed: what the stress program and the property tests feed to the cages.
 
 Every kind is a function from a random generator to a polygon; sizes, gaps and vertex counts are drawn so that easy,
-crowded and nearly degenerate
-shapes all occur. Needs shapely.
+crowded and nearly degenerate shapes all occur. Needs shapely.
 """
 
 from __future__ import annotations

@@ -5,10 +5,9 @@
 For every shape at 16, 32 and 64 vertices: our excess from outer-hull starts beside the record (the least excess of the
 methods ``best_known`` and
 ``prototype`` in peers.csv), and our time beside that of shapely's buffer + simplify on this machine in the same run,
-and beside the recorded one of
-the prototype. Then, from resampled starts, the share of cage edges that show the sign of a local optimum of the area:
-flush with the fine mesh
-around their middle, or touched at it. Exit status 1 when an excess is above the allowed multiple of its record.
+and beside the recorded one of the prototype. Then, from resampled starts, the share of cage edges that show the sign of
+a local optimum of the area: flush with the fine mesh around their middle, or touched at it. Exit status 1 when an
+excess is above the allowed multiple of its record.
 """
 
 from __future__ import annotations

@@ -3,10 +3,8 @@
     python benchmarks/stress.py --count 10000 --seed 0 --jobs 2
 
 Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull or
-from coarse meshes on the
-curve. Prints each failure with its seed (repeat it with --seed SEED --count 1) and a table at the end. A sample is
-checked by shapely as well.
-Exit status 1 when anything failed.
+from coarse meshes on the curve. Prints each failure with its seed (repeat it with --seed SEED --count 1) and a table at
+the end. A sample is checked by shapely as well. Exit status 1 when anything failed.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Distance between points and edges, with closed-form gradient and Hessian.
 
 The six degrees of freedom of a point-edge pair are ordered (p, a, b): the point, the start and the end of the edge, x
-before y. With the unit
-normal n from the edge to the point, the unit tangent τ from a to b, the edge length L and the parameter t of the
-closest point, clamped to
-[0, 1], the derivatives need only the coefficients c = (1, -(1 - t), -t):
+before y. With the unit normal n from the edge to the point, the unit tangent τ from a to b, the edge length L and the
+parameter t of the closest point, clamped to [0, 1], the derivatives need only the coefficients c = (1, -(1 - t), -t):
 
     ∂d = c ⊗ n,
     ∂²d = -(c_t qᵀ + q c_tᵀ) - d q qᵀ   in the interior of the edge, with c_t = c ⊗ τ, q = (0, -n, n) / L,

@@ -3,9 +3,8 @@
     python packaging/build_extension.py [--output dist]
 
 Blender brings numpy but not scipy; its extension system installs wheels that a zip carries and picks those that match
-its Python. Needs Blender as
-a Python module (``pip install bpy``) for Blender's own build and validate commands, and pip for the wheels, which are
-never committed.
+its Python. Needs Blender as a Python module (``pip install bpy``) for Blender's own build and validate commands, and
+pip for the wheels, which are never committed.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
     b(d) = -(d - d̂)² log(d / d̂) for 0 < d < d̂,  0 beyond,  infinite at contact          (Li et al. 2020, equation 6)
 
 The sum over the pairs is B of Gurditta & Jacobson 2022, section 3.2. Every pair has its own range d̂ and weight here,
-because a single range locks
-where two walls of the fine mesh face each other across a slit narrower than the range.
+because a single range locks where two walls of the fine mesh face each other across a slit narrower than the range.
 """
 
 from __future__ import annotations
@@ -50,9 +49,8 @@ def barrier_hessian_factors(
     weight: (K,); a, b: (K, 2) ends of the edges. The Hessian is w (b'' ∂d ∂dᵀ + b' ∂²d) with b' < 0. Its parts are
     projected one by one,
     which needs no eigenvalues: b'' ∂d ∂dᵀ and the d q qᵀ of -∂²d are semi-definite as they are; c_t qᵀ + q c_tᵀ has, as
-    c_t ⊥ q, the
-    eigenvalues ± |c_t| |q|, and the eigenvector (ĉ_t + q̂)/√2 of the positive one; next to an end point -∂²d has no
-    positive part.
+    c_t ⊥ q, the eigenvalues ± |c_t| |q|, and the eigenvector (ĉ_t + q̂)/√2 of the positive one; next to an end point
+    -∂²d has no positive part.
     """
     c = coefficients(pair)
     gradient = (c[:, :, None] * pair.normal[:, None, :]).reshape(-1, 6)

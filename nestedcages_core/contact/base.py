@@ -43,10 +43,9 @@ class Contact(Protocol):
         """Bring the fine vertices from x[m:] through the targets in ``path`` to exactly the last of them.
 
         bodies: what does not change; x: (m + n, 2) positions (cage, fine) free of contact; path: fine positions (n, 2)
-        to pass,
-        the last one is home; clearance: wanted distance, which the result need not reach but should not be far from;
-        energy: what the cage minimises meanwhile; solver: how, for contacts that minimise. ``on_step`` is called with
-        every accepted x: the linear motion from the
-        one before is free of collisions. It may raise to cancel. Never raises for a failure: the outcome says so.
+        to pass, the last one is home; clearance: wanted distance, which the result need not reach but should not be far
+        from; energy: what the cage minimises meanwhile; solver: how, for contacts that minimise. ``on_step`` is called
+        with every accepted x: the linear motion from the one before is free of collisions. It may raise to cancel.
+        Never raises for a failure: the outcome says so.
         """
         ...

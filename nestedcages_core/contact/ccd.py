@@ -5,10 +5,9 @@ Point and edge move linearly, x(s) = x + s v for s in [0, 1]. The point is on th
     c(s) = (b(s) - a(s)) × (p(s) - a(s)) = c0 + c1 s + c2 s²
 
 vanishes: the roots of a quadratic, so no iteration is needed (in 3D this is a cubic; see Li et al. 2020, section 5). A
-root counts as an impact when
-the point is then on, or very close to, the edge itself. "Very close" is measured against the distance at the start: a
-tolerance on the edge's
-parameter instead would report impacts at time 0 for points that rest beside an end of the edge.
+root counts as an impact when the point is then on, or very close to, the edge itself. "Very close" is measured against
+the distance at the start: a tolerance on the edge's parameter instead would report impacts at time 0 for points that
+rest beside an end of the edge.
 """
 
 from __future__ import annotations
@@ -38,9 +37,8 @@ def impacts(
     """Pairs that meet during the motion x + s v, 0 ≤ s ≤ 1, and when.
 
     x, v: (m + n, 2) positions and displacements; distance: (K,) distances of the pairs at x; clearance: distance at
-    which
-    which a point may pass the end of an edge.
-    Returns the (H,) indices of the pairs that meet and the (H,) times s of their first impact.
+    which a point may pass the end of an edge. Returns the (H,) indices of the pairs that meet and the (H,) times s of
+    their first impact.
     """
     speed = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1])
     approach = speed.take(pairs.point) + np.maximum(speed.take(pairs.start), speed.take(pairs.end))

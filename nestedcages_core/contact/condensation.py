@@ -1,10 +1,8 @@
 """Static condensation: a system in all positions (C; F) reduced to one in the cage alone.
 
 Fine vertices are coupled to the cage but hardly to each other, so they are eliminated. Their block of the Hessian is
-made block-diagonal from above
-(for a pair with two fine vertices, (u + w)² ≤ 2 u² + 2 w²), so the matrix stays positive definite and the direction a
-descent direction. What is left
-is a Schur complement in the 2 m unknowns of the cage.
+made block-diagonal from above (for a pair with two fine vertices, (u + w)² ≤ 2 u² + 2 w²), so the matrix stays positive
+definite and the direction a descent direction. What is left is a Schur complement in the 2 m unknowns of the cage.
 """
 
 from __future__ import annotations
@@ -46,8 +44,8 @@ def newton_direction(
     """-H⁻¹ gradient, an array (m + n, 2), for H = Σ Uᵀ U over the pairs + the restoring diagonal + the cage's blocks.
 
     corners: (K, 3) indices of each pair's vertices into (C; F); factors: (K, 3, 6) the pairs' U; restoring: (n,)
-    stiffness of the
-    pull on each fine vertex, > 0; cage: positive semi-definite blocks over the cage's m vertices; gradient: (m + n, 2).
+    stiffness of the pull on each fine vertex, > 0; cage: positive semi-definite blocks over the cage's m vertices;
+    gradient: (m + n, 2).
     """
     n = len(restoring)
     m = len(gradient) - n

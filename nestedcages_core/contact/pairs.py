@@ -3,9 +3,8 @@
 All positions of a contact problem stand in one array x = (C; F) of shape (m + n, 2): the m cage vertices first, then
 the n fine vertices. Pairs
 come in three families, in this order: F-C (a fine vertex and a cage edge), C-F (a cage vertex and a fine edge) and C-C
-(a cage vertex and a cage
-edge that does not end in it). F-F pairs do not exist: the fine mesh may cross itself on its way, it comes home to a
-shape that does not.
+(a cage vertex and a cage edge that does not end in it). F-F pairs do not exist: the fine mesh may cross itself on its
+way, it comes home to a shape that does not.
 """
 
 from __future__ import annotations
@@ -169,8 +168,7 @@ class CandidateList:
     of it.
 
     A pair can come closer by at most the sum of the two largest motions since the list was built; the list is built
-    anew when
-    that uses up the skin.
+    anew when that uses up the skin.
     """
 
     def __init__(self, bodies: Bodies) -> None:

@@ -51,8 +51,8 @@ class OuterHull:
         """Up to `keep` different meshes that strictly enclose the fine one, by exact predicates, least area first.
 
         count: total number of vertices, or one per loop of the fine mesh (exactly these, even if it has fewer itself).
-        clearance: distance to keep from the fine mesh where there is room, in input units.
-        Loop k of each mesh belongs to loop k of the fine mesh.
+        clearance: distance to keep from the fine mesh where there is room, in input units. Loop k of each mesh belongs
+        to loop k of the fine mesh.
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """

@@ -7,8 +7,8 @@ both. Each move works on a short chain of vertices and removes one of them:
     extend  a b c d    -> a x d     x where the lines a-b and c-d meet outside of b-c; b, c or both are convex
     pivot   z a b c d  -> z p q d   a, b, c convex: p and q on the lines z-a and d-c, the edge p-q touched by b
 
-Since solids only grow, what is in the way of a move stays there, and the move is forgotten for good.
-After the progressive hulls of Sander, Gu, Gortler, Hoppe, Snyder: Silhouette Clipping (2000); the pivot is added here.
+Since solids only grow, what is in the way of a move stays there, and the move is forgotten for good. After the
+progressive hulls of Sander, Gu, Gortler, Hoppe, Snyder: Silhouette Clipping (2000); the pivot is added here.
 """
 
 from __future__ import annotations

@@ -15,8 +15,7 @@ class Containment:
     """0 where no edges of cage and fine mesh meet and the cage does not meet itself, infinite elsewhere; exact.
 
     With a contained start and motions free of collisions, containment can only be lost together with this (Gurditta &
-    Jacobson 2022,
-    section 3.2, test it by a parity count, which a ray through a vertex deceives).
+    Jacobson 2022, section 3.2, test it by a parity count, which a ray through a vertex deceives).
     """
 
     def __init__(self, cage_successor: IntArray, fine_successor: IntArray) -> None:

@@ -29,8 +29,7 @@ def nested_cages(
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
     levels: for each cage its number of vertices, or the user's own coarse mesh. ``progress`` is called between
-    iterations and may
-    raise to cancel. Every returned cage is certified by exact predicates.
+    iterations and may raise to cancel. Every returned cage is certified by exact predicates.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """

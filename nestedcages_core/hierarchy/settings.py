@@ -28,8 +28,7 @@ class Settings:
 
     clearance: float | None = None
     """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
-    bounding-box diagonal,
-    or as much of it as the gaps of the fine mesh leave room for."""
+    bounding-box diagonal, or as much of it as the gaps of the fine mesh leave room for."""
     decimation: Decimation = field(default_factory=OuterHull)
     """How a vertex count becomes a coarse mesh."""
     starts: int = 3

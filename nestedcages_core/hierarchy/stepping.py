@@ -1,8 +1,8 @@
 """Turns work that reports by a callback into an iterator over its reports.
 
 The work runs in a thread of its own, but never at the same time as its reader: it stands still from each report until
-the next one is
-asked for. So a loop can pause it, look, and go on, or drop the iterator, which ends the work at its next report.
+the next one is asked for. So a loop can pause it, look, and go on, or drop the iterator, which ends the work at its
+next report.
 """
 
 from __future__ import annotations

@@ -2,13 +2,10 @@
 itself.
 
 On the way from one step to the next, with s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p -
-a) is zero and p lies beside
-the edge. Both c and the two products that say whether p lies beside it are quadratic in s, so each lies between the
-smallest and the largest of its
-three Bernstein coefficients (Farouki 2012). Where those have one sign, beyond their rounding errors, for the whole way,
-the pair is certified; where
-they do not, the way is halved. A pair that is still open after all halvings counts as a collision: the certificate
-never errs on the other side.
+a) is zero and p lies beside the edge. Both c and the two products that say whether p lies beside it are quadratic in s,
+so each lies between the smallest and the largest of its three Bernstein coefficients (Farouki 2012). Where those have
+one sign, beyond their rounding errors, for the whole way, the pair is certified; where they do not, the way is halved.
+A pair that is still open after all halvings counts as a collision: the certificate never errs on the other side.
 """
 
 from __future__ import annotations
