@@ -1,13 +1,12 @@
-"""Tightness and time on shapes kept as CSV files, beside what is on record for them and beside a common recipe.
+"""Tightness and time on shapes kept as CSV files, beside what is on record for them and beside what others make of them.
 
     python benchmarks/shapes.py --data ../shared/data/shapes
 
 For every shape at 16, 32 and 64 vertices: our excess from outer-hull starts beside the record (the least excess of the
-methods ``best_known`` and
-``prototype`` in peers.csv), and our time beside that of shapely's buffer + simplify on this machine in the same run,
-and beside the recorded one of the prototype. Then, from resampled starts, the share of cage edges that show the sign of
-a local optimum of the area: flush with the fine mesh around their middle, or touched at it. Exit status 1 when an
-excess is above the allowed multiple of its record.
+methods ``best_known`` and ``prototype`` in peers.csv), and our time beside the recorded one of the prototype. Then, from
+resampled starts, the share of cage edges that show the sign of a local optimum of the area: flush with the fine mesh
+around their middle, or touched at it. Last, what shapely's buffer + simplify and GEOS's polygon hull make of the same
+shapes in the same run. Exit status 1 when an excess is above the allowed multiple of its record.
 """
 
 from __future__ import annotations
@@ -16,15 +15,16 @@ import argparse
 import csv
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import shapely
 
 from data import read_shape
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, Settings, nested_cages
 from nestedcages_core.broad_phase import near_pairs
 from nestedcages_core.distance import point_edge
+from peers import buffer_and_simplify, polygon_hull
 
 COUNTS = (16, 32, 64)
 
@@ -55,6 +55,7 @@ def main() -> int:
     shapes = options.shapes or sorted({shape for shape, _ in records})
     ratios = hull_starts(options.data, shapes, records, seconds, options.repeats)
     resampled_starts(options.data, shapes)
+    peers(options.data, shapes)
     return 1 if max(ratios) > ALLOWED else 0
 
 
@@ -80,8 +81,8 @@ def hull_starts(
     repeats: int,
 ) -> list[float]:
     """The table of outer-hull starts; returns the ratios of our excess to the record."""
-    columns = ("fine", "cage", "excess %", "record %", "ratio", "CPU s", "buffer s", "recorded s", "new record")
-    print("Outer-hull starts\n" + f"{'shape':10}" + "".join(f"{name:>11}" for name in columns))
+    columns = ("fine", "cage", "excess %", "record %", "ratio", "CPU s", "recorded s", "new record")
+    print("Outer-hull starts\n" + f"{'shape':10}" + heading(columns))
     ratios = []
     for name in shapes:
         fine = read_shape(folder, name)
@@ -92,8 +93,7 @@ def hull_starts(
             ratios.append(ratio)
             print(
                 f"{name:10}{len(fine.vertices):11d}{count:11d}{excess:11.3f}{record:11.3f}{ratio:11.3f}{ours:11.3f}"
-                f"{buffer_and_simplify(fine, count):11.4f}{seconds.get((name, count), np.nan):11.2f}"
-                f"{'yes' if excess < record else '':>11}"
+                f"{seconds.get((name, count), np.nan):11.2f}{'yes' if excess < record else '':>11}"
             )
     print(f"ratio to the record: median {np.median(ratios):.3f}, largest {max(ratios):.3f} (allowed {ALLOWED})")
     return ratios
@@ -109,20 +109,24 @@ def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[f
     return 100.0 * hierarchy.levels[0].report.excess, min(times)
 
 
-def buffer_and_simplify(fine: Mesh, count: int) -> float:
-    """CPU seconds of the recipe that people use without us: simplify, buffer by what that cut off, until few are
-    left."""
-    shape = shapely.Polygon()
-    for loop in fine.loops:
-        shape = shape.symmetric_difference(shapely.Polygon(fine.vertices[loop]))
-    begin = time.process_time()
-    low, high = 1e-5 * fine.diagonal, 0.5 * fine.diagonal
-    for _ in range(20):
-        tolerance = np.sqrt(low * high)
-        simple = shape.simplify(tolerance, preserve_topology=True)
-        grown = simple.buffer(tolerance, join_style="mitre").simplify(tolerance / 10)
-        low, high = (tolerance, high) if shapely.get_num_coordinates(grown) > count else (low, tolerance)
-    return time.process_time() - begin
+def peers(folder: Path, shapes: list[str]) -> None:
+    """The table of what others make of the same shapes, in the same run."""
+    columns = ("cage", "buffer s", "excess %", "vertices", "verdict", "hull s", "excess %", "vertices", "verdict")
+    print("\nshapely's buffer and simplify, and GEOS's polygon hull\n" + f"{'shape':10}" + heading(columns))
+    for name in shapes:
+        fine = read_shape(folder, name)
+        for count in COUNTS:
+            line = f"{name:10}{count:11d}"
+            for peer in (buffer_and_simplify(fine, count), polygon_hull(fine, count)):
+                if peer is None:
+                    line += f"{'-':>11}" * 4
+                else:
+                    line += f"{peer.seconds:11.4f}{peer.excess:11.3f}{peer.vertices:11d}{peer.verdict:>11}"
+            print(line)
+
+
+def heading(columns: Sequence[str]) -> str:
+    return "".join(f"{name:>11}" for name in columns)
 
 
 def resampled_starts(folder: Path, shapes: list[str]) -> None:
