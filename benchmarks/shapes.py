@@ -1,12 +1,12 @@
-"""Tightness and time on shapes kept as CSV files, beside what is on record for them and beside what others make of them.
+"""Tightness and time on shapes kept as CSV files, beside what is on record and what others make of them.
 
     python benchmarks/shapes.py --data ../shared/data/shapes
 
 For every shape at 16, 32 and 64 vertices: our excess from outer-hull starts beside the record (the least excess of the
-methods ``best_known`` and ``prototype`` in peers.csv), and our time beside the recorded one of the prototype. Then, from
-resampled starts, the share of cage edges that show the sign of a local optimum of the area: flush with the fine mesh
-around their middle, or touched at it. Last, what shapely's buffer + simplify and GEOS's polygon hull make of the same
-shapes in the same run. Exit status 1 when an excess is above the allowed multiple of its record.
+methods ``best_known`` and ``prototype`` in peers.csv), and our time beside the recorded one of the prototype. Then,
+from resampled starts, the share of cage edges that show the sign of a local optimum of the area: flush with the fine
+mesh around their middle, or touched at it. Last, what shapely's buffer + simplify and GEOS's polygon hull make of the
+same shapes in the same run. Exit status 1 when an excess is above the allowed multiple of its record.
 """
 
 from __future__ import annotations
