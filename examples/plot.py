@@ -69,6 +69,6 @@ def save(figure: plt.Figure, path: Path) -> None:
     for axes in figure.axes:
         if axes.get_autoscale_on():
             axes.autoscale_view()
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=110, bbox_inches="tight", pad_inches=0.15)
     plt.close(figure)
     print(f"Wrote {path}")

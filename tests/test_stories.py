@@ -11,17 +11,20 @@ from pathlib import Path
 
 import pytest
 
-from nestedcages_core import from_engine_json, read_geojson, read_svg, verify
+from nestedcages_core import features_from_geojson, from_engine_json, read_geojson, read_svg, verify
 
 pytest.importorskip("matplotlib")
 from matplotlib.image import imread
 
 ROOT = Path(__file__).resolve().parents[1]
-STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "sprite_outline")
+STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "regions", "sprite_outline", "waving")
+NEED_BLENDER = ("waving",)
 
 
 @pytest.mark.parametrize("story", STORIES)
 def test_a_story_runs_and_draws_its_picture(story: str, tmp_path: Path) -> None:
+    if story in NEED_BLENDER:
+        pytest.importorskip("bpy")
     command = [sys.executable, f"examples/{story}.py", "--small", "--output", str(tmp_path)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "MPLCONFIGDIR": str(tmp_path / "matplotlib")}
     done = subprocess.run(
@@ -54,3 +57,8 @@ def _check_files(story: str, folder: Path) -> None:
         assert len(features) == 2
         (folder / "one.geojson").write_text(json.dumps(features[0]))
         assert read_geojson(folder / "one.geojson").area > 0.0
+    elif story == "regions":
+        features = features_from_geojson((folder / "regions.geojson").read_bytes())
+        assert len({feature.properties["name"] for feature in features}) == len(features) > 3
+    elif story == "waving":
+        assert (folder / "waving.blend").stat().st_size > 0
