@@ -115,15 +115,21 @@ class _Rays:
 
     def _cross(self, point: IntArray, first: IntArray, last: IntArray) -> None:
         """Count stretches of segments first..last by their chords; whole closed chains in between add nothing."""
+        if len(point) == 0:
+            return
         chain, bounds = self.tree.chain, self.tree.chain_starts
         one = chain[first] == chain[last]
         self._count(point[one], first[one], last[one])
+        if one.all():
+            return
         point, first, last = point[~one], first[~one], last[~one]
         self._count(point, first, bounds[chain[first] + 1] - 1)
         self._count(point, bounds[chain[last]], last)
 
     def _touch(self, point: IntArray, segment: IntArray) -> None:
         """Count single segments, and note the points that lie on one."""
+        if len(point) == 0:
+            return
         self._count(point, segment, segment)
         sides = orientation(self.starts[segment], self.ends[segment], self.points[point])
         self.touching.append(point[sides == 0])
