@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -16,11 +17,12 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from nestedcages_core import Grids, grids, nested_cages, read_svg
-from plot import LEVELS, arguments, line, save
+from plot import BLUE, LEVELS, QUIET, RED, arguments, line, save
 
 DRAWING = Path(__file__).resolve().parent / "letter_a.svg"
 COUNTS = (150, 80, 40, 24)
 TOLERANCE = 1e-8  # of the residual, relative to the load
+OFFSET = "offset points"  # how matplotlib counts the way from a place to its label
 SMOOTHING, DAMPING = 2, 0.7  # Jacobi steps before and after each correction; their share
 
 
@@ -57,11 +59,27 @@ class Multigrid:
         return found
 
 
-def timed(solve: Callable[[], tuple[np.ndarray, int]], name: str) -> np.ndarray:
+Solve = Callable[[Callable[[np.ndarray], object]], np.ndarray]  # takes what is told of every iteration
+
+
+@dataclass(frozen=True)
+class Run:
+    """A solution, how long it took, and the residual after every iteration, relative to the load."""
+
+    found: np.ndarray
+    seconds: float
+    residuals: list[float]
+
+
+def run(name: str, solve: Solve, residual: Callable[[np.ndarray], float]) -> Run:
+    """Solves once against the clock and once to see the residuals."""
     began = time.perf_counter()
-    found, iterations = solve()
-    print(f"{name:40s} {iterations:5d} iterations {time.perf_counter() - began:8.3f} s")
-    return found
+    found = solve(lambda _: None)
+    seconds = time.perf_counter() - began
+    residuals = [1.0]
+    solve(lambda now: residuals.append(residual(now)))
+    print(f"{name:40s} {len(residuals) - 1:5d} iterations {seconds:8.3f} s")
+    return Run(found, seconds, residuals)
 
 
 def main() -> None:
@@ -78,27 +96,34 @@ def main() -> None:
     stiffness = grid.stiffness()[inside][:, inside].tocsr()
     load = (grid.mass() @ np.ones(len(grid.vertices)))[inside]  # -Δu = 1 inside, u = 0 on the outline
 
-    def conjugate_gradients(preconditioner: LinearOperator | None) -> tuple[np.ndarray, int]:
-        steps: list[int] = []
-        found, failed = cg(
-            stiffness, load, rtol=TOLERANCE, maxiter=20_000, M=preconditioner, callback=lambda _: steps.append(1)
-        )
+    def conjugate_gradients(
+        tell: Callable[[np.ndarray], object], preconditioner: LinearOperator | None = None
+    ) -> np.ndarray:
+        found, failed = cg(stiffness, load, rtol=TOLERANCE, maxiter=20_000, M=preconditioner, callback=tell)
         assert not failed
-        return found, len(steps)
+        return found
 
-    def multigrid() -> tuple[np.ndarray, int]:
+    def multigrid(tell: Callable[[np.ndarray], object]) -> np.ndarray:
         cycles = Multigrid(made, stiffness, inside)
-        return conjugate_gradients(LinearOperator(stiffness.shape, matvec=cycles.cycle))
+        return conjugate_gradients(tell, LinearOperator(stiffness.shape, matvec=cycles.cycle))
 
-    plain = timed(lambda: conjugate_gradients(None), "conjugate gradients")
-    fast = timed(multigrid, "the same with multigrid over the cages")
-    direct = timed(lambda: (splu(stiffness.tocsc()).solve(load), 1), "direct, by factors")
-    for found in (plain, fast):
-        assert np.abs(found - direct).max() < 1e-5 * np.abs(direct).max()
+    def residual(found: np.ndarray) -> float:
+        return float(np.linalg.norm(load - stiffness @ found) / np.linalg.norm(load))
+
+    runs = {
+        "conjugate gradients": run("conjugate gradients", conjugate_gradients, residual),
+        "with multigrid": run("the same with multigrid over the cages", multigrid, residual),
+    }
+    began = time.perf_counter()
+    direct = splu(stiffness.tocsc()).solve(load)
+    factors = time.perf_counter() - began
+    print(f"{'direct, by factors':40s} {1:5d} iterations {factors:8.3f} s")
+    for each in runs.values():
+        assert np.abs(each.found - direct).max() < 1e-5 * np.abs(direct).max()
 
     values = np.zeros(len(grid.vertices))
-    values[inside] = fast
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 5), layout="constrained")
+    values[inside] = direct
+    figure, (left, right, course) = plt.subplots(1, 3, figsize=(14, 5), layout="constrained")
     left.tripcolor(*grid.vertices.T, grid.triangles, values, shading="gouraud", cmap="viridis", rasterized=True)
     left.set_title(f"−Δu = 1 on {len(inside)} points inside")
     for level, colour in list(zip(made.grids[2:], LEVELS, strict=False))[::-1]:
@@ -110,6 +135,16 @@ def main() -> None:
         axes.set_aspect("equal")
         axes.axis("off")
         axes.invert_yaxis()
+    for (name, each), colour in zip(runs.items(), (QUIET, BLUE), strict=True):
+        times = np.linspace(0.0, each.seconds, len(each.residuals))
+        course.semilogy(times, each.residuals, color=colour, linewidth=2.0, marker="o" if len(times) < 20 else None)
+        half = len(times) // 2
+        course.annotate(name, (times[half], each.residuals[half]), color=colour, xytext=(10, 2), textcoords=OFFSET)
+    course.axvline(factors, color=RED, linestyle=":")
+    course.annotate("direct", (factors, 1.0), color=RED, xytext=(10, 2), textcoords=OFFSET)
+    course.set_xlabel("seconds")
+    course.set_title("residual")
+    course.spines[["top", "right"]].set_visible(False)
     save(figure, given.output / "poisson.png")
 
 
