@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import animation, binding, output
+from . import animation, binding, output, ownership
 from .filling import points_of
 from .output import PHASES
 from .refusal import Refusal, say
@@ -68,7 +68,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     """
     _check(collection)
     output.forget_frames(scene, collection)
-    for obj in output.members(collection):
+    for obj in ownership.members(collection):
         if obj.data.shape_keys is not None:
             animation.remove_animation(obj.data.shape_keys)
             home = np.empty((len(obj.data.vertices), 3), np.float32)
@@ -98,7 +98,7 @@ def _copy(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
 
 def _owners(collection: bpy.types.Collection) -> Iterator[tuple[Any, str]]:
     """The animated data-blocks of all levels with a name for each, which need an action."""
-    for obj in output.members(collection):
+    for obj in ownership.members(collection):
         keys = obj.data.shape_keys if obj.type == "MESH" else None
         for owner, name in ((obj, obj.name), (keys, say("{name} Steps", name=obj.name))):
             if owner is not None and owner.animation_data is not None and owner.animation_data.action is not None:
@@ -111,7 +111,7 @@ def _check(collection: bpy.types.Collection) -> None:
         raise Refusal(
             "'{name}' is bound to its cages, which puts the animation aside: unbind it first", name=collection.name
         )
-    for obj in output.members(collection):
+    for obj in ownership.members(collection):
         if obj.mode != "OBJECT":
             raise Refusal("'{name}' is being edited: go back to Object Mode first", name=obj.name)
         if not obj.is_editable or not obj.data.is_editable:

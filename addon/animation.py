@@ -213,14 +213,64 @@ def curves_of(owner: Any) -> Any:
     return next((bag.fcurves for bag in bags if bag is not None), ())
 
 
-def always_show(obj: bpy.types.Object) -> None:
-    """Takes back what `hide_until` did; other animation of the object stays."""
-    curves = curves_of(obj)
-    for curve in [curve for curve in curves if curve.data_path in HIDING]:
-        curves.remove(curve)
-    if not len(curves_of(obj)):
-        remove_animation(obj)
+@dataclass(frozen=True)
+class Hiding:
+    """What `hide_until` had animated: the action and its slot, keyframes by data path, and whether the object has kept
+    the action because of other curves in it.
+    """
+
+    action: bpy.types.Action | None
+    slot: Any
+    curves: tuple[tuple[str, tuple[float, ...]], ...]
+    kept: bool
+
+    def give_back(self, obj: bpy.types.Object) -> None:
+        """Animates the object as before."""
+        if self.action is None:
+            return
+        data = obj.animation_data or obj.animation_data_create()
+        data.action = self.action
+        if self.slot is not None:
+            data.action_slot = self.slot
+        if not self.kept:
+            return
+        for curve in [curve for curve in curves_of(obj) if curve.data_path in HIDING]:
+            curves_of(obj).remove(curve)
+        animate(obj, self.curves, CONSTANT, self.action.name)
+
+
+def take_hiding(obj: bpy.types.Object) -> Hiding:
+    """Takes back what `hide_until` did, and keeps an action that is nothing else as it is; other animation stays."""
+    data = obj.animation_data
     obj.hide_viewport = obj.hide_render = False
+    if data is None or data.action is None:
+        return Hiding(None, None, (), False)
+    curves = curves_of(obj)
+    ours = [curve for curve in curves if curve.data_path in HIDING]
+    found = tuple((curve.data_path, _keyframes(curve)) for curve in ours)
+    hiding = Hiding(data.action, getattr(data, "action_slot", None), found, len(ours) < len(curves))
+    if hiding.kept:
+        for curve in ours:
+            curves.remove(curve)
+        return hiding
+    data.action = None
+    if not len(data.drivers) and not len(data.nla_tracks):
+        obj.animation_data_clear()
+    return hiding
+
+
+def always_show(obj: bpy.types.Object) -> None:
+    """Takes back what `hide_until` did for good."""
+    hiding = take_hiding(obj)
+    if hiding.action is not None and hiding.action.users == 0:
+        bpy.data.actions.remove(hiding.action)
+
+
+def _keyframes(curve: bpy.types.FCurve) -> tuple[float, ...]:
+    """Frame, value, frame, value ..."""
+    found = np.empty(2 * len(curve.keyframe_points), np.float32)
+    curve.keyframe_points.foreach_get("co", found)
+    return tuple(found.tolist())
 
 
 def remove_animation(owner: Any) -> None:

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import filling, following, looks, nodes, originals, output
+from . import filling, following, looks, nodes, originals, ownership, replacing
 from .following import HELPER, Link
 from .plane import PLANARITY, size, transform
 from .refusal import Refusal, load_core, say
@@ -70,7 +70,7 @@ def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method:
 
 def unbind(collection: bpy.types.Collection) -> None:
     """Takes everything back to what it was before it was bound; poses are lost."""
-    levels = output.members(collection)
+    levels = ownership.members(collection)
     _disconnect(collection, levels)
     for obj in levels:
         _unpark(obj)
@@ -82,7 +82,7 @@ def forget(collection: bpy.types.Collection) -> None:
     """Removes what is left of a binding on output that has been written anew."""
     if not is_bound(collection):
         return
-    levels = output.members(collection)
+    levels = ownership.members(collection)
     _disconnect(collection, levels, lines_back=False)
     for obj in levels:
         for name in (PARKED_MESH, PARKED_ACTION, PARKED_STATE):
@@ -92,7 +92,7 @@ def forget(collection: bpy.types.Collection) -> None:
 
 
 def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    levels = output.members(collection)
+    levels = ownership.members(collection)
     if len(levels) < 2:
         raise Refusal("'{name}' has no cages: generate some first", name=collection.name)
     for obj in levels:
@@ -127,7 +127,7 @@ def _unpark(obj: bpy.types.Object) -> None:
         return
     posed, obj.data = obj.data, obj[PARKED_MESH]
     del obj[PARKED_MESH]
-    output.remove_mesh(posed)
+    replacing.remove_mesh(posed)
     if PARKED_ACTION in obj:
         animation = obj.animation_data or obj.animation_data_create()
         animation.action = obj[PARKED_ACTION]
@@ -147,7 +147,7 @@ def _fill(levels: list[bpy.types.Object], core: ModuleType) -> None:
     for cage in levels[1:]:
         old, shape = cage.data, filling.outline(cage, core)
         cage.data = filling.filled(old.name, filling.points_of(old), shape, core)
-        output.remove_mesh(old)
+        replacing.remove_mesh(old)
         cage.hide_render = True  # as wires they were not seen in renders
 
 
@@ -213,7 +213,7 @@ def _disconnect(
     for helper in [obj for obj in collection.objects if HELPER in obj]:
         owner = helper.get("nested_cages_lines_of")
         if lines_back and owner is not None:
-            looks.set_thickness(owner, owner[output.LEVEL], helper["nested_cages_thickness"])
+            looks.set_thickness(owner, owner[ownership.LEVEL], helper["nested_cages_thickness"])
     _remove_helpers(collection, [obj for obj in collection.objects if HELPER in obj])
 
 
@@ -232,7 +232,7 @@ def _remove_helpers(collection: bpy.types.Collection, helpers: Iterable[bpy.type
     for helper in list(helpers):
         mesh = helper.data
         bpy.data.objects.remove(helper)
-        output.remove_mesh(mesh)
+        replacing.remove_mesh(mesh)
 
 
 def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:
@@ -241,7 +241,7 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     if modifier is None:
         return
     radius = looks.get_input(modifier, "Radius")
-    looks.set_thickness(obj, obj[output.LEVEL], 0.0)
+    looks.set_thickness(obj, obj[ownership.LEVEL], 0.0)
     name = f"{obj.name} Lines"
     helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     helper[HELPER], helper["nested_cages_lines_of"], helper["nested_cages_thickness"] = True, obj, 2.0 * radius
@@ -249,4 +249,4 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     helper.parent = obj
     collection.objects.link(helper)
     nodes.add(helper, nodes.EDGES, Object=obj)
-    looks.set_thickness(helper, obj[output.LEVEL], 2.0 * radius)
+    looks.set_thickness(helper, obj[ownership.LEVEL], 2.0 * radius)

@@ -32,13 +32,14 @@ class ReadingOptions:
 
 @dataclass(frozen=True)
 class Outline:
-    """What an object looks like evaluated: closed loops (k, 3) in its own space, float32 as Blender has them, and its
-    matrix (4, 4).
+    """What an object looks like evaluated: closed loops (k, 3) in its own space, float32 as Blender has them, its
+    matrix (4, 4), and the number that Blender knows it by in this session.
     """
 
     name: str
     loops: tuple[NDArray[np.float32], ...]
     matrix: NDArray[np.float64]
+    identity: int
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -49,12 +50,18 @@ class Outline:
 @dataclass(frozen=True)
 class Drawing:
     """An outline in a plane: loops (k, 2) whose numbers are those that Blender stores, float32 given as float64, in
-    ``frame``.
+    ``frame``. ``identity`` finds its object even if that has been renamed, and undone and redone, meanwhile.
     """
 
     name: str
     frame: Frame
     loops: tuple[NDArray[np.float64], ...]
+    identity: int = 0
+
+    @property
+    def source(self) -> bpy.types.Object | None:
+        """The object that it was read from, unless that is gone."""
+        return next((obj for obj in bpy.data.objects if obj.session_uid == self.identity), None)
 
     def mesh(self, core: ModuleType) -> Any:
         """The core's ``Mesh`` of this drawing. Raises: Refusal, with the drawing's name, if the core refuses it."""
@@ -74,7 +81,7 @@ def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOpti
     context.evaluated_depsgraph_get()  # brings the object's matrix up to date
     vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
-    return Outline(name=obj.name, loops=loops, matrix=np.array(obj.matrix_world, dtype=np.float64))
+    return Outline(obj.name, loops, np.array(obj.matrix_world, dtype=np.float64), obj.session_uid)
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
@@ -82,7 +89,8 @@ def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -
     frame = own_frame(outline.matrix, outline.points)
     if frame is None:
         return drawing_in(fitted_frame(outline.matrix, outline.points), outline, options)
-    return Drawing(outline.name, frame, tuple(loop[:, :2].astype(np.float64) for loop in outline.loops))
+    loops = tuple(loop[:, :2].astype(np.float64) for loop in outline.loops)
+    return Drawing(outline.name, frame, loops, outline.identity)
 
 
 def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
@@ -105,7 +113,7 @@ def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = Reading
             name=outline.name,
             off=off,
         )
-    return Drawing(outline.name, frame, tuple(loops))
+    return Drawing(outline.name, frame, tuple(loops), outline.identity)
 
 
 def _closed_loops(

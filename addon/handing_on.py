@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from mathutils import Matrix
 
-from . import animation, convert, filling, looks, output
+from . import animation, convert, filling, looks, output, ownership
 from .plane import size
 from .refusal import Refusal
 
@@ -51,7 +51,7 @@ def make(
         name = f"{obj.name} {shape.title()}"
         points = frame.points(mesh.vertices)
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale, core))
-        new.color = looks.colour(obj.get(output.LEVEL, 0))
+        new.color = looks.colour(obj.get(ownership.LEVEL, 0))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
         if frame.own and obj.parent is None and not obj.constraints:
             output.copy_transform(obj, new)
@@ -69,7 +69,7 @@ def make_animated(objects: Sequence[bpy.types.Object], core: ModuleType) -> list
     exporters leave out what is hidden on their first. Raises: Refusal.
     """
     for obj in objects:
-        if output.LEVEL not in obj or obj.data.shape_keys is None:
+        if ownership.LEVEL not in obj or obj.data.shape_keys is None:
             raise Refusal("'{name}' is no cage that is animated: choose faces instead", name=obj.name)
     outlines = [filling.outline(obj, core) for obj in objects]
     made = []

@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 
 import bpy
 
-from . import convert, following, nodes, output, weights
+from . import convert, following, nodes, ownership, weights
 from .refusal import Refusal, say
 
 # Custom property with the collection that an object follows, and its modifier.
@@ -36,7 +36,7 @@ def follow(
 ) -> str:
     """Makes the original of a bound collection follow, a mesh by `method`; says how it does, or why it does not."""
     fine = levels[0]
-    source = bpy.data.objects.get(collection[output.SOURCE])
+    source = ownership.source_of(collection)
     if source is None or source == fine:
         return say("The original object is gone; '{fine}' follows", fine=fine.name)
     if source.name not in context.view_layer.objects or not source.is_editable or not convert.readable(source):

@@ -5,7 +5,7 @@ from before.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -16,34 +16,15 @@ from numpy.typing import NDArray
 from . import animation, looks
 from .animation import Span, StoredPhases, Timing
 from .generate import CageLevel, Result
+from .ownership import LEVEL, SOURCE, collection_of, member, members
 from .refusal import Refusal, say
+from .replacing import TRANSFORM, Replaced
 
-# Names of the custom properties that say where an output comes from and what it is.
-SOURCE = "nested_cages_source"
-LEVEL = "nested_cages_level"
+# Custom properties of output collections and cages.
 MARKERS = "nested_cages_markers"
+NAME = "nested_cages_name"
 FRAME_END = "nested_cages_frame_end"
 PHASES = "nested_cages_phases"
-
-
-def collection_of(scene: bpy.types.Scene, source: str) -> bpy.types.Collection | None:
-    """The collection that holds the output of the object named `source`, if there is one in the scene."""
-    return next((c for c in scene.collection.children_recursive if c.get(SOURCE) == source), None)
-
-
-def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
-    """The output that an object belongs to or is the source of."""
-    return collection_of(scene, obj.get(SOURCE, obj.name))
-
-
-def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | None:
-    """The object of a level in an output collection; level 0 is the fine mesh."""
-    return next((o for o in collection.objects if o.get(LEVEL) == level), None)
-
-
-def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """All output objects of a collection, the fine mesh first."""
-    return sorted((o for o in collection.objects if LEVEL in o), key=lambda o: o[LEVEL])
 
 
 def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
@@ -61,29 +42,32 @@ def write(
     """Writes the output of each drawing. Raises: Refusal, before anything is changed, if earlier output cannot be
     replaced.
     """
-    for result in results:
-        _check_replaceable(scene, result)
-    before = set(_everything())
+    earlier = [_earlier(scene, result) for result in results]
+    for collection in earlier:
+        _check_replaceable(collection)
+    replaced = Replaced(scene, (collection for collection in earlier if collection is not None))
     try:
-        collections = [_write_one(scene, result, timing) for result in results]
+        collections = [
+            _write_one(scene, result, timing, collection, replaced)
+            for result, collection in zip(results, earlier, strict=True)
+        ]
         for result, collection in zip(results, collections, strict=True):
             for obj in members(collection):
                 looks.set_thickness(obj, obj[LEVEL], thickness / result.drawing.frame.scale)
     except BaseException:
-        bpy.data.batch_remove([item for item in _everything() if item not in before])
+        replaced.restore()
         raise
+    replaced.finish()
     return collections
 
 
-def _everything() -> Iterator[bpy.types.ID]:
-    """All data-blocks of the kinds that are written."""
-    data = bpy.data
-    for kind in (data.collections, data.objects, data.meshes, data.actions, data.node_groups, data.materials):
-        yield from kind
+def _earlier(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
+    """The output that the result will replace."""
+    source = result.drawing.source
+    return collection_of(scene, source) if source is not None else None
 
 
-def _check_replaceable(scene: bpy.types.Scene, result: Result) -> None:
-    collection = collection_of(scene, result.drawing.name)
+def _check_replaceable(collection: bpy.types.Collection | None) -> None:
     for obj in members(collection) if collection else ():
         if obj.mode != "OBJECT":
             raise Refusal(
@@ -93,12 +77,22 @@ def _check_replaceable(scene: bpy.types.Scene, result: Result) -> None:
             raise Refusal("'{name}' cannot be replaced because it is linked from another file", name=obj.name)
 
 
-def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.types.Collection:
-    name, first = result.drawing.name, result.levels[0]
-    collection = collection_of(scene, name)
+def _write_one(
+    scene: bpy.types.Scene,
+    result: Result,
+    timing: Timing,
+    collection: bpy.types.Collection | None,
+    replaced: Replaced,
+) -> bpy.types.Collection:
+    """Writes one output into its collection, a new one if there is none."""
+    source, first = result.drawing.source, result.levels[0]
+    name = source.name if source is not None else result.drawing.name
     if collection is None:
         collection = bpy.data.collections.new(say("{name} Cages", name=name))
         scene.collection.children.link(collection)
+    for obj in members(collection):
+        replaced.set_aside(obj)
+    _rename(collection, name)
     forget_frames(scene, collection)
     timeline = animation.spans(result.levels, timing)
 
@@ -106,7 +100,7 @@ def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.ty
         collection, 0, say("{name} Fine", name=name), first.fine_edges, first.fine_steps[-1], result
     )
     _play(fine, first.fine_steps, first, timeline, timing, 1)
-    _describe(fine, {LEVEL: 0, SOURCE: name, "nested_cages_vertices": len(fine.data.vertices)})
+    _describe(fine, {LEVEL: 0, "nested_cages_vertices": len(fine.data.vertices)})
     for number, (level, span) in enumerate(zip(result.levels, timeline, strict=True), 1):
         cage = _member_with_mesh(
             collection,
@@ -124,10 +118,12 @@ def _write_one(scene: bpy.types.Scene, result: Result, timing: Timing) -> bpy.ty
         animation.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
         _describe(cage, _facts(result, level, span, number))
     for surplus in [o for o in members(collection) if o[LEVEL] > len(result.levels)]:
-        _remove(surplus)
+        replaced.drop(surplus)
 
+    if source is not None:
+        collection[SOURCE] = source
     _describe(
-        collection, {SOURCE: name, "nested_cages_levels": len(result.levels), "nested_cages_end": timeline[-1].end}
+        collection, {NAME: name, "nested_cages_levels": len(result.levels), "nested_cages_end": timeline[-1].end}
     )
     collection[MARKERS] = json.dumps(animation.add_markers(scene, timeline))
     last = animation.last_frame(timeline, timing)
@@ -178,19 +174,14 @@ def _member_with_mesh(
         collection.objects.link(obj)
         looks.dress(obj, level)
     else:
-        old = obj.data
-        animation.remove_animation(obj)
         obj.data = mesh
-        remove_mesh(old)
-        mesh.name = name
-    obj.hide_viewport = obj.hide_render = False
     _place(obj, result)
     return obj
 
 
 def _place(obj: bpy.types.Object, result: Result) -> None:
     """Puts the object where the drawing is; with the very numbers of the source's transform if that can be."""
-    source = bpy.data.objects.get(result.drawing.name)
+    source = result.drawing.source
     stands_there = source is not None and np.array_equal(np.array(source.matrix_world), result.drawing.frame.matrix)
     if result.drawing.frame.own and stands_there and source.parent is None and not source.constraints:
         copy_transform(source, obj)
@@ -200,18 +191,7 @@ def _place(obj: bpy.types.Object, result: Result) -> None:
 
 def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
     """Gives an object the very numbers of another one's transform, which a matrix would round."""
-    target.rotation_mode = source.rotation_mode
-    for channel in (
-        "location",
-        "rotation_euler",
-        "rotation_quaternion",
-        "rotation_axis_angle",
-        "scale",
-        "delta_location",
-        "delta_rotation_euler",
-        "delta_rotation_quaternion",
-        "delta_scale",
-    ):
+    for channel in TRANSFORM:
         setattr(target, channel, getattr(source, channel))
 
 
@@ -221,7 +201,6 @@ def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[st
     clearance = certificate.clearance * result.drawing.frame.scale
     return {
         LEVEL: number,
-        SOURCE: result.drawing.name,
         "nested_cages_vertices": len(level.cage),
         "nested_cages_clearance": clearance,
         "nested_cages_excess": float(certificate.excess),
@@ -258,15 +237,11 @@ def forget_frames(scene: bpy.types.Scene, collection: bpy.types.Collection) -> N
         del collection[FRAME_END]
 
 
-def _remove(obj: bpy.types.Object) -> None:
-    mesh = obj.data
-    animation.remove_animation(obj)
-    bpy.data.objects.remove(obj)
-    remove_mesh(mesh)
-
-
-def remove_mesh(mesh: bpy.types.Mesh) -> None:
-    """Removes a mesh that nothing uses any more, with the actions of its shape keys."""
-    if mesh.users == 0:
-        animation.remove_animation(mesh.shape_keys)
-        bpy.data.meshes.remove(mesh)
+def _rename(collection: bpy.types.Collection, name: str) -> None:
+    """Names an output after its drawing again if that was renamed; names that the user gave stay."""
+    before = collection.get(NAME, name)
+    if before == name:
+        return
+    for block in (collection, *members(collection)):
+        if block.name.startswith(f"{before} "):
+            block.name = name + block.name.removeprefix(before)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import binding, output, properties
+from . import binding, output, ownership, properties
 from .job import running
 from .presets import NESTEDCAGES_PT_presets
 from .properties import copy_values, timing
@@ -96,9 +96,10 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         collection = _shown_collection(context)
         layout = self.layout
         layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
-        for obj in output.members(collection):
+        for obj in ownership.members(collection):
             box = layout.box().column(align=True)
-            box.label(text=obj.name, icon="MESH_DATA" if obj[output.LEVEL] == 0 else "MOD_MESHDEFORM", translate=False)
+            icon = "MOD_MESHDEFORM" if obj[ownership.LEVEL] else "MESH_DATA"
+            box.label(text=obj.name, icon=icon, translate=False)
             for label, text in _readout(obj):
                 row = box.split(factor=0.45)
                 row.label(text=label)
@@ -168,7 +169,7 @@ def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
     rows = [("Vertices", str(obj.get("nested_cages_vertices", "")))]
     if "nested_cages_link" in obj:
         rows.append(("Follows by", obj["nested_cages_link"]))
-    if obj[output.LEVEL]:
+    if obj[ownership.LEVEL]:
         rows += [
             ("Excess", f"{100.0 * obj['nested_cages_excess']:.2f} %"),
             ("Clearance", f"{obj['nested_cages_clearance']:.3g}"),
@@ -184,7 +185,7 @@ def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
 def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None:
     """The output that the active object belongs to or is the source of."""
     obj = context.active_object
-    return output.collection_about(context.scene, obj) if obj is not None else None
+    return ownership.collection_about(context.scene, obj) if obj is not None else None
 
 
 CLASSES = (

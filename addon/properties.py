@@ -22,7 +22,6 @@ from .convert import ReadingOptions
 from .generate import Options, parse_levels
 from .methods import REPAIRS, SETTINGS, Methods
 
-
 # Parts, because any drawing has them; of a text or an imported icon they are some 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
 

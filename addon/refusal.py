@@ -20,7 +20,7 @@ def say(sentence: str, **words: object) -> str:
 
 
 def say_count(count: int, one: str, many: str, **words: object) -> str:
-    """The sentence for one thing or the one for any other number of them, with ``{count}`` and other words filled in."""
+    """The sentence for one thing, or for any other number of them, with ``{count}`` and other words filled in."""
     return say(one if count == 1 else many, count=count, **words)
 
 

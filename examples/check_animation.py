@@ -112,7 +112,7 @@ def nesting_problems(inner: Pose, cage: Pose) -> list[str]:
 
 def home_problems(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[str]:
     """Whether the fine mesh on the last frame has the very coordinates of the source, and lies where it does."""
-    source = bpy.data.objects[collection[SOURCE]]
+    source = collection[SOURCE]
     fine = next(item for item in collection.objects if item.get(LEVEL) == 0)
     scene.frame_set(collection["nested_cages_end"])
     graph = bpy.context.evaluated_depsgraph_get()

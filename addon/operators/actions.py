@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import actions, binding, output
+from .. import actions, binding, ownership
 from ..refusal import Refusal, say
 
 
@@ -64,7 +64,7 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
 
 def _collection(context: bpy.types.Context) -> bpy.types.Collection | None:
     active = context.active_object
-    return output.collection_about(context.scene, active) if active is not None else None
+    return ownership.collection_about(context.scene, active) if active is not None else None
 
 
 CLASSES = (OBJECT_OT_nested_cages_bake_action, OBJECT_OT_nested_cages_remove_animation)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty
 
-from .. import binding, output
+from .. import binding, ownership
 from ..following import NAMES, PRISM, SURFACE
 from ..refusal import Refusal, say
 from ..weights import HARMONIC, LINEAR
@@ -61,7 +61,7 @@ class Binding(Bindable):
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        cage = output.members(collection)[-1]
+        cage = ownership.members(collection)[-1]
         for obj in context.selected_objects:
             obj.select_set(False)
         cage.select_set(True)
@@ -116,7 +116,7 @@ class OBJECT_OT_nested_cages_unbind(Bindable, bpy.types.Operator):
 def about(context: bpy.types.Context) -> bpy.types.Collection | None:
     """The output that the active object belongs to or is the source of."""
     obj = context.view_layer.objects.active
-    return output.collection_about(context.scene, obj) if obj is not None else None
+    return ownership.collection_about(context.scene, obj) if obj is not None else None
 
 
 CLASSES = (OBJECT_OT_nested_cages_bind, OBJECT_OT_nested_cages_rebind, OBJECT_OT_nested_cages_unbind)

@@ -122,6 +122,9 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:
         """Puts the results into the scene. Raises: Refusal."""
         results = job.generation.results
+        gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
+        if gone is not None:
+            raise Refusal("'{name}' was deleted meanwhile, so its cages were dropped", name=gone)
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")

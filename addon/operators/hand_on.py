@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
-from .. import convert, handing_on, output
+from .. import convert, handing_on, ownership
 from ..picture import select
 from ..refusal import Refusal, load_core, say_count
 
@@ -137,11 +137,11 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The selected outlines from the inside out; of a single drawing that has cages, the drawing and all of these."""
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-    if len(selected) == 1 and not selected[0].get(output.LEVEL):
-        collection = output.collection_about(context.scene, selected[0])
+    if len(selected) == 1 and not selected[0].get(ownership.LEVEL):
+        collection = ownership.collection_about(context.scene, selected[0])
         if collection is not None:
-            return output.members(collection)
-    return sorted(selected, key=lambda obj: (obj.get(output.LEVEL, 0), obj.name))
+            return ownership.members(collection)
+    return sorted(selected, key=lambda obj: (obj.get(ownership.LEVEL, 0), obj.name))
 
 
 CLASSES = (OBJECT_OT_nested_cages_to_objects, OBJECT_OT_nested_cages_export)

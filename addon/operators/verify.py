@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .. import convert, output
+from .. import convert, ownership
 from ..checking import check, select_points
 from ..refusal import Refusal, load_core, say
 
@@ -48,7 +48,7 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
                 at_fault.append(obj)
         for finding in findings:
             cage = next(obj for obj in objects if obj.name == finding.cage)
-            if output.LEVEL in cage:
+            if ownership.LEVEL in cage:
                 verdict = "Holds on frame {frame}" if finding.holds else "Broken on frame {frame}"
                 cage["nested_cages_check"] = say(verdict, frame=context.scene.frame_current)
                 cage["nested_cages_finding"] = finding.sentence
@@ -69,7 +69,7 @@ def _nested(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The objects to check, from the inside out: the selected ones, or those of the active one's cages."""
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:
-        return sorted(chosen, key=lambda obj: (obj.get(output.LEVEL, 0), obj.dimensions.length))
+        return sorted(chosen, key=lambda obj: (obj.get(ownership.LEVEL, 0), obj.dimensions.length))
     active = context.view_layer.objects.active
-    collection = output.collection_about(context.scene, active) if active is not None else None
-    return [obj for obj in output.members(collection) if not obj.hide_viewport] if collection is not None else []
+    collection = ownership.collection_about(context.scene, active) if active is not None else None
+    return [obj for obj in ownership.members(collection) if not obj.hide_viewport] if collection is not None else []

@@ -51,7 +51,7 @@ def addon(extension: ModuleType) -> ModuleType:
     """The package `addon`, with all rooms that the tests use as attributes."""
     from importlib import import_module
 
-    for room in ("animation", "convert", "generate", "job", "methods", "output", "plane", "properties", "refusal"):
+    for room in ("animation", "convert", "generate", "job", "looks", "methods", "output", "plane", "properties", "refusal"):
         import_module(f"{PACKAGE}.addon.{room}")
     return import_module(f"{PACKAGE}.addon")
 

@@ -47,7 +47,7 @@ def cages(scene: bpy.types.Scene) -> tuple[bpy.types.Object, bpy.types.Object, b
     collection = bpy.data.collections.new("Source Cages")
     scene.collection.children.link(collection)
     fine, cage = add(collection, "Fine", SQUARE), add(collection, "Cage", AROUND)
-    collection["nested_cages_source"], collection["nested_cages_end"] = source.name, LAST
+    collection["nested_cages_source"], collection["nested_cages_end"] = source, LAST
     fine["nested_cages_level"], cage["nested_cages_level"] = 0, 1
     for name, frame in (("flow_start", 1), ("reinflation_start", 3), ("tightening_start", 7), ("end", LAST)):
         cage[f"nested_cages_{name}"] = frame

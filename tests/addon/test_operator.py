@@ -221,9 +221,9 @@ def test_several_selected_drawings_get_their_own_cages(addon) -> None:
     bpy.data.objects["One"].select_set(True)
     generate()
     for name in ("One", "Two"):
-        _, fine, cages = output(name)
+        collection, _, cages = output(name)
         assert len(cages) == 2
-        assert fine["nested_cages_source"] == name
+        assert collection["nested_cages_source"] == bpy.data.objects[name]
 
 
 def test_a_second_run_replaces_what_the_first_made(addon) -> None:
@@ -246,6 +246,101 @@ def test_a_second_run_replaces_what_the_first_made(addon) -> None:
     )
 
 
+def everything():
+    """The scene, and what is seen of it on some frames."""
+    scene = bpy.context.scene
+    frames = (scene.frame_start, scene.frame_end // 2, scene.frame_end)
+    shown = [
+        (frame, obj.name, obj.hide_viewport, obj.matrix_world.copy(), evaluated(obj, at_frame(frame)).tobytes())
+        for frame in frames
+        for obj in scene.objects
+        if obj.type == "MESH"
+    ]
+    at_frame(1)
+    owners = (*bpy.data.collections, *bpy.data.objects)
+    return snapshot(), shown, {owner.name: {key: str(value) for key, value in owner.items()} for owner in owners}
+
+
+@pytest.mark.parametrize("before", ["plain", "baked", "keyed", "thick"])
+@pytest.mark.parametrize("place", ["first level", "second level", "second drawing", "markers", "thickness"])
+def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, place) -> None:
+    for x, name in ((0.0, "One"), (3.0, "Two")):
+        poly_curve(name, [star()]).location.x = x
+    bpy.data.objects["One"].select_set(True)
+    generate(loop_back=True, thickness=0.02 * (before == "thick"))
+    if before == "baked":
+        if bpy.app.version < (4, 4, 0):
+            pytest.skip("actions have no slots")
+        bpy.ops.object.nested_cages_bake_action()
+    if before == "keyed":
+        bpy.data.objects["Two Cage 1"].keyframe_insert("location", frame=5)
+        bpy.context.scene.timeline_markers.new("Mine", frame=3)
+    once = everything()
+    room, name, calls = {
+        "first level": (addon.animation, "add_steps", 1),
+        "second level": (addon.animation, "hide_until", 2),
+        "second drawing": (addon.animation, "add_steps", 4),
+        "markers": (addon.animation, "add_markers", 2),
+        "thickness": (addon.looks, "set_thickness", 4),
+    }[place]
+    real, countdown = getattr(room, name), itertools.count(1)
+
+    def fault(*arguments, **named):
+        if next(countdown) == calls:
+            raise MemoryError("no room")
+        return real(*arguments, **named)
+
+    monkeypatch.setattr(room, name, fault)
+    with pytest.raises(RuntimeError, match="no room"):
+        generate(levels="12", thickness=0.01, start_frame=40)
+    monkeypatch.undo()
+    assert everything() == once
+    assert generate(levels="12") == {"FINISHED"}
+
+
+def test_a_renamed_drawing_keeps_its_output(addon) -> None:
+    source = poly_curve("Drawing", [star()])
+    generate()
+    collection, fine, cages = output()
+    cages[1].name = "My own name"
+    source.name = "Picture"
+    poly_curve("Drawing", [circle(30)]).select_set(False)
+    source.select_set(True)
+    bpy.context.view_layer.objects.active = source
+    generate()
+    assert (collection.name, fine.name) == ("Picture Cages", "Picture Fine")
+    assert [cage.name for cage in cages] == ["Picture Cage 1", "My own name"]
+    assert len(bpy.data.collections) == 1 and len(bpy.data.objects) == 5
+    bpy.context.view_layer.objects.active = fine
+    assert bpy.ops.object.nested_cages_remove_animation.poll()
+
+
+def test_the_user_s_own_animation_of_a_cage_stays(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    _, _, (cage, other) = output()
+    cage.location.x = 0.5
+    cage.keyframe_insert("location", frame=5)
+    other.driver_add("location", 2)
+    generate()
+    cage.location.x = 0.0
+    at_frame(5)
+    assert cage.location.x == 0.5
+    assert len(other.animation_data.drivers) == 1
+    at_frame(1)
+    assert other.hide_viewport
+
+
+def test_a_drawing_that_is_deleted_meanwhile_is_refused(addon) -> None:
+    source = poly_curve("Drawing", [star()])
+    drawing = addon.convert.fine_drawing(addon.convert.read(bpy.context, source))
+    assert drawing.source == source
+    source.name = "Other"
+    assert drawing.source == source
+    bpy.data.objects.remove(source)
+    assert drawing.source is None
+
+
 def test_the_source_stays_selected_active_and_as_it_was(addon) -> None:
     source = poly_curve("Drawing", [star()])
     source.data.bevel_depth = 0.1
@@ -262,7 +357,7 @@ def test_the_source_stays_selected_active_and_as_it_was(addon) -> None:
         source.data.dimensions,
         source.matrix_world,
         set(source.keys()),
-        source.users,
+        source.users - 1,  # the output knows where it comes from
     ) == before
     assert bpy.context.selected_objects == [source]
     assert bpy.context.view_layer.objects.active is source
