@@ -35,6 +35,10 @@ HALVINGS = 6
 SUBSTEPS = 60
 """Cap on the parts of one filtered step; the original gives up when a part is below a thousandth."""
 
+CLOSER = (1.0, 0.2, 0.04)
+"""Factors on the proximity, the next of which holds from where the fine mesh cannot pass: a gap of the cage may be
+narrower than two proximities, and nothing in it could keep both."""
+
 SKIN = 0.3
 """Skin of the candidate list as a fraction of the mean coarse edge length."""
 
@@ -97,6 +101,7 @@ class _Run:
         self.settings, self.bodies, self.x, self.energy, self.on_step = settings, bodies, x, energy, on_step
         self.candidates = CandidateList(bodies)
         self.systems = 0
+        self.closer = max(CLOSER)
 
     def towards(self, target: FloatArray) -> bool:
         """One step of the flow back to ``target`` (n, 2), and the descent of the cage there; whether it got there."""
@@ -107,7 +112,12 @@ class _Run:
         for iteration in range(settings.iterations):
             gradient = energy.gradient(self.x[:m], successor)
             idle = not gradient.any()
-            states, arrived = self._filtered(-step * gradient, target, settings.room if idle else settings.proximity)
+            proximity = settings.room if idle else settings.proximity
+            for factor in [one for one in CLOSER if one <= self.closer]:
+                states, arrived = self._filtered(-step * gradient, target, factor * proximity)
+                self.closer = factor
+                if arrived:
+                    break
             after = energy.value(states[-1][:m], successor) if states else lowest
             if iteration == 0 or after <= lowest:
                 motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0

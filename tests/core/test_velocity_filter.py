@@ -82,6 +82,17 @@ def test_cages_and_animations_are_certified(fine: Mesh, coarse: Mesh | int, ener
     assert verify_motion(level.cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
 
 
+def test_gaps_narrower_than_the_proximity_are_passed() -> None:
+    """A plate with a slit that is half as wide as the distance at which pairs are pushed apart."""
+    gap = 0.5 * VelocityFilter().room
+    right = [(1.0, 0.0), (1.0, 1.0), (gap / 2, 1.0), (gap / 2, 0.5)]
+    fine = Mesh.from_loops([np.array([*right, (-gap / 2, 0.5), (-gap / 2, 1.0), (-1.0, 1.0), (-1.0, 0.0)])])
+    coarse = fine.moved(fine.vertices * [0.98, 0.98] + [0.0, 0.01])
+    settings = Settings(contact=VelocityFilter(), expansion_energy=NoEnergy(), fallback=None)
+    (level,) = nested_cages(fine, [coarse], settings).levels
+    assert_nested(level.cage, fine)
+
+
 def test_when_no_velocity_is_found_the_error_names_the_vertex(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a cage that is not allowed to move, the fine mesh stops in front of it."""
     monkeypatch.setattr(ImpactZones, "nearest", lambda self, pairs, x, wished: (wished, 0))
