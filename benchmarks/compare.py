@@ -1,9 +1,10 @@
-"""Compares the methods and writes docs/comparison.md with its plots; the only way that document is made.
+"""Compares the methods and writes docs/comparison.md with its plots and runs; the only way that page is made.
 
     python benchmarks/compare.py --data ../shared/data
+    python benchmarks/compare.py --only energies "step filters" --out build    # a part of it, elsewhere
 
 The folder holds ``paper/table1.csv`` and ``shapes/name_V.csv, name_E.csv``; what is not there is left out. Needs
-matplotlib (``pip install nested-cages[comparison]``).
+matplotlib and shapely (``pip install nested-cages[comparison]``).
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import argparse
 import os
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -19,39 +22,40 @@ for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before numpy loads them
 sys.path.insert(0, str(ROOT))
 
-from comparison import experiments, plots, report  # noqa: E402
-from comparison.findings import Findings  # noqa: E402
+from comparison import report, tables  # noqa: E402
+from comparison.cases import Inputs, read_inputs  # noqa: E402
+from comparison.experiments import EXPERIMENTS  # noqa: E402
+from comparison.measure import Results  # noqa: E402
+
+
+def run(name: str, inputs: Inputs) -> Results:
+    """An experiment's measurements."""
+    return EXPERIMENTS[name].run(inputs)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data", help="folder (%(default)s)")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs", help="where the document goes (%(default)s)")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs", help="where the page goes (%(default)s)")
+    parser.add_argument("--only", nargs="+", choices=list(EXPERIMENTS), help="run these experiments alone")
+    parser.add_argument("--shapes", nargs="+", help="use these shapes of the folder alone")
+    parser.add_argument("--jobs", type=int, default=1, help="experiments at once, each on a core (%(default)s)")
     options = parser.parse_args()
-    inputs = experiments.read_inputs(options.data)
+    inputs = read_inputs(options.data, options.shapes)
     pictures = options.out / "comparison"
     pictures.mkdir(parents=True, exist_ok=True)
 
     began = time.perf_counter()
-    table1 = experiments.table1(inputs.table1)
-    ladder = experiments.ladder()
-    figures = experiments.figures(inputs.paper)
-    starts = experiments.starts(inputs.shapes)
-    alone = experiments.contacts_alone(inputs.shapes)
-    filters = experiments.filters(inputs.shapes)
-    energies = experiments.energies()
-    reuse = experiments.reuse(inputs.shapes)
-
-    plots.table1(table1, inputs.table1, pictures / "table1.png")
-    plots.ladder(ladder, pictures / "ladder.png")
-    plots.gallery(figures, list(next(iter(figures.values()))), pictures / "figures.png")
-    if starts:
-        plots.starts(starts, pictures / "starts.png")
-    plots.strip(energies["letter A"], pictures / "energies.png")
+    chosen = {name: experiment for name, experiment in EXPERIMENTS.items() if name in (options.only or EXPERIMENTS)}
+    with ProcessPoolExecutor(options.jobs) as pool:
+        found: dict[str, Results] = dict(zip(chosen, pool.map(run, chosen, repeat(inputs)), strict=True))
+    sections = [experiment.section(found[name], inputs, pictures) for name, experiment in chosen.items()]
+    findings = [experiment.finding(found[name], inputs) for name, experiment in chosen.items()]
+    runs = tables.write_runs(found, pictures / "runs.csv")
     seconds = time.perf_counter() - began
-    found = Findings(table1, ladder, figures, starts, alone, filters, energies, reuse, seconds)
-    (options.out / "comparison.md").write_text(report.document(found, inputs.table1), encoding="utf-8")
-    print(f"{options.out / 'comparison.md'} written after {seconds:.0f} s")
+    page = options.out / "comparison.md"
+    page.write_text(report.document(findings, sections, runs, seconds, options.jobs), encoding="utf-8")
+    print(f"{page} written after {seconds:.0f} s")
     return 0
 
 

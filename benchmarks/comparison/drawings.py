@@ -49,11 +49,36 @@ def letter_a_coarse() -> Mesh:
     return Mesh.from_loops([outline, np.array([(-0.3, 1.7), (0.3, 1.7), (0.0, 2.7)])])
 
 
-def letter_a(pieces: int = 2) -> Mesh:
-    """The same with its corners cut twice and its edges divided."""
+def letter_a() -> Mesh:
+    """The same with its corners cut."""
+    return with_cut_corners(letter_a_coarse())
+
+
+def star_coarse() -> Mesh:
+    """A star with five points, which its mirror images and its turns by a fifth leave as it is."""
+    radius = np.tile([1.0, 0.5], 5)
+    return Mesh.from_loops([radius[:, None] * turned(ring(10, 1.0), -np.pi / 2.0)])
+
+
+def star() -> Mesh:
+    """The same with its corners cut."""
+    return with_cut_corners(star_coarse())
+
+
+def bean(count: int) -> Mesh:
+    """A smooth curve of three waves, bulging and hollow, with an oval hole."""
+    points = ring(count, 1.0)
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    radius = 1.0 + 0.28 * np.cos(2.0 * angle + 0.4) + 0.16 * np.cos(3.0 * angle - 0.7) + 0.05 * np.sin(5.0 * angle)
+    hole = ring(count // 2, 0.3) * np.array([1.2, 0.8]) + np.array([0.35, 0.1])
+    return Mesh.from_loops([radius[:, None] * points, hole])
+
+
+def with_cut_corners(mesh: Mesh, pieces: int = 2) -> Mesh:
+    """A mesh with its corners cut twice and its edges divided."""
     loops = []
-    for loop in letter_a_coarse().loops:
-        points = letter_a_coarse().vertices[loop]
+    for loop in mesh.loops:
+        points = mesh.vertices[loop]
         for _ in range(2):
             after = np.roll(points, -1, axis=0)
             points = np.stack([0.8 * points + 0.2 * after, 0.2 * points + 0.8 * after], axis=1).reshape(-1, 2)

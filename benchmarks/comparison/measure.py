@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import sys
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from nestedcages_core import FlowError, Mesh, NestedCagesError, ReinflationError, Settings, verify, verify_motion
+from nestedcages_core import Mesh, NestedCagesError, Settings, verify, verify_motion
+from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
+from nestedcages_core.energies import CageEnergy
 from nestedcages_core.energies.containment import Containment
 from nestedcages_core.hierarchy.units import Frame
 from nestedcages_core.reinflation import Reinflation, reinflate
+from nestedcages_core.solver import Solver
 
+PHASES = ("flow", "reinflation", "tightening")
 CLEARANCE = 1e-5  # bounding-box diagonals of the fine mesh, the default of nested_cages
 LIMIT = 12.0  # CPU seconds after which a run is ended
 REPEATS = 3  # runs of which the fastest counts, where they are short
@@ -21,6 +28,17 @@ SHORT = 0.5  # CPU seconds up to which a run is short
 
 class OutOfTimeError(Exception):
     """The run has used up its seconds."""
+
+
+class Decimated(NamedTuple):
+    """A coarse mesh that was made before, and the CPU seconds that this took."""
+
+    coarse: Mesh
+    seconds: float
+
+
+Wanted = Mesh | int | Decimated
+"""A coarse mesh, or how many vertices it should have."""
 
 
 @dataclass
@@ -55,12 +73,37 @@ class Measurement:
 
     @property
     def total(self) -> float:
-        """CPU seconds."""
+        """CPU seconds of all phases; the certificates, which judge all methods alike, are not among them."""
         return sum(self.seconds.values())
 
 
+Results = dict[str, dict[str, Measurement]]
+"""Shape -> method -> measurement."""
+
+
+def compare(
+    experiment: str,
+    cases: dict[str, tuple[Mesh, Wanted]],
+    methods: dict[str, Settings],
+    *,
+    repeats: int = 1,
+    limit: float = LIMIT,
+) -> Results:
+    """Every method on every case; says on the error stream how far it has come."""
+    results: Results = {}
+    for shape, (fine, wanted) in cases.items():
+        for name, settings in methods.items():
+            began = time.perf_counter()
+            result = measure(settings, fine, wanted, repeats, limit)
+            results.setdefault(shape, {})[name] = result
+            state = "ok" if result.success else f"{result.failed or 'not certified'} {result.problem[:60]}"
+            seconds = time.perf_counter() - began
+            print(f"{seconds:7.2f} s  {experiment}: {shape}: {name}: {state}", file=sys.stderr, flush=True)
+    return results
+
+
 def measure(
-    settings: Settings, fine: Mesh, wanted: Mesh | int, repeats: int = REPEATS, limit: float = LIMIT
+    settings: Settings, fine: Mesh, wanted: Wanted, repeats: int = REPEATS, limit: float = LIMIT
 ) -> Measurement:
     """Run a method on a fine mesh, from a coarse mesh or a vertex count; short runs are repeated for their times."""
     best = _once(settings, fine, wanted, limit)
@@ -72,7 +115,37 @@ def measure(
     return best
 
 
-def _once(settings: Settings, fine: Mesh, wanted: Mesh | int, limit: float) -> Measurement:
+@dataclass(frozen=True)
+class Recorded:
+    """A contact whose steps are kept, so that they are there when it runs out of time."""
+
+    contact: Contact
+    steps: list[np.ndarray]
+
+    def reinflate(
+        self,
+        bodies: Bodies,
+        x: np.ndarray,
+        path: Sequence[np.ndarray],
+        *,
+        clearance: float,
+        energy: CageEnergy,
+        solver: Solver,
+        on_step: Callable[[np.ndarray], None],
+    ) -> ContactOutcome:
+        """What the contact does."""
+
+        def record(state: np.ndarray) -> None:
+            self.steps.append(state)
+            on_step(state)
+
+        self.steps[:] = [x]
+        return self.contact.reinflate(
+            bodies, x, path, clearance=clearance, energy=energy, solver=solver, on_step=record
+        )
+
+
+def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measurement:
     result = Measurement(fine)
     ends = time.process_time() + limit
     phase = "decimation"
@@ -91,13 +164,17 @@ def _once(settings: Settings, fine: Mesh, wanted: Mesh | int, limit: float) -> M
     frame = Frame.of(fine)
     home = fine.moved(frame.inside(fine.vertices))
     way: Reinflation | None = None
+    states: list[np.ndarray] = []
     try:
-        coarse = wanted
-        if not isinstance(coarse, Mesh):
-            coarse = settings.decimation.decimate(fine, coarse, clearance=CLEARANCE * fine.diagonal)
+        if isinstance(wanted, int):
+            coarse = settings.decimation.decimate(fine, wanted, clearance=CLEARANCE * fine.diagonal)
+        else:
+            coarse = wanted if isinstance(wanted, Mesh) else wanted.coarse
         coarse = coarse.moved(frame.inside(coarse.vertices))
         result.coarse = coarse
         enter("flow")
+        if isinstance(wanted, Decimated):
+            result.seconds["decimation"] = wanted.seconds
         flow = settings.flow.run(home, coarse, progress=progress)
         result.flow_steps = len(flow.steps) - 1
         enter("reinflation")
@@ -105,7 +182,7 @@ def _once(settings: Settings, fine: Mesh, wanted: Mesh | int, limit: float) -> M
         expansion = settings.expansion_energy.at(coarse) if settings.expansion_energy else energy
         way = reinflate(
             home, coarse, flow.steps,
-            contacts=settings.contacts(len(coarse.vertices), len(home.vertices)),
+            contacts=[Recorded(each, states) for each in settings.contacts(len(coarse.vertices), len(home.vertices))],
             energy=expansion, solver=settings.solver, clearance=CLEARANCE, progress=progress,
         )  # fmt: skip
         enter("tightening")
@@ -116,16 +193,18 @@ def _once(settings: Settings, fine: Mesh, wanted: Mesh | int, limit: float) -> M
                 clearance=CLEARANCE, energy=energy, on_step=cages.append,
             )  # fmt: skip
             way = way.with_tightening(cages)
-        enter("verification")
     except OutOfTimeError:
         result.failed, result.problem = phase, f"ended after {limit:.0f} s"
-    except (ReinflationError, FlowError, NestedCagesError) as error:
+        if way is None and states and result.coarse is not None:
+            m, stacked = len(result.coarse.vertices), np.stack(states)
+            way = Reinflation(stacked[:, m:], stacked[:, :m], len(states) - 1, 0)
+    except NestedCagesError as error:
         result.failed, result.problem = phase, str(error)
         if isinstance(error.partial, Reinflation):
             way = error.partial
+    enter("")
     if way is not None and result.coarse is not None:
         _judge(result, way, home)
-    enter("")
     return result
 
 
@@ -138,7 +217,7 @@ def _judge(result: Measurement, way: Reinflation, home: Mesh) -> None:
         return
     result.cage = result.coarse.moved(way.cage_steps[-1])
     same = len(result.coarse.loops) == len(home.loops)
-    certificate = verify(result.cage, home, 0.0, same_loops=same)
+    certificate = verify(result.cage, home, CLEARANCE, same_loops=same)
     result.certified, result.smallest = certificate.holds, certificate.clearance
     result.excess = 100.0 * certificate.excess
     start = np.concatenate([way.cage_steps[0], way.fine_steps[0]])

@@ -7,13 +7,19 @@ from typing import NamedTuple
 
 from nestedcages_core import (
     IPC,
+    ArcLength,
     Area,
     BoundaryARAP,
     Cells,
+    DouglasPeucker,
+    EdgeCollapse,
+    EvenSamples,
+    GaussLegendre,
     GradientDescent,
     InitialDisplacement,
     InteriorARAP,
     LevelSet,
+    Midpoint,
     NoEnergy,
     NoFilter,
     OnCurve,
@@ -21,20 +27,24 @@ from nestedcages_core import (
     PaperContact,
     PaperFlow,
     ProjectedNewton,
+    QuadraticFallOff,
     Repairs,
     SequentialQP,
     Settings,
     ShapeKeeping,
+    SignedDistanceFlow,
     SmallestDistance,
     StepDisplacement,
     Tightening,
     TimeOfImpact,
     TwoSidedFlow,
     VelocityFilter,
+    Visvalingam,
 )
 from nestedcages_core.contact import AllPairs, Contact
 from nestedcages_core.decimation import Decimation
 from nestedcages_core.energies import Energy
+from nestedcages_core.quadrature import Quadrature
 
 
 class Method(NamedTuple):
@@ -99,8 +109,31 @@ ENERGIES: dict[str, Energy] = {
     "shape keeping": ShapeKeeping(),
 }
 
+WITHOUT_FINAL_PASS = ("none", "step displacement")
+"""Energies that are at rest wherever the cage stands when the fine mesh is home."""
+
 FILTERS = {"none": NoFilter(), "smallest distance": SmallestDistance(), "time of impact": TimeOfImpact()}
 BROAD_PHASES = {"all pairs": AllPairs(), "cells": Cells()}
+
+
+QUADRATURES: dict[str, Quadrature] = {
+    "the paper's": QuadraticFallOff(),
+    "midpoints": Midpoint(),
+    "Gauss 1": GaussLegendre(1),
+    "Gauss 2": GaussLegendre(2),
+    "Gauss 3": GaussLegendre(3),
+    "even samples": EvenSamples(),
+}
+
+DECIMATIONS: dict[str, Decimation] = {
+    "arc length": ArcLength(),
+    "Douglas–Peucker": DouglasPeucker(),
+    "Visvalingam": Visvalingam(),
+    "edge collapse": EdgeCollapse(),
+    "on the curve": OnCurve(),
+    "outer hull": OuterHull(),
+    "level set": LevelSet(),
+}
 
 
 def with_contact(name: str, start: str = "flow") -> Settings:
@@ -115,6 +148,26 @@ def alone(name: str) -> Settings:
     return replace(TIGHT, contact=CONTACTS[name], tightening=Tightening(iterations=0))
 
 
-def with_energy(name: str) -> Settings:
+def with_energy(name: str, contact: str = "IPC") -> Settings:
     """Ours, with another energy on the way home and in the final pass."""
-    return replace(TIGHT, energy=ENERGIES[name])
+    return replace(TIGHT, contact=CONTACTS[contact], energy=ENERGIES[name])
+
+
+def on_the_way(name: str) -> Settings:
+    """The same without the final pass."""
+    return replace(with_energy(name), tightening=Tightening(iterations=0))
+
+
+def papers_energy(name: str) -> Settings:
+    """Ours, with the paper's weights and its one range by projected Newton, and another energy of the cage."""
+    return replace(TIGHT, contact=NEAR.contact, energy=ENERGIES[name])
+
+
+def with_quadrature(name: str) -> Settings:
+    """Ours, with the flow of the paper's Algorithms 1 and 2 and another rule along the edges."""
+    return replace(TIGHT, flow=SignedDistanceFlow(quadrature=QUADRATURES[name]))
+
+
+def with_decimation(name: str) -> Settings:
+    """Ours, with another way to make the coarse mesh."""
+    return replace(TIGHT, decimation=DECIMATIONS[name])

@@ -13,13 +13,13 @@ mpl.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
-from comparison.experiments import Results
-from comparison.measure import Measurement
+from comparison.measure import Measurement, Results
 from data import Table1Row
 from nestedcages_core import Mesh
 
 FINE, COARSE, CAGE = "#f0c777", "#8a4b08", "#1f4e79"
 DPI = 110
+FARTHEST, MARGIN = 1.5, 0.03  # diagonals: what lies farther out is cut off; space around a drawing
 
 
 def draw(axes: Axes, mesh: Mesh, colour: str, *, filled: bool = False, style: str = "-", width: float = 1.0) -> None:
@@ -41,19 +41,22 @@ def panel(axes: Axes, result: Measurement, title: str) -> None:
         draw(axes, result.coarse, COARSE, style="--", width=0.8)
     if result.cage is not None:
         draw(axes, result.cage, CAGE, width=1.2)
-    outcome = f"{result.excess:.1f} %" if result.excess is not None else f"failed: {result.failed}"
+    outcome = f"{result.excess:.1f} %" if result.excess is not None else ""
+    if not result.success:
+        outcome = f"✗ {result.failed or 'not certified'}" + (f", {outcome}" if outcome else "")
     axes.set_title(f"{title}\n{outcome}", fontsize=7)
     axes.set_aspect("equal")
     axes.axis("off")
-    shown = [result.coarse.vertices] if result.coarse is not None else []
-    shown += [result.cage.vertices] if result.cage is not None else []
-    reach = 1.06 * max([0.5, *(float(np.abs(vertices).max()) for vertices in shown)])
-    axes.set_xlim(-reach, reach)
-    axes.set_ylim(-reach, reach)
+    shown = [(fine.vertices - 0.5 * (low + high)) / fine.diagonal]
+    shown += [mesh.vertices for mesh in (result.coarse, result.cage) if mesh is not None]
+    across = np.clip(np.concatenate(shown), -FARTHEST, FARTHEST)
+    (left, bottom), (right, top) = across.min(axis=0), across.max(axis=0)
+    axes.set_xlim(left - MARGIN, right + MARGIN)
+    axes.set_ylim(bottom - MARGIN, top + MARGIN)
 
 
 def gallery(results: Results, names: list[str], path: Path) -> None:
-    """Rows of shapes, columns of methods."""
+    """Rows of shapes, columns of methods; a picture is the size of its drawing."""
     rows = [shape for shape in results if any(name in results[shape] for name in names)]
     figure, grid = plt.subplots(len(rows), len(names), figsize=(2.0 * len(names), 2.1 * len(rows)), squeeze=False)
     for i, shape in enumerate(rows):
@@ -65,14 +68,6 @@ def gallery(results: Results, names: list[str], path: Path) -> None:
 def wrapped(title: str) -> str:
     """The title in lines short enough for a panel."""
     return "\n".join(textwrap.wrap(title, 24))
-
-
-def strip(results: dict[str, Measurement], path: Path) -> None:
-    """One shape, one panel for each method."""
-    figure, grid = plt.subplots(1, len(results), figsize=(2.0 * len(results), 2.3), squeeze=False)
-    for axes, (name, result) in zip(grid[0], results.items(), strict=True):
-        panel(axes, result, name)
-    _save(figure, path)
 
 
 def table1(results: Results, rows: tuple[Table1Row, ...], path: Path) -> None:
@@ -100,38 +95,42 @@ def table1(results: Results, rows: tuple[Table1Row, ...], path: Path) -> None:
     _save(figure, path)
 
 
-def ladder(results: Results, path: Path) -> None:
+def staircase(results: Results, path: Path) -> None:
     """Time and excess while the paper turns into ours; a cross where a run did not succeed."""
     names = list(next(iter(results.values())))
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6), sharey=True)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.2), sharey=True)
     place = np.arange(len(names))[::-1]
-    for shape, found in results.items():
-        lost = [k for k, name in enumerate(names) if not found[name].success]
-        left.plot([found[name].total for name in names], place, "o-", markersize=3, label=shape)
-        right.plot([np.nan if found[n].excess is None else found[n].excess for n in names], place, "o-", markersize=3)
-        left.plot([found[names[k]].total for k in lost], place[lost], "x", color="black", zorder=4)
+    colours = plt.get_cmap("tab20").colors
+    for k, (shape, found) in enumerate(results.items()):
+        lost = [j for j, name in enumerate(names) if not found[name].success]
+        seconds = [found[name].total for name in names]
+        excess = [np.nan if found[name].excess is None else found[name].excess for name in names]
+        for axes, values in ((left, seconds), (right, excess)):
+            axes.plot(values, place, "o-", markersize=3, color=colours[k % len(colours)], label=shape)
+            axes.plot([values[j] for j in lost], place[lost], "x", color="black", markersize=4, zorder=4)
     left.set_yticks(place, names, fontsize=7)
     left.set_xscale("log")
-    left.set_title("CPU seconds (x: no success)", fontsize=9)
+    left.set_title("CPU seconds (×: no success)", fontsize=9)
     right.set_title("excess in per cent", fontsize=9)
-    figure.legend(fontsize=7, loc="upper center", ncols=len(results), bbox_to_anchor=(0.5, 0.0))
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=7, loc="upper center", ncols=6, bbox_to_anchor=(0.5, 0.0))
     for axes in (left, right):
         axes.grid(alpha=0.3)
     _save(figure, path)
 
 
 def starts(results: Results, path: Path) -> None:
-    """Excess and time of every contact from every start."""
+    """Excess and time of every contact from every start, where it succeeded."""
     names = list(next(iter(results.values())))
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 3.8))
     place = np.arange(len(results))
-    marks, colours = ("o", "s", "^"), ("tab:blue", "tab:orange", "tab:green")
+    marks, colours = "os^Dv*", plt.get_cmap("tab10").colors
     for k, name in enumerate(names):
         found = [shape[name] for shape in results.values()]
-        shift = place + 0.07 * (k - 0.5 * (len(names) - 1))
-        style = {"color": colours[k // 3], "label": name, "markersize": 4}
-        left.plot(shift, [np.nan if not r.success else r.excess for r in found], marks[k % 3], **style)
-        right.plot(shift, [np.nan if not r.success else r.total for r in found], marks[k % 3], **style)
+        shift = place + 0.1 * (k - 0.5 * (len(names) - 1))
+        style = {"color": colours[k % len(colours)], "label": name, "markersize": 4}
+        left.plot(shift, [r.excess if r.success else np.nan for r in found], marks[k % len(marks)], **style)
+        right.plot(shift, [r.total if r.success else np.nan for r in found], marks[k % len(marks)], **style)
     for axes, title in ((left, "excess in per cent"), (right, "CPU seconds")):
         axes.set_xticks(place, list(results), fontsize=6, rotation=20)
         axes.set_title(title, fontsize=9)
