@@ -9,14 +9,25 @@ from scipy.spatial import cKDTree
 
 from .._types import BoolArray, FloatArray, IntArray
 from ..errors import InvalidMeshError
+from ..mesh import Mesh
 from ..mesh.validation import place
 from ..predicates import ON_BOUNDARY, BoxTree, crossing_pairs, orientation, winding_number
 
 SNAP = 1e-12
 """Distance, in diagonals, within which places where edges meet are one: some thousand roundings."""
 
+GRIDS = (0.0, 2.0**-30, 2.0**-24)
+"""Spacings, in diagonals rounded to a power of two, of the grids that all points are rounded to, one after the other:
+none, unless edges are too close to tell; the coarsest is a ten-thousandth of the usual tolerance of curves."""
+
 PASSES = 12
 """Rounds of cutting; rounding a cut may make new crossings, which are rare and short."""
+
+PULLED = 1e-3
+"""Distance by which loops that touch in a point are pulled apart there, by the shorter edge at the point."""
+
+FARTHEST_PULLED = 1e-6
+"""The same, at the most, in diagonals."""
 
 FIRST_OFFSET, OFFSET_SHRINK, OFFSETS = 1e-3, 0.03, 7
 """Places beside an edge at which windings are counted: its length times this, smaller while the counts disagree."""
@@ -24,15 +35,33 @@ FIRST_OFFSET, OFFSET_SHRINK, OFFSETS = 1e-3, 0.03, 7
 Rule = Callable[[IntArray], BoolArray]
 
 
-def arranged(loops: Sequence[FloatArray], owner: IntArray, painted: Sequence[Rule]) -> list[FloatArray]:
-    """Closed loops (k, 2) around the places that any area paints.
+def arranged(loops: Sequence[FloatArray], owner: IntArray, painted: Sequence[Rule]) -> Mesh:
+    """The solid of all places that any area paints.
 
     loops: (k, 2) each; owner: (L,) area of each; painted: for each area, whether winding numbers are inside.
     Raises InvalidMeshError where coordinates are too coarse to tell.
     """
+    diagonal = float(np.hypot(*np.ptp(np.concatenate(loops), axis=0)))
+    unit = 2.0 ** np.ceil(np.log2(diagonal))
+    failed: InvalidMeshError | None = None
+    for grid in GRIDS:
+        try:
+            return Mesh.from_loops(_apart(*_rim(loops, owner, painted, grid * unit), diagonal))
+        except InvalidMeshError as error:
+            failed = failed or error
+    assert failed is not None
+    raise failed
+
+
+def _rim(
+    loops: Sequence[FloatArray], owner: IntArray, painted: Sequence[Rule], grid: float
+) -> tuple[FloatArray, list[IntArray]]:
+    """Points, and the loops around all painted places as indices of them; `grid`: spacing of the points, 0 for none."""
+    if grid:
+        loops = [_rounded(loop, grid) for loop in loops]
     points, starts, ends, area = _joined(loops, owner)
     for _ in range(PASSES):
-        cut = _cut(points, starts, ends, area)
+        cut = _cut(points, starts, ends, area, grid)
         if cut is None:
             break
         points, starts, ends, area = cut
@@ -46,7 +75,12 @@ def arranged(loops: Sequence[FloatArray], owner: IntArray, painted: Sequence[Rul
     tails, heads = np.concatenate((low[forth], high[back])), np.concatenate((high[forth], low[back]))
     if not len(tails):
         raise InvalidMeshError("The shapes have no inside.")
-    return _linked(points, tails, heads)
+    return points, _linked(points, tails, heads)
+
+
+def _rounded(points: FloatArray, grid: float) -> FloatArray:
+    """Points on a grid; 0.0 for -0.0."""
+    return np.asarray(np.round(points / grid) * grid + 0.0)
 
 
 def _joined(loops: Sequence[FloatArray], owner: IntArray) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
@@ -57,12 +91,13 @@ def _joined(loops: Sequence[FloatArray], owner: IntArray) -> tuple[FloatArray, I
     ends = starts + 1
     ends[begins + sizes - 1] = begins
     points, index = np.unique(np.concatenate(loops), axis=0, return_inverse=True)
-    index = index.ravel()
-    return points, index[starts], index[ends], np.repeat(owner, sizes)
+    starts, ends = index.ravel()[starts], index.ravel()[ends]
+    kept = starts != ends  # the grid may join the ends of a short edge
+    return points, starts[kept], ends[kept], np.repeat(owner, sizes)[kept]
 
 
 def _cut(
-    points: FloatArray, starts: IntArray, ends: IntArray, area: IntArray
+    points: FloatArray, starts: IntArray, ends: IntArray, area: IntArray, grid: float
 ) -> tuple[FloatArray, IntArray, IntArray, IntArray] | None:
     """The edges cut wherever they meet others; None if they meet in common ends only."""
     pairs = np.unique(np.sort(np.stack((starts, ends), axis=1), axis=1), axis=0)
@@ -86,6 +121,8 @@ def _cut(
     crossing = ~shared & ~on_edge
     i, j = i[crossing], j[crossing]
     new = _meeting_points(a[i], b[i], a[j], b[j])
+    if grid:
+        new = _rounded(new, grid)
     edge += [i, j]
     where += [new, new]
     cut_edge, cut_point = np.concatenate(edge), np.concatenate(where)
@@ -169,9 +206,11 @@ def _windings(
             beside = middle[open_] + sign * normal[open_]
             for k in range(net.shape[1]):
                 own = area == k
+                side[open_, k] = 0
+                if not own.any():  # its edges went to and fro
+                    continue
                 a, b = points[starts[own]], points[ends[own]]
                 around = ((beside >= a.min(axis=0)) & (beside <= a.max(axis=0))).all(axis=1)  # elsewhere it is 0
-                side[open_, k] = 0
                 side[open_[around], k] = winding_number(beside[around], a, b)
         fits = (left - right == net).all(axis=1) & (left != ON_BOUNDARY).all(axis=1)
         open_ = np.flatnonzero(~fits)
@@ -183,32 +222,59 @@ def _windings(
     )
 
 
-def _linked(points: FloatArray, tails: IntArray, heads: IntArray) -> list[FloatArray]:
-    """Loops from directed edges; where several leave a point the sharpest left turn is taken: loops do not cross."""
+def _linked(points: FloatArray, tails: IntArray, heads: IntArray) -> list[IntArray]:
+    """Loops of indices from directed edges with the inside to their left.
+
+    Where several leave a point the sharpest right turn is taken: a loop goes around one empty place.
+    """
     leaving: dict[int, list[int]] = {}
-    for tail, head in zip(tails.tolist(), heads.tolist(), strict=True):
-        leaving.setdefault(tail, []).append(head)
+    for edge, tail in enumerate(tails.tolist()):
+        leaving.setdefault(tail, []).append(edge)
+    onward = np.empty(len(tails), dtype=np.int64)
+    for edge, head in enumerate(heads.tolist()):
+        choices = leaving.get(head, [])
+        if not choices:
+            raise InvalidMeshError(f"The shapes' outline is open near {place(points[head])}; move its points apart.")
+        angles = _empty_angle(points, np.full(len(choices), tails[edge]), head, heads[choices])
+        onward[edge] = choices[int(angles.argmin())]
     loops = []
-    while leaving:
-        start = next(iter(leaving))
-        loop, before, at = [start], -1, start
-        while True:
-            choices = leaving.get(at)
-            if not choices:
-                raise InvalidMeshError(f"The shapes' outline is open near {place(points[at])}; move its points apart.")
-            onward = choices.pop(_leftmost(points, before, at, choices) if len(choices) > 1 and before >= 0 else 0)
-            if not choices:
-                del leaving[at]
-            if onward == start:
-                break
-            before, at = at, onward
-            loop.append(at)
-        loops.append(points[loop])
+    open_ = set(range(len(tails)))
+    while open_:
+        edge = open_.pop()
+        loop = [edge]
+        while onward[loop[-1]] in open_:
+            loop.append(int(onward[loop[-1]]))
+            open_.discard(loop[-1])
+        if onward[loop[-1]] != edge:
+            raise InvalidMeshError(f"The shapes' outline branches near {place(points[tails[edge]])}; move it apart.")
+        loops.append(tails[loop])
     return loops
 
 
-def _leftmost(points: FloatArray, before: int, at: int, choices: list[int]) -> int:
-    """The choice that turns most to the left when coming from `before`."""
-    came, leave = points[at] - points[before], points[choices] - points[at]
-    turn = np.arctan2(came[0] * leave[:, 1] - came[1] * leave[:, 0], leave @ came)
-    return int(turn.argmax())
+def _empty_angle(points: FloatArray, before: IntArray, at: int | IntArray, after: IntArray) -> FloatArray:
+    """Radians in (0, 2π] from the way back around to the way on, on the right of a path through points."""
+    back, on = points[before] - points[at], points[after] - points[at]
+    turn = np.arctan2(back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0], (back * on).sum(axis=1))
+    return np.asarray(np.where(turn > 0.0, turn, turn + 2.0 * np.pi))
+
+
+def _apart(points: FloatArray, loops: list[IntArray], diagonal: float) -> list[FloatArray]:
+    """The loops (k, 2); where they touch in a point each is pulled off it, into the empty place that it goes around.
+
+    What touches becomes one by a neck as thin as a hair, so that nothing is cut off.
+    """
+    crowded = np.bincount(np.concatenate(loops)) > 1
+    found = []
+    for loop in loops:
+        moved = points[loop].copy()
+        place = np.flatnonzero(crowded[loop])
+        before, at, after = np.roll(loop, 1)[place], loop[place], np.roll(loop, -1)[place]
+        back, on = points[before] - points[at], points[after] - points[at]
+        half = _empty_angle(points, before, at, after) / 2.0
+        length = np.hypot(*back.T)
+        along = back / length[:, None]
+        reach = np.minimum(PULLED * np.minimum(length, np.hypot(*on.T)), FARTHEST_PULLED * diagonal)[:, None]
+        across = np.stack((-along[:, 1], along[:, 0]), axis=1)
+        moved[place] += reach * (np.cos(half)[:, None] * along + np.sin(half)[:, None] * across)
+        found.append(moved)
+    return found

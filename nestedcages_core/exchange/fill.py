@@ -30,7 +30,8 @@ class Painted:
 def solid(areas: Sequence[Painted]) -> Mesh:
     """The union of areas as a mesh. Loops without crossing keep their points to the last bit.
 
-    Raises InvalidMeshError where nothing is inside, or where the union touches itself in a point.
+    Where the union touches itself in a point it becomes one by a neck as thin as a hair. Raises InvalidMeshError where
+    nothing is inside.
     """
     loops, owner = _cleaned(areas)
     if not loops:
@@ -38,7 +39,7 @@ def solid(areas: Sequence[Painted]) -> Mesh:
     try:
         mesh = Mesh.from_loops(loops)
     except InvalidMeshError:
-        return Mesh.from_loops(arranged(loops, owner, [area.painted for area in areas]))
+        return arranged(loops, owner, [area.painted for area in areas])
     kept = _on_the_rim(mesh, loops, owner, areas)
     if not kept.any():
         raise InvalidMeshError("The shapes have no inside.")
