@@ -45,7 +45,9 @@ def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline
         size = len(outline.vertices)
         outline = without_trifles(outline, (TRIFLE * clearance) ** 2)
         if len(outline.vertices) == size:
-            outline = _without(outline, tight | _in_narrow_gaps(outline, tight, GAP * clearance))
+            outline = _without(outline, _in_narrow_gaps(outline, tight, GAP * clearance))
+        if len(outline.vertices) == size:  # not before, as corners at the mouth of a gap may be free without it
+            outline = _without(outline, tight)
         if len(outline.vertices) == size:
             break
     return outline

@@ -39,7 +39,7 @@ class OuterHull:
     """Progressive hull of a strict offset of the fine mesh, the best of several seeded runs."""
 
     restarts: int = 8
-    """Runs with varied weights; large vertex counts get fewer."""
+    """Runs with varied weights; several loops get more, large vertex counts fewer."""
     seed: int = 0
     """Where the random numbers of the runs begin."""
 

@@ -377,6 +377,20 @@ def test_an_offset_takes_a_quarter_of_a_gap() -> None:
     assert 1e-6 < solid(moved).boundary.distance(polygon(fine).boundary) < 5e-6
 
 
+def test_slits_are_closed_without_the_stairs_at_their_mouths() -> None:
+    """Teeth of different lengths with gaps far below the clearance: only the gaps may be filled."""
+    lengths = [1.0, 2.0, 1.2, 2.4, 1.7, 0.8]
+    gap = 1e-7
+    points = [(6.0, -1.0), (0.0, -1.0)]
+    for k, length in enumerate(lengths):
+        left, right = k + gap * (k > 0), k + 1.0 - gap * (k < len(lengths) - 1)
+        points += [(left, 0.0)] * (k > 0) + [(left, length), (right, length)] + [(right, 0.0)] * (k < len(lengths) - 1)
+    fine = Mesh.from_loops([points])
+    hull = OuterHull().decimate(fine, 14, clearance=1e-4)
+    assert hull.area < 1.001 * fine.area
+    assert_nested(hull, fine)
+
+
 def test_clearing_fills_what_is_too_narrow() -> None:
     fine = slit_square(1e-3)
     enclosure = Enclosure(fine)
