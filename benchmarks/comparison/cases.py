@@ -14,8 +14,8 @@ from random_shapes import random_shape
 COUNT = 32  # vertices of the coarse meshes of the folder's shapes
 PAPER_PAIRS = (("A", "A_guy_fine", "A_guy_coarse"), ("octagon", "octagon_hole_hand", "square_hole_hand"))
 
-FIRST_SEED, RANDOM_CASES = 0, 40  # random shapes: seeds from the first on, until there are so many
-MOST_RANDOM_VERTICES = 250  # of a fine mesh: all pairs, a hundred times a step, are slow
+FIRST_SEED, RANDOM_CASES = 0, 60  # random shapes: seeds from the first on, until there are so many
+MOST_RANDOM_VERTICES = 400  # of a fine mesh: all pairs, a hundred times a step, are slow
 VERTICES_PER_COARSE = 6  # fine vertices of a random shape for each coarse one
 LEAST_PER_LOOP = 5  # coarse vertices
 

@@ -73,10 +73,12 @@ def matrix(
 
 
 def excess_and_time(result: Measurement) -> str:
-    """Excess in per cent and seconds of a run that succeeded, or what failed."""
-    if not result.success:
-        return f"**{result.failed or 'not certified'}**"
-    return f"{number(result.excess)} % · {result.total:.2f} s"
+    """Excess in per cent and seconds of a run that succeeded; otherwise the phase that failed, and in brackets the
+    excess of the cage that it left, if that encloses the fine mesh."""
+    if result.success:
+        return f"{number(result.excess)} % · {result.total:.2f} s"
+    left = f" ({number(result.excess)} %)" if result.certified else ""
+    return f"✗ {result.failed or 'not certified'}{left}"
 
 
 def count(results: Results, name: str) -> str:

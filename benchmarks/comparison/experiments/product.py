@@ -77,7 +77,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         f"final pass. *{PAPERS}* has the paper's weights and its one range for all pairs. Successes, median excess of "
         "these, and the geometric mean of their times, decimation included:",
         table(["energy", *columns], lines),
-        "With the area, shape by shape:",
+        "With the area, shape by shape (✗: the phase that failed):",
         matrix("shape", columns, area, excess_and_time),
         "![Contacts and starts](comparison/starts.png)",
     ])  # fmt: skip
