@@ -177,7 +177,8 @@ class LevelBuilder:
         if length < wanted:
             notes = (*notes, f"The gaps of the fine mesh leave room for a clearance of {length:.3g}, not {wanted:.3g}.")
         if len(coarse.loops) != len(self.fine.loops):
-            notes = (*notes, f"Number of loops: {len(coarse.loops)} of the cage, {len(self.fine.loops)} of the mesh in it.")
+            kept, given = len(coarse.loops), len(self.fine.loops)
+            notes = (*notes, f"Number of loops: {kept} of the cage, {given} of the mesh in it.")
         nesting = NestingReport(
             strict=certificate.strict,
             simple=certificate.simple,
