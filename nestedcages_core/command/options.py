@@ -17,7 +17,7 @@ and hug it as tightly as their vertices allow. Every cage is certified by exact 
 EPILOG = """\
 input files:
   .svg            filled areas; curves become chords within --tolerance, overlapping shapes are united
-  .geojson .json  polygons; every feature gets its own cages
+  .geojson .json  polygons; every feature gets its own cages. A collision outline written by this command too
   .png            opaque pixels, in pixels with y downwards
 
 output files (by extension, all lengths and places in the units of the input):

@@ -11,7 +11,17 @@ from typing import Any
 
 from ..batch import nested_cages_many
 from ..errors import NestedCagesError
-from ..exchange import Feature, features_from_geojson, read_svg, to_engine_json, to_geojson, to_svg
+from ..exchange import (
+    Feature,
+    Record,
+    from_engine_json,
+    is_engine_json,
+    read_svg,
+    records_from_geojson,
+    to_engine_json,
+    to_geojson,
+    to_svg,
+)
 from ..hierarchy import Hierarchy, Level, Settings, nested_cages
 from ..mesh import Mesh
 from ..pictures import picture_cages, read_png
@@ -80,6 +90,8 @@ def _make(given: argparse.Namespace, line: ProgressLine) -> tuple[list[Made], li
     kind = given.input.suffix.lower()
     if kind == ".png":
         picture = read_png(given.input)
+        if picture[:, :, 3].min() > 0:
+            print("note: no pixel is fully transparent, so the whole picture may count as opaque", file=sys.stderr)
         hierarchy = picture_cages(
             picture,
             given.levels,
@@ -92,29 +104,40 @@ def _make(given: argparse.Namespace, line: ProgressLine) -> tuple[list[Made], li
     if kind == ".svg":
         drawing = read_svg(given.input, tolerance=given.tolerance, element=given.element)
         return [Made("drawing", nested_cages(drawing, given.levels, settings, progress=line.of_run))], []
-    features = features_from_geojson(given.input.read_bytes())
-    if not features:
+    return _make_map(given, settings, line)
+
+
+def _make_map(given: argparse.Namespace, settings: Settings, line: ProgressLine) -> tuple[list[Made], list[str]]:
+    """The same for each feature of a map; a collision outline counts as one."""
+    text = given.input.read_bytes()
+    if is_engine_json(text):
+        drawing = from_engine_json(text)
+        return [Made("drawing", nested_cages(drawing, given.levels, settings, progress=line.of_run))], []
+    records = records_from_geojson(text)
+    if not records:
         raise NestedCagesError(f"{given.input.name} has no polygons; give a map with Polygon or MultiPolygon features.")
-    if len(features) == 1:
-        hierarchy = nested_cages(features[0].mesh, given.levels, settings, progress=line.of_run)
-        return [_of_feature(features[0], 0, hierarchy)], []
+    meshes: dict[int, Mesh] = {}
+    failures = []
+    for k, record in enumerate(records):
+        try:
+            meshes[k] = record.mesh()
+        except NestedCagesError as error:
+            failures.append(f"{record.name}: {error}")
+    if len(records) == 1 and meshes:
+        return [_of_record(records[0], nested_cages(meshes[0], given.levels, settings, progress=line.of_run))], []
     outcomes = nested_cages_many(
-        [feature.mesh for feature in features],
-        {k: _no_more_than(given.levels, feature.mesh) for k, feature in enumerate(features)},
+        meshes,
+        {k: _no_more_than(given.levels, mesh) for k, mesh in meshes.items()},
         settings,
         executor=(lambda: ProcessPoolExecutor(given.jobs)) if given.jobs > 1 else None,
         progress=line.of_batch,
     )
-    made = [
-        _of_feature(feature, k, outcome.result)
-        for k, (feature, outcome) in enumerate(zip(features, outcomes, strict=True))
-        if outcome.error is None
-    ]
-    failures = [
-        f"{_name(feature, k)}: {outcome.error}"
-        for k, (feature, outcome) in enumerate(zip(features, outcomes, strict=True))
-        if outcome.error is not None
-    ]
+    made = []
+    for k, outcome in zip(meshes, outcomes, strict=True):
+        if outcome.error is None:
+            made.append(_of_record(records[k], outcome.result))
+        else:
+            failures.append(f"{records[k].name}: {outcome.error}")
     return made, failures
 
 
@@ -123,13 +146,8 @@ def _no_more_than(levels: Sequence[int], mesh: Mesh) -> list[int]:
     return [min(level, len(mesh.vertices)) for level in levels]
 
 
-def _of_feature(feature: Feature, number: int, hierarchy: Hierarchy) -> Made:
-    return Made(_name(feature, number), hierarchy, feature.properties, feature.id)
-
-
-def _name(feature: Feature, number: int) -> str:
-    known = feature.properties.get("name") or feature.properties.get("NAME") or feature.id
-    return f"feature {number}" + (f" ({known})" if known is not None else "")
+def _of_record(record: Record, hierarchy: Hierarchy) -> Made:
+    return Made(record.name, hierarchy, record.properties, record.id)
 
 
 def _report(made: Made, several: bool) -> None:

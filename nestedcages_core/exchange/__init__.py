@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-from .engine_json import from_engine_json, to_engine_json, write_engine_json
+from .engine_json import from_engine_json, is_engine_json, to_engine_json, write_engine_json
 from .fill import Painted, solid
-from .geojson import Feature, features_from_geojson, from_geojson, read_geojson, to_geojson, write_geojson
+from .geojson import (
+    Feature,
+    Record,
+    features_from_geojson,
+    from_geojson,
+    read_geojson,
+    records_from_geojson,
+    to_geojson,
+    write_geojson,
+)
 from .svg import from_svg, read_svg, to_svg, write_svg
 
 __all__ = [
     "Feature",
     "Painted",
+    "Record",
     "features_from_geojson",
     "from_engine_json",
     "from_geojson",
     "from_svg",
+    "is_engine_json",
     "read_geojson",
     "read_svg",
+    "records_from_geojson",
     "solid",
     "to_engine_json",
     "to_geojson",

@@ -51,13 +51,22 @@ def write_engine_json(
     Path(path).write_text(to_engine_json(mesh, flip_y=flip_y, triangles=triangles), encoding="utf-8")
 
 
+def is_engine_json(text: str | bytes) -> bool:
+    """Whether a text is a collision outline rather than another kind of JSON."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(document, dict) and document.get("format") == FORMAT
+
+
 def from_engine_json(text: str | bytes, *, flip_y: float | None = None) -> Mesh:
     """The mesh of an outline written by `to_engine_json` with the same `flip_y`. Raises NestedCagesError."""
     try:
         document = json.loads(text)
         polygons = document["polygons"]
         loops = [np.asarray(loop, dtype=np.float64) for part in polygons for loop in (part["outer"], *part["holes"])]
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise NestedCagesError(f"This is not a collision outline: {error!r}.") from error
     if any(loop.ndim != 2 or loop.shape[1] != 2 for loop in loops):
         raise InvalidMeshError("The loops of a collision outline are lists of [x, y]; these are something else.")

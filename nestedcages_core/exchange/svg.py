@@ -18,6 +18,9 @@ from .svg_elements import SvgReader
 DEFAULT_TOLERANCE = 5e-4
 """Greatest distance of chords from curves when none is given, as a share of the drawing's diagonal."""
 
+GREATEST_COORDINATE = 1e150
+"""Coordinates beyond this cannot be multiplied with each other."""
+
 MARGIN = 0.02
 """Empty space around the shapes of a written document, as a share of their diagonal."""
 
@@ -43,10 +46,12 @@ def from_svg(text: str | bytes, *, tolerance: float | None = None, element: str 
     painted = [shape for shape in shapes if shape.filled]
     outlines = painted or [shape for shape in shapes if any(path.closed for path in shape.subpaths)]
     if not outlines:
-        raise NestedCagesError("The drawing has no filled or closed shapes; close its paths, or convert text to paths.")
+        raise NestedCagesError(
+            "The drawing has no filled or closed shapes; close its paths, or convert strokes and text to paths."
+        )
     controls = np.concatenate([curve for shape in outlines for path in shape.subpaths for curve in path.curves])
-    if not np.isfinite(controls).all():
-        raise NestedCagesError("The drawing has coordinates that are not finite; correct them.")
+    if not np.abs(controls).max() < GREATEST_COORDINATE:
+        raise NestedCagesError("The drawing has coordinates that are not finite, or too large; correct them.")
     fineness = tolerance if tolerance is not None else DEFAULT_TOLERANCE * float(np.hypot(*np.ptp(controls, axis=0)))
     if not fineness > 0.0:
         raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")

@@ -27,10 +27,16 @@ NOT_DRAWN = frozenset(
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
 
-INHERITED = ("fill", "fill-rule", "stroke", "visibility")
+INHERITED = ("fill", "fill-rule", "fill-opacity", "stroke", "visibility")
+
+NOT_INHERITED = ("display", "opacity")
+"""Properties that hide an element with all that is in it."""
 
 UNITS = {"": 1.0, "px": 1.0, "in": 96.0, "cm": 96.0 / 2.54, "mm": 96.0 / 25.4, "pt": 96.0 / 72.0, "pc": 16.0}
 """User units of each unit of length (CSS: 96 px to the inch)."""
+
+ACROSS, DOWN = ("x", "width", "cx", "rx"), ("y", "height", "cy", "ry")
+"""Attributes whose per cent are of the width, and of the height."""
 
 LENGTH = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z%]*)\s*$")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -60,6 +66,7 @@ class SvgReader:
             raise NestedCagesError(f"This is not an SVG document: {error}.") from error
         if _name(self.root) != "svg":
             raise NestedCagesError(f"This is not an SVG document: its root element is '{_name(self.root)}', not 'svg'.")
+        self._resolve_percentages()
         self.by_id = {item.get("id", ""): item for item in self.root.iter()}
         self.styles = dict(self._style_sheets())
 
@@ -70,6 +77,21 @@ class SvgReader:
             raise NestedCagesError(f"The drawing has no element with the id '{element}'; its ids: {known}.")
         return list(self._drawn(self.root, np.eye(3), {}, element, 0))
 
+    def _resolve_percentages(self) -> None:
+        """Lengths in per cent become numbers: shares of the document's view box, or of its size if it has none."""
+        box = [float(number) for number in NUMBER.findall(self.root.get("viewBox", ""))]
+        found = [LENGTH.match(self.root.get(key, "")) for key in ("width", "height")]
+        size = box[2:] if len(box) == 4 else [float(match[1]) * UNITS.get(match[2], 0.0) for match in found if match]
+        if len(size) != 2 or not (size[0] > 0.0 and size[1] > 0.0):
+            return
+        whole = {**dict.fromkeys(ACROSS, size[0]), **dict.fromkeys(DOWN, size[1])}
+        whole["r"] = math.hypot(*size) / math.sqrt(2.0)
+        for item in self.root.iter():
+            for key, reference in whole.items():
+                match = LENGTH.match(item.get(key, "")) if item is not self.root else None
+                if match and match[2] == "%":
+                    item.set(key, repr(float(match[1]) / 100.0 * reference))
+
     def _drawn(
         self, item: ET.Element, matrix: FloatArray, outer: Mapping[str, str], wanted: str | None, depth: int
     ) -> Iterator[Shape]:
@@ -77,9 +99,10 @@ class SvgReader:
         if depth > GREATEST_DEPTH:
             raise NestedCagesError("The drawing's elements are nested too deeply, or one of them uses itself.")
         style = {**outer, **self._style(item)}
-        if name in NOT_DRAWN or style.get("display") == "none":
+        if name in NOT_DRAWN or style.get("display") == "none" or _is_zero(style.get("opacity")):
             return
-        style.pop("display", None)
+        for key in NOT_INHERITED:
+            style.pop(key, None)
         if wanted is not None and item.get("id") == wanted:
             wanted = None
         if depth or name != "svg":
@@ -96,7 +119,8 @@ class SvgReader:
             for path in subpaths:
                 path.curves = [moved(curve, matrix) for curve in path.curves]
             if subpaths:
-                filled = style.get("fill", "black") not in ("none", "transparent")
+                unseen = style.get("fill", "black") in ("none", "transparent")
+                filled = not unseen and not _is_zero(style.get("fill-opacity"))
                 yield Shape(subpaths, filled, style.get("fill-rule", "nonzero") == "evenodd")
 
     def _used(
@@ -118,7 +142,7 @@ class SvgReader:
 
     def _style(self, item: ET.Element) -> dict[str, str]:
         """Paint properties of an element: attributes, then style sheets, then its style attribute, as CSS has it."""
-        found = {key: item.get(key, "").strip() for key in (*INHERITED, "display") if item.get(key) is not None}
+        found = {key: item.get(key, "").strip() for key in (*INHERITED, *NOT_INHERITED) if item.get(key) is not None}
         selectors = ["*", _name(item), *(f".{name}" for name in item.get("class", "").split()), f"#{item.get('id')}"]
         for selector in selectors:
             found.update(self.styles.get(selector, {}))
@@ -140,7 +164,7 @@ def _declarations(text: str) -> dict[str, str]:
     """The paint properties in CSS declarations."""
     pairs = (part.split(":", 1) for part in text.split(";") if ":" in part)
     stated = {key.strip(): value.replace("!important", "").strip() for key, value in pairs}
-    return {key: value for key, value in stated.items() if key in (*INHERITED, "display")}
+    return {key: value for key, value in stated.items() if key in (*INHERITED, *NOT_INHERITED)}
 
 
 def _outline(item: ET.Element) -> list[Subpath]:
@@ -201,6 +225,12 @@ def _viewport(
     scale = min(across, down)
     x, y = x + (width - scale * box[2]) / 2.0, y + (height - scale * box[3]) / 2.0
     return translation(x, y) @ scaling(scale, scale) @ translation(-box[0], -box[1])
+
+
+def _is_zero(opacity: str | None) -> bool:
+    """Whether an opacity hides what it belongs to."""
+    found = LENGTH.match(opacity) if opacity else None
+    return found is not None and float(found[1]) <= 0.0
 
 
 def _length(item: ET.Element, key: str) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import Mesh, from_engine_json, from_svg, read_geojson, to_svg, verify
+from nestedcages_core import Mesh, from_engine_json, from_svg, read_geojson, to_engine_json, to_svg, verify
 from nestedcages_core.command import main
 from nestedcages_core.exchange import features_from_geojson
 from shapes import letter_a, polygon, star
@@ -129,6 +129,31 @@ def test_features_that_fail_do_not_lose_the_others(tmp_path: Path, capsys: pytes
     assert "one feature" in capsys.readouterr().err
 
 
+def test_a_feature_that_is_no_shape_does_not_lose_the_others(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    crossed = region(0.0, "Crossed")
+    crossed["geometry"]["coordinates"] = [[[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]]
+    members = [crossed, region(2.0, "East")]
+    (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
+    out = tmp_path / "out.geojson"
+    assert main([str(tmp_path / "map.geojson"), "--levels", "15", "-o", str(out), "--quiet"]) == 1
+    assert "error: feature 0 (Crossed): Loop 0 crosses itself" in capsys.readouterr().err
+    assert [feature.id for feature in features_from_geojson(out.read_bytes())] == ["East"]
+
+
+def test_a_collision_outline_is_read_too(tmp_path: Path) -> None:
+    shape = letter_a(2)
+    (tmp_path / "letter.json").write_text(to_engine_json(shape))
+    out = tmp_path / "out.geojson"
+    assert main([str(tmp_path / "letter.json"), "--levels", "24", "-o", str(out), "--quiet"]) == 0
+    assert verify(read_geojson(out), shape)
+
+
+def test_a_picture_without_transparency_is_remarked(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    (tmp_path / "full.png").write_bytes(png(np.ones((5, 7), bool)))
+    assert main([str(tmp_path / "full.png"), "--levels", "4", "--quiet"]) == 0
+    assert "note: no pixel is fully transparent" in capsys.readouterr().err
+
+
 def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> None:
     with pytest.raises(SystemExit) as end:
         main(["--help"])
@@ -159,6 +184,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "--element", "x"], 1, "no element with the id 'x'"),
         (["empty.geojson", "--levels", "24"], 1, "no polygons"),
         (["fake.png", "--levels", "24"], 1, "not a PNG"),
+        (["deep.geojson", "--levels", "24"], 1, "not GeoJSON"),
     ],
 )
 def test_what_goes_wrong_is_said(
@@ -167,6 +193,7 @@ def test_what_goes_wrong_is_said(
 ) -> None:
     monkeypatch.chdir(drawing.parent)
     Path("fake.png").write_bytes(b"GIF89a")
+    Path("deep.geojson").write_text("[" * 100_000)
     Path("empty.geojson").write_text('{"type": "FeatureCollection", "features": []}')
     try:
         found = main(options)

@@ -204,6 +204,22 @@ def test_what_is_not_painted_is_left_out() -> None:
     assert area_of('<g fill="none"><rect width="9" height="9"/><rect width="2" height="3" fill="red"/></g>') == 6.0
 
 
+def test_what_cannot_be_seen_is_left_out() -> None:
+    hidden = '<g {}><rect width="9" height="9"/></g>'
+    for how in ('opacity="0"', 'fill-opacity="0%"', 'style="opacity:0.0"', 'display="none"', 'fill="transparent"'):
+        assert area_of(hidden.format(how) + '<rect x="20" width="1" height="2"/>') == pytest.approx(2.0), how
+    assert area_of(hidden.format('opacity="0.5"')) == pytest.approx(81.0)
+
+
+def test_per_cent_are_of_the_view_box_or_the_size() -> None:
+    rect = '<rect x="25%" y="10%" width="50%" height="20%"/>'
+    for attributes in ('viewBox="5 5 40 30"', 'width="40" height="30px"', 'viewBox="0 0 40 30" width="100%"'):
+        low, high = (edge(from_svg(svg(rect, attributes)).vertices, axis=0) for edge in (np.min, np.max))
+        assert [*low, *high] == pytest.approx([10.0, 3.0, 30.0, 9.0])
+    circle = from_svg(svg('<circle cx="50%" cy="50%" r="10%"/>', 'viewBox="0 0 30 40"'))
+    assert np.ptp(circle.vertices, axis=0) == pytest.approx(2.0 * 0.1 * math.sqrt((30**2 + 40**2) / 2.0), rel=1e-3)
+
+
 def test_outlines_count_where_nothing_is_filled() -> None:
     body = '<g fill="none" stroke="black"><rect width="9" height="9"/><path d="M0 0 L50 50 L0 50"/></g>'
     assert area_of(body) == 81.0
@@ -239,11 +255,13 @@ def test_one_element_can_be_read_alone() -> None:
         ("hello", "not an SVG document"),
         ("<html/>", "its root element is 'html'"),
         (svg(""), "no filled or closed shapes"),
-        (svg('<text x="0">A</text>'), "convert text to paths"),
+        (svg('<text x="0">A</text>'), "convert strokes and text to paths"),
         (svg('<use href="#nothing"/>'), "uses '#nothing'"),
         (svg('<use href="other.svg#a"/>'), "embed it"),
         (svg('<g id="a"><use href="#a"/></g>'), "uses itself"),
-        (svg('<rect width="50%" height="1"/>'), "width of the rect is '50%'"),
+        ('<svg><rect width="50%" height="1"/></svg>', "width of the rect is '50%'"),
+        (svg('<rect width="5em" height="1"/>'), "width of the rect is '5em'"),
+        (svg('<path d="M0 0 L1e300 1 L2 1e300 Z"/>'), "too large"),
         (svg('<rect width="1" height="1" transform="spin(5)"/>'), r"transform 'spin\(5\)' cannot be read"),
         (svg('<rect width="1" height="1" transform="scale(1,2,3)"/>'), "cannot be read"),
         (svg('<path d="M0 0 L1 1 L2 2 Z"/>'), "inside"),
@@ -443,6 +461,25 @@ def test_bad_geojson_gets_a_sentence(text: str) -> None:
         from_geojson(text)
 
 
+def test_polygons_of_a_feature_may_touch_in_points_but_not_overlap() -> None:
+    def square(x: float, y: float, side: float = 1.0) -> list[list[float]]:
+        return [[x, y], [x + side, y], [x + side, y + side], [x, y + side], [x, y]]
+
+    def feature(*polygons: list[list[list[float]]]) -> str:
+        return json.dumps({"type": "MultiPolygon", "coordinates": polygons})
+
+    (corners,) = features_from_geojson(feature([square(0, 0)], [square(1, 1)]))
+    assert corners.mesh.area == pytest.approx(2.0, abs=1e-4)
+    (hole,) = features_from_geojson(feature([square(0, 0, 3), [[0, 0], [1, 2], [2, 1], [0, 0]]]))
+    assert hole.mesh.area == pytest.approx(9.0 - 1.5, abs=1e-4)
+    for bad in (feature([square(0, 0)], [square(0.5, 0.5)]), feature([[[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]])):
+        with pytest.raises(InvalidMeshError, match=r"Feature 0: .*cross"):
+            features_from_geojson(bad)
+    collection = {"type": "GeometryCollection", "geometries": [json.loads(feature([square(k, 0)])) for k in (0, 4)]}
+    (both,) = features_from_geojson(json.dumps(collection))
+    assert len(both.mesh.loops) == 2
+
+
 def test_collision_outlines_turn_as_engines_expect() -> None:
     mesh = annulus(6)
     for flip in (None, 100.0):
@@ -460,7 +497,9 @@ def test_collision_outlines_turn_as_engines_expect() -> None:
     assert sorted(flipped[:, 1].tolist()) == pytest.approx(sorted((8.0 - mesh.vertices[mesh.loops[0], 1]).tolist()))
 
 
-@pytest.mark.parametrize("text", ["", "{}", '{"polygons": [{"outer": [1, 2], "holes": []}]}', '{"polygons": 3}'])
+@pytest.mark.parametrize(
+    "text", ["", "{}", "[" * 100_000, '{"polygons": [{"outer": [1, 2], "holes": []}]}', '{"polygons": 3}']
+)
 def test_bad_outlines_get_a_sentence(text: str) -> None:
     with pytest.raises(NestedCagesError):
         from_engine_json(text)
