@@ -60,8 +60,8 @@ BLENDERS_3.11 := 4.2.23 4.5.15 5.0.1
 BLENDERS_3.13 := 5.2.3
 test-blender:
 	@for version in 3.11 3.13; do \
-		if ! command -v python$$version >/dev/null 2>&1; then echo "No python$$version here: its Blenders are left out."; \
-			continue; fi; \
+		if ! python$$version --version >/dev/null 2>&1; then \
+			echo "No python$$version here: its Blenders are left out."; continue; fi; \
 		if [ $$version = 3.11 ]; then blenders="$(BLENDERS_3.11)"; scipy=1.15.3; \
 			else blenders="$(BLENDERS_3.13)"; scipy=1.17.1; fi; \
 		for blender in $$blenders; do \

@@ -231,6 +231,8 @@ def _used(helper: bpy.types.Object) -> bool:
 def _remove_helpers(collection: bpy.types.Collection, helpers: Iterable[bpy.types.Object]) -> None:
     for helper in list(helpers):
         mesh = helper.data
+        for modifier in list(helper.modifiers):
+            looks.remove_modifier(helper, modifier)
         bpy.data.objects.remove(helper)
         replacing.remove_mesh(mesh)
 

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import filling, nodes, weights
+from . import filling, looks, nodes, weights
 from .plane import size, transform
 from .refusal import Refusal, load_core
 
@@ -184,7 +184,7 @@ def release(inner: bpy.types.Object) -> None:
     for name in OURS:
         modifier = inner.modifiers.get(name)
         if modifier is not None:
-            inner.modifiers.remove(modifier)
+            looks.remove_modifier(inner, modifier)
     weights.clear(inner)
 
 

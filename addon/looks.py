@@ -15,6 +15,8 @@ CAGE_COLOURS = (
     (1.00, 0.90, 0.15, 1.0),
 )
 
+# Kinds of inputs that name a data-block.
+NAMING = ("NodeSocketObject", "NodeSocketMaterial")
 THICKNESS = "Nested Cages Thickness"
 # Corners of the tube's cross-section.
 TUBE_CORNERS = 8
@@ -40,7 +42,7 @@ def set_thickness(obj: bpy.types.Object, level: int, thickness: float) -> None:
     modifier = obj.modifiers.get(THICKNESS)
     if thickness <= 0.0:
         if modifier is not None:
-            obj.modifiers.remove(modifier)
+            remove_modifier(obj, modifier)
         return
     if modifier is None:
         modifier = obj.modifiers.new(THICKNESS, "NODES")
@@ -48,6 +50,15 @@ def set_thickness(obj: bpy.types.Object, level: int, thickness: float) -> None:
     modifier.node_group = _thickness_nodes()
     set_input(modifier, "Radius", 0.5 * thickness)
     set_input(modifier, "Material", _material(level))
+
+
+def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
+    """Removes a modifier and lets go of what its inputs name, which Blender 5.2 would go on counting as used."""
+    tree = modifier.node_group if hasattr(modifier, "properties") else None
+    for socket in tree.interface.items_tree if tree is not None else ():
+        if socket.item_type == "SOCKET" and socket.in_out == "INPUT" and socket.socket_type in NAMING:
+            set_input(modifier, socket.name, None)
+    obj.modifiers.remove(modifier)
 
 
 def set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:

@@ -1,54 +1,53 @@
-"""F1 and "Online Manual": the page of the documentation about what the pointer is on."""
+"""F1 and "Online Manual": the page of the guide about what the pointer is on. The guide comes with the add-on."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 
-# Where the repository's files can be read; the only place that knows.
-REPOSITORY = "https://github.com/nested-cages/nested-cages/blob/main/"
-GUIDE = "docs/guide/"
+from .properties import ADVANCED, ANIMATION, FRAMES
+
+ROOT = Path(__file__).resolve().parents[1]
+# The guide as the extension's zip brings it, and as it is in the repository; the first that is there is shown.
+GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))
+# Endings of operators, beginnings of settings, and the page about each.
+OPERATORS = {
+    "verify": "verify",
+    "bind": "bind",
+    "rebind": "bind",
+    "unbind": "bind",
+    "bake_action": "animation",
+    "remove_animation": "animation",
+    "to_objects": "export",
+    "export": "export",
+    "from_image": "pictures",
+}
+SETTINGS = {
+    "level": "levels",
+    "use_selected_as_levels": "own_meshes",
+    "clearance": "levels",
+    "decimation": "levels",
+    "energy": "levels",
+    **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
+    **dict.fromkeys(ADVANCED, "methods"),
+}
 # What Blender calls things, in small letters with wildcards, and the page about them. The first that fits counts.
 PAGES = (
-    *(
-        (f"bpy.ops.object.nested_cages_{name}*", f"{GUIDE}{page}")
-        for name, page in (
-            ("verify", "verify.md"),
-            ("bind", "bind.md"),
-            ("rebind", "bind.md"),
-            ("unbind", "bind.md"),
-            ("bake_action", "animation.md"),
-            ("remove_animation", "animation.md"),
-            ("to_objects", "export.md"),
-            ("export", "export.md"),
-            ("from_image", "pictures.md"),
-        )
-    ),
-    *(
-        (f"bpy.types.*nestedcages*.{name}*", f"{GUIDE}{page}")
-        for name, page in (
-            ("level", "levels.md"),
-            ("use_selected_as_levels", "own_meshes.md"),
-            ("clearance", "levels.md"),
-            ("decimation", "levels.md"),
-            ("energy", "levels.md"),
-            ("start_frame", "animation.md"),
-            ("frames_per_step", "animation.md"),
-            ("show_", "animation.md"),
-            ("ease", "animation.md"),
-            ("loop_back", "animation.md"),
-        )
-    ),
-    ("bpy.types.nestedcageslevel*", f"{GUIDE}levels.md"),
-    ("bpy.ops.scene.nested_cages_level*", f"{GUIDE}levels.md"),
-    ("bpy.ops.*.nested_cages*", f"{GUIDE}cages.md"),
-    ("bpy.types.*nested_cages*", f"{GUIDE}cages.md"),
-    ("bpy.types.*nestedcages*", f"{GUIDE}cages.md"),
+    *((f"bpy.ops.object.nested_cages_{name}*", page) for name, page in OPERATORS.items()),
+    *((f"bpy.types.*nested*cages*.{name}*", page) for name, page in SETTINGS.items()),
+    ("bpy.types.nestedcageslevel*", "levels"),
+    ("bpy.ops.scene.nested_cages_level*", "levels"),
+    ("bpy.ops.*.nested_cages*", "cages"),
+    ("bpy.types.*nested_cages*", "cages"),
+    ("bpy.types.*nestedcages*", "cages"),
 )
 
 
 def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
     """The prefix of all pages, and the pages."""
-    return REPOSITORY, PAGES
+    folder, ending = next(guide for guide in GUIDES if guide[0].is_dir())
+    return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
 
 
 def register() -> None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 
 import bpy
 
-from . import convert, following, nodes, ownership, weights
+from . import convert, following, looks, nodes, ownership, weights
 from .refusal import Refusal, say
 
 # Custom property with the collection that an object follows, and its modifier.
@@ -83,7 +83,7 @@ def _bind_shape(
             if following.is_bound(modifier):
                 modifier.name = ORIGINAL_MODIFIER
                 return kind
-            source.modifiers.remove(modifier)
+            looks.remove_modifier(source, modifier)
     return None
 
 
@@ -92,7 +92,7 @@ def release(collection: bpy.types.Collection) -> None:
     for obj in bpy.data.objects:
         modifier = obj.modifiers.get(ORIGINAL_MODIFIER)
         if modifier is not None and obj.get(ORIGINAL) == collection:
-            obj.modifiers.remove(modifier)
+            looks.remove_modifier(obj, modifier)
             if obj.type == "MESH":
                 weights.clear(obj)
             del obj[ORIGINAL]

@@ -174,7 +174,7 @@ class GenerationProperties:
         default=Methods.tighten,
     )
     fall_back: BoolProperty(  # type: ignore[valid-type]
-        name="Fall Back to Outer Hull",
+        name="Fall Back to Hull",
         description="Start from the outer hull where the drawing cannot get into a coarse mesh, instead of refusing",
         default=Methods.fall_back,
     )
@@ -225,9 +225,9 @@ def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterab
     """Draws settings, and dims those that what is chosen has no use for."""
     chosen = methods(values)
     for name in names:
-        row = layout.row()
-        row.active = chosen.has_use_for(name)
-        row.prop(values, name)
+        line = layout.column()
+        line.active = chosen.has_use_for(name)
+        line.prop(values, name)
 
 
 def own_names(values: GenerationProperties) -> list[str]:

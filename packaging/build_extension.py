@@ -16,6 +16,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from manual_pages import write_pages
+
 ROOT = Path(__file__).resolve().parents[1]
 
 SHIPPED = ("__init__.py", "addon", "nestedcages_core", "LICENSE", "README.md", "CHANGELOG.md")
@@ -101,7 +103,7 @@ def download(folder: Path, python: Python, abi: str, tags: tuple[str, ...]) -> P
 
 
 def stage(folder: Path, wheels: list[Path]) -> Path:
-    """A copy of what is shipped, whose manifest names the wheels and platforms."""
+    """A copy of what is shipped, with the guide as pages, whose manifest names the wheels and platforms."""
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "wheels").mkdir(parents=True)
     for name in SHIPPED:
@@ -109,6 +111,7 @@ def stage(folder: Path, wheels: list[Path]) -> Path:
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy(ROOT / name, folder / name)
+    write_pages(folder / "manual")
     for wheel in wheels:
         shutil.copy(wheel, folder / "wheels" / wheel.name)
     manifest = (ROOT / "blender_manifest.toml").read_text(encoding="utf-8")

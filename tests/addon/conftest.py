@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import importlib.util
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +17,24 @@ bpy = pytest.importorskip("bpy")
 ROOT = Path(__file__).resolve().parents[2]
 # Any name will do: an extension is imported as bl_ext.<repository>.<id>, so nothing may depend on it.
 PACKAGE = "nested_cages_extension"
+
+
+# Before 5.0, Blender as a module may hang in its own clean-up when the interpreter ends after a long run.
+ENDS_BY_ITSELF = (5, 0, 0)
+STATUS = pytest.StashKey[int]()
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    session.config.stash[STATUS] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Ends the process with pytest's own exit status when everything has been unregistered and reported."""
+    if bpy.app.version < ENDS_BY_ITSELF and STATUS in config.stash:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(config.stash[STATUS])
 
 
 @pytest.fixture(scope="session")
@@ -51,7 +70,8 @@ def addon(extension: ModuleType) -> ModuleType:
     """The package `addon`, with all rooms that the tests use as attributes."""
     from importlib import import_module
 
-    for room in ("animation", "convert", "generate", "job", "looks", "methods", "output", "plane", "properties", "refusal"):
+    rooms = "animation convert generate job looks methods output plane properties refusal"
+    for room in rooms.split():
         import_module(f"{PACKAGE}.addon.{room}")
     return import_module(f"{PACKAGE}.addon")
 

@@ -142,7 +142,8 @@ def snapshot() -> dict[str, Any]:
     data = {
         name: sorted((item.name_full, item.users) for item in collection)
         for name in dir(bpy.data)
-        if isinstance(collection := getattr(bpy.data, name), bpy.types.bpy_prop_collection)
+        # Since Blender 5.2 there is one collection of everything that is in the others.
+        if name != "all_ids" and isinstance(collection := getattr(bpy.data, name), bpy.types.bpy_prop_collection)
     }
     scene, active = bpy.context.scene, bpy.context.view_layer.objects.active
     return data | {

@@ -413,7 +413,7 @@ REFUSALS = {
     "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "'Two': "),
     "too many vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "100"}, "more than the 60 of"),
     "rising levels": (lambda: poly_curve("Drawing", [star()]), {"levels": "10, 20"}, "more than the 10"),
-    "too few vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "2"}, "a level of 2 is too small: an outline needs three"),
+    "too few vertices": (lambda: poly_curve("Drawing", [star()]), {"levels": "2"}, "a level of 2 is too small: an out"),
     "no number": (lambda: poly_curve("Drawing", [star()]), {"levels": "many"}, "Levels are vertex counts"),
     "no levels selected": (
         lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Levels' needs"

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
 
 import bpy
 import pytest
 from bl_operators.wm import WM_OT_doc_view_manual as DocView
 
 from conftest import PACKAGE, ROOT
+
+sys.path.insert(0, str(ROOT / "packaging"))
+
+import manual_pages
 
 
 @pytest.fixture
@@ -37,6 +44,8 @@ def preferences(extension) -> Iterator[bpy.types.AddonPreferences]:
         ("bpy.ops.scene.nested_cages_level_add", "levels"),
         ("bpy.types.NestedCagesSettings.clearance", "levels"),
         ("bpy.types.NestedCagesSettings.ease", "animation"),
+        ("bpy.types.NestedCagesSettings.step_filter", "methods"),
+        ("bpy.types.OBJECT_OT_nested_cages_generate.contact", "methods"),
         ("bpy.types.NestedCagesSettings.thickness", "cages"),
         ("bpy.types.NestedCagesLevel.count", "levels"),
         ("bpy.types.NestedCagesPreferences.category", "cages"),
@@ -45,12 +54,63 @@ def preferences(extension) -> Iterator[bpy.types.AddonPreferences]:
 )
 def test_f1_leads_to_a_page_of_the_guide(manual, name, page) -> None:
     url = DocView._lookup_rna_url(name, verbose=False)
-    assert url == f"{manual.REPOSITORY}docs/guide/{page}.md"
+    assert url == (ROOT / "docs" / "guide" / f"{page}.md").as_uri()
 
 
-def test_all_pages_are_in_the_repository(manual) -> None:
-    for _, page in manual.PAGES:
-        assert (ROOT / page).is_file(), page
+def test_f1_leads_to_the_pages_that_the_zip_brings(manual, monkeypatch, tmp_path) -> None:
+    guides = [(tmp_path / "manual" / "docs" / "guide", ".html"), *manual.GUIDES[1:]]
+    assert manual.GUIDES[0][0].relative_to(ROOT) == Path("manual", "docs", "guide")
+    monkeypatch.setattr(manual, "GUIDES", guides)
+    assert manual_pages.write_pages(tmp_path / "manual") >= len({page for _, page in manual.PAGES})
+    prefix, pages = manual.manual_map()
+    assert prefix == f"{guides[0][0].as_uri()}/"
+    for _, page in pages:
+        assert (guides[0][0] / page).is_file(), page
+
+
+class Links(HTMLParser):
+    """What a page links to and shows, its anchors, and what it says."""
+
+    def __init__(self, path) -> None:
+        super().__init__()
+        self.found, self.anchors, self.text, self.open = [], set(), [], []
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes) -> None:
+        given = dict(attributes)
+        self.found += [given[name] for name in ("href", "src") if name in given]
+        self.anchors |= {given["id"]} if "id" in given else set()
+        if tag not in {"img", "meta"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data) -> None:
+        if not {"pre", "code", "style"} & set(self.open):
+            self.text.append(data)
+
+
+def test_the_pages_are_whole(tmp_path) -> None:
+    manual_pages.write_pages(tmp_path)
+    pages = {path: Links(path) for path in tmp_path.rglob("*.html")}
+    assert len(pages) >= 14
+    for path, page in pages.items():
+        assert not page.open
+        said = "".join(page.text)
+        for mark in ("](", "**", "|--", "```", "\n#", "&lt;"):
+            assert mark not in said, (path.name, mark)
+        assert not re.search(r"(?<![\w*])\*\w", said), path.name
+        for address in page.found:
+            if "://" not in address:
+                name, _, place = address.partition("#")
+                target = (path.parent / name).resolve() if name else path
+                assert target.is_file(), (path.name, address)
+                assert not place or place in pages[target].anchors, (path.name, address)
+    words = set(re.findall(r"[a-z]{4,}", "".join(pages[tmp_path / "docs" / "guide" / "cages.html"].text).lower()))
+    source = (ROOT / "docs" / "guide" / "cages.md").read_text(encoding="utf-8")
+    source = re.sub(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`", "", source)
+    assert words >= set(re.findall(r"[a-z]{4,}", source.lower()))
 
 
 def test_other_pages_are_left_to_blender(extension) -> None:
