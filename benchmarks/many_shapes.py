@@ -54,8 +54,10 @@ def kill_one(pool: ProcessPoolExecutor) -> None:
     next(iter(pool._processes.values())).kill()
 
 
-def timed(name: str, shapes: list[Mesh], executor: Executor | None, during: Callable[[], None] | None = None) -> float:
-    """Make all cages, say how long it took and what was lost; seconds."""
+def timed(
+    name: str, shapes: list[Mesh], executor: Executor, workers: int, during: Callable[[], None] | None = None
+) -> float:
+    """Make all cages, say how long it took, which share of it the workers worked, and what was lost; seconds."""
     killed = threading.Event()
 
     def watch(progress: object) -> None:
@@ -68,7 +70,9 @@ def timed(name: str, shapes: list[Mesh], executor: Executor | None, during: Call
     seconds, own = time.perf_counter() - began, time.process_time() - own
     lost = sum(outcome.error is not None for outcome in outcomes)
     print(f"{name:32s} {seconds:8.1f} s, {1000 * seconds / len(shapes):6.1f} ms per shape,", end=" ")
-    print(f"{1000 * own / len(shapes):5.2f} ms of it to hand them out, {lost} lost", flush=True)
+    busy = sum(outcome.seconds for outcome in outcomes) / (workers * seconds)
+    print(f"{1000 * own / len(shapes):5.2f} ms to hand one out, workers busy {100 * busy:.0f} %,", end=" ")
+    print(f"{lost} lost", flush=True)
     for outcome in [each for each in outcomes if each.error is not None][:3]:
         print(f"    shape {outcome.key}: {outcome.error}")
     return seconds
@@ -85,18 +89,18 @@ def main() -> None:
     sizes = [len(mesh.vertices) for mesh in shapes]
     print(f"{given.count} shapes of {min(sizes)} to {max(sizes)} vertices, {VERTICES} vertices per loop of their cages")
     with ProcessPoolExecutor(1) as pool:
-        one = timed("one process", shapes, pool)
+        one = timed("one process", shapes, pool, 1)
     with ProcessPoolExecutor(given.jobs) as pool:
-        many = timed(f"{given.jobs} processes", shapes, pool)
+        many = timed(f"{given.jobs} processes", shapes, pool, given.jobs)
     print(f"{one / many:.2f} times as fast as one")
     with ProcessPoolExecutor(given.jobs) as pool:
-        timed(f"{given.jobs} processes, one killed", shapes, pool, lambda: kill_one(pool))
+        timed(f"{given.jobs} processes, one killed", shapes, pool, given.jobs, lambda: kill_one(pool))
     if given.dask:
         from dask.distributed import Client, LocalCluster
 
         workers = LocalCluster(n_workers=given.jobs, threads_per_worker=1, dashboard_address=None)
         with workers as cluster, Client(cluster) as client:
-            timed("Dask, local cluster", shapes, client.get_executor())
+            timed("Dask, local cluster", shapes, client.get_executor(), given.jobs)
 
 
 if __name__ == "__main__":

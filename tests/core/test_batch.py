@@ -200,7 +200,7 @@ def test_an_executor_that_cannot_be_replaced_says_so() -> None:
 def test_dask_makes_cages_too() -> None:
     distributed = pytest.importorskip("distributed")
     shapes = glyphs(4)
-    workers = distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None)
+    workers = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
     with workers as cluster, distributed.Client(cluster) as client:
         outcomes = nested_cages_many(shapes, [12], executor=client.get_executor())
     assert [len(outcome.unwrap().cages[0].vertices) for outcome in outcomes] == [12] * 4
