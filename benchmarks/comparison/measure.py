@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from nestedcages_core import Mesh, NestedCagesError, Settings, verify, verify_motion
+from nestedcages_core import Mesh, NestedCagesError, Settings, nested_cages, verify, verify_motion
 from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.energies import CageEnergy
@@ -18,6 +18,9 @@ from nestedcages_core.energies.containment import Containment
 from nestedcages_core.hierarchy.units import Frame
 from nestedcages_core.reinflation import Reinflation, reinflate
 from nestedcages_core.solver import Solver
+
+DEFAULT = "nested_cages"
+"""The name of the method that is the program as it is, fallbacks and all."""
 
 PHASES = ("flow", "reinflation", "tightening")
 CLEARANCE = 1e-5  # bounding-box diagonals of the fine mesh, the default of nested_cages
@@ -208,7 +211,31 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
     return result
 
 
-def _judge(result: Measurement, way: Reinflation, home: Mesh) -> None:
+def measure_default(fine: Mesh, coarse: Mesh) -> Measurement:
+    """What ``nested_cages`` does with a coarse mesh and no settings: contacts in turn, at last the outer hull."""
+    result = Measurement(fine)
+    frame = Frame.of(fine)
+    began = time.process_time()
+    try:
+        (level,) = nested_cages(fine, [coarse]).levels
+    except NestedCagesError as error:
+        result.failed, result.problem = DEFAULT, str(error)
+        return result
+    finally:
+        result.seconds[DEFAULT] = time.process_time() - began
+    result.coarse = level.coarse.moved(frame.inside(level.coarse.vertices))
+    result.flow_steps = len(level.flow.steps) - 1
+    way = replace(
+        level.reinflation,
+        fine_steps=frame.inside(level.reinflation.fine_steps),
+        cage_steps=frame.inside(level.reinflation.cage_steps),
+    )
+    wanted = min(CLEARANCE, level.report.wanted_clearance / frame.scale)  # it is lowered where gaps leave no room
+    _judge(result, way, fine.moved(frame.inside(fine.vertices)), wanted)
+    return result
+
+
+def _judge(result: Measurement, way: Reinflation, home: Mesh, clearance: float = CLEARANCE) -> None:
     """What the certificates say of the last step and of the way to it."""
     assert result.coarse is not None
     result.iterations = way.iterations or len(way.fine_steps) - 1
@@ -217,7 +244,7 @@ def _judge(result: Measurement, way: Reinflation, home: Mesh) -> None:
         return
     result.cage = result.coarse.moved(way.cage_steps[-1])
     same = len(result.coarse.loops) == len(home.loops)
-    certificate = verify(result.cage, home, CLEARANCE, same_loops=same)
+    certificate = verify(result.cage, home, clearance, same_loops=same)
     result.certified, result.smallest = certificate.holds, certificate.clearance
     result.excess = 100.0 * certificate.excess
     start = np.concatenate([way.cage_steps[0], way.fine_steps[0]])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from comparison import methods, plots
 from comparison.cases import Inputs
-from comparison.measure import Measurement, Results, compare
+from comparison.measure import DEFAULT, Measurement, Results, compare, measure_default
 from comparison.tables import count, excess_and_time, folded, matrix
 
 
@@ -15,7 +15,10 @@ def run(inputs: Inputs) -> Results:
     """The paper as written, repaired, and ours with every contact."""
     chosen = {"paper as written": methods.PAPER, "paper repaired": methods.HOME}
     chosen |= {name: methods.with_contact(name) for name in methods.CONTACTS}
-    return compare("figures", inputs.figures, chosen)
+    found = compare("figures", inputs.figures, chosen)
+    for shape, pair in inputs.figures.items():
+        found[shape][DEFAULT] = measure_default(*pair)
+    return found
 
 
 def section(found: Results, inputs: Inputs, pictures: Path) -> str:
