@@ -54,7 +54,7 @@ def main() -> int:
     runs = tables.write_runs(found, pictures / "runs.csv")
     seconds = time.perf_counter() - began
     page = options.out / "comparison.md"
-    page.write_text(report.document(findings, sections, runs, seconds, options.jobs), encoding="utf-8")
+    page.write_text(report.document(found, findings, sections, runs, seconds, options.jobs), encoding="utf-8")
     print(f"{page} written after {seconds:.0f} s")
     return 0
 

@@ -156,7 +156,8 @@ def _method(runs: int, seconds: float, jobs: int) -> list[str]:
             "reached; it may be negative.",
             "* **Iterations** are those of the reinflation, or of the systems solved within quadratic programs.",
             "* **Fairness.** One coarse mesh and one attempt for every method, the same for all: the fallback and the "
-            "several starts of `nested_cages` are off, but for the method of that name. All methods share one code base, its predicates and its "
+            "several starts of `nested_cages` are off, but for the method of that name. All methods share one code "
+            "base, its predicates and its "
             "collision detection, so times compare algorithms, not programmers. A run is ended after "
             f"{LIMIT:.0f} s where nothing else is said. No parameter was changed for any shape; random shapes come "
             "from fixed seeds. What is compared stands in `benchmarks/comparison/methods.py`, on what in "

@@ -74,6 +74,7 @@ def finding(found: Results, inputs: Inputs) -> str:
         text += (
             f" Ours with IPC takes {statistics.geometric_mean(faster):.0f} times less time than the C++ program in the "
             f"geometric mean and {min(faster):.0f} times at the least, without the certificate, which "
-            f"`benchmarks/table1.py` counts; it ends {min(above):+.2f} to {max(above):+.2f} points from the optimum on record for this split of the vertices (negative: tighter)."
+            f"`benchmarks/table1.py` counts; it ends {min(above):+.2f} to {max(above):+.2f} points from the "
+            "optimum on record for this split of the vertices (negative: tighter)."
         )
     return text
