@@ -78,17 +78,26 @@ def unbind(collection: bpy.types.Collection) -> None:
         del collection[BOUND]
 
 
-def forget(collection: bpy.types.Collection) -> None:
-    """Removes what is left of a binding on output that has been written anew."""
+def forget(collection: bpy.types.Collection) -> str:
+    """Removes what is left of a binding on output that has been written anew; returns the method it was bound by, or
+    nothing.
+    """
     if not is_bound(collection):
-        return
+        return ""
     levels = ownership.members(collection)
     _disconnect(collection, levels, lines_back=False)
     for obj in levels:
+        mesh, action = obj.get(PARKED_MESH), obj.get(PARKED_ACTION)
         for name in (PARKED_MESH, PARKED_ACTION, PARKED_STATE):
             if name in obj:
                 del obj[name]
+        if mesh is not None:
+            replacing.remove_mesh(mesh)
+        if action is not None and action.users == 0:
+            bpy.data.actions.remove(action)
+    method = collection[BOUND]
     del collection[BOUND]
+    return str(method)
 
 
 def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -183,7 +192,7 @@ def _connect(
     core: ModuleType,
 ) -> Binding:
     """Links the levels from the inside out, so that each link is measured before its cage follows another."""
-    collection[BOUND] = True
+    collection[BOUND] = method
     context.view_layer.update()
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage, core)

@@ -59,13 +59,16 @@ class Replaced:
 
     def finish(self) -> None:
         """The new output is complete: removes what it has replaced."""
+        kept = [value for obj in self._surplus for value in _properties(obj).values()]
         for obj in self._surplus:
             animation.remove_animation(obj)
             bpy.data.objects.remove(obj)
-        for action in {member.hiding.action for member in self._members if member.hiding is not None} - {None}:
-            if action.users == 0:
+        actions = {member.hiding.action for member in self._members if member.hiding is not None}
+        for action in actions | {value for value in kept if isinstance(value, bpy.types.Action)}:
+            if action is not None and action.users == 0:
                 bpy.data.actions.remove(action)
-        for mesh in {member.mesh for member in self._members}:
+        meshes = {member.mesh for member in self._members}
+        for mesh in meshes | {value for value in kept if isinstance(value, bpy.types.Mesh)}:
             remove_mesh(mesh)
 
     def restore(self) -> None:

@@ -129,10 +129,11 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")
         collections = output.write(scene, results, properties.timing(self), self.thickness)
-        for collection in collections:
-            binding.forget(collection)
+        bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
             scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
+        for collection, method in bound.items():
+            self._bind_again(collection, method)
         cages = [level for result in results for level in result.levels]
         excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
         sentences = "{count} certified cage; excess {excess}", "{count} certified cages; excess {excess}"
@@ -140,6 +141,14 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             self.report({"WARNING"}, note)
         self.report({"INFO"}, say_count(len(cages), *sentences, excess=excess))
         return {"FINISHED"}
+
+    def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:
+        """Binds what was bound before, by the same method; where it cannot be, the cages stay and the user is told."""
+        if method:
+            try:
+                binding.bind(bpy.context, collection, method)
+            except Refusal as refusal:
+                self.report({"WARNING"}, say("Not bound again: {problem}", problem=refusal))
 
     def _refuse(self, refusal: Refusal) -> set[str]:
         self.report({"ERROR"}, str(refusal))

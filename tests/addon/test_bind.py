@@ -325,15 +325,45 @@ def test_a_cage_moved_out_of_the_plane_is_refused() -> None:
         bpy.ops.object.nested_cages_rebind()
 
 
-def test_generating_again_forgets_the_binding() -> None:
-    source, collection, _, cages = bound()
+def test_generating_again_binds_again() -> None:
+    source, collection, _, cages = bound(method="MESH_DEFORM")
     put(cages[-1], turned(base(cages[-1])))
     for obj in bpy.data.objects:
         obj.select_set(obj == source)
     bpy.context.view_layer.objects.active = source
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
-    assert not any(m.name.startswith("Nested Cages") for obj in bpy.data.objects for m in obj.modifiers)
-    assert not any("nested_cages_mesh" in obj for obj in collection.objects)
+    fine, cage = members(source)[2], members(source)[3][0]
+    assert collection["nested_cages_bound"] == "MESH_DEFORM"
+    assert "Mesh Deform" in fine["nested_cages_link"]
+    at_rest = evaluated(fine)
+    cage.data.vertices[3].co.x += 0.3
+    assert np.abs(evaluated(fine) - at_rest).max() > 0.01
+    everything = snapshot()
+    bpy.context.view_layer.objects.active = source
+    source.select_set(True)
+    bpy.ops.object.nested_cages_generate(levels="16")
+    bpy.ops.object.nested_cages_generate(levels="16")
+    again = snapshot()
+    for kind in ("objects", "meshes", "actions", "node_groups"):
+        assert [users for _, users in again[kind]] == [users for _, users in everything[kind]], kind
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert len(bpy.data.meshes) == 2
+
+
+def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> None:
+    source, collection, _, _ = bound(levels="12")
+    for obj in bpy.data.objects:
+        obj.select_set(obj == source)
+    bpy.context.view_layer.objects.active = source
+    binding = sys.modules[f"{extension.__name__}.addon.binding"]
+
+    def refused(*_) -> None:
+        raise addon.refusal.Refusal("It does not hold")
+
+    monkeypatch.setattr(binding, "bind", refused)
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+    assert "nested_cages_bound" not in collection
+    monkeypatch.undo()
     assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
 
 
