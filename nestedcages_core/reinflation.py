@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -31,9 +31,9 @@ Progress = Callable[[float, str], None]
 class Reinflation:
     """Every step of fine mesh and cage; between consecutive steps, linear motion of both is free of collisions."""
 
-    fine_steps: FloatArray
+    fine_steps: FloatArray = field(repr=False)
     """(K + 1, n, 2): step 0 lies inside the coarse mesh, step K is the fine mesh itself, bit by bit."""
-    cage_steps: FloatArray
+    cage_steps: FloatArray = field(repr=False)
     """(K + 1, m, 2): step 0 is the coarse mesh, step K the cage."""
     tightening_start: int
     """Index of the step at which the fine mesh is home; what follows only tightens the cage."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
 from .._types import FloatArray
@@ -34,7 +34,7 @@ class Obstacle:
 class FlowResult:
     """The way of the fine mesh into the coarse one."""
 
-    steps: FloatArray
+    steps: FloatArray = field(repr=False)
     """(J + 1, n, 2) positions; step 0 is the fine mesh, step J is certified inside unless there is an obstacle."""
     iterations: int
     """Iterations over all stages, those whose step was rejected included."""

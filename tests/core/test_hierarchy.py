@@ -214,3 +214,9 @@ def test_the_log_at_debug_level_tells_the_story_of_a_run(caplog: pytest.LogCaptu
     caplog.clear()
     nested_cages(star(), [12])
     assert caplog.text == ""
+
+
+def test_a_result_shows_itself_without_its_arrays() -> None:
+    shown = repr(nested_cages(star(), [12]))
+    assert "array" not in shown
+    assert "Mesh(12 vertices" in shown
