@@ -21,13 +21,30 @@ def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     self.layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
+def _import_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.operator("object.nested_cages_import", text="Outlines for Cages (.svg/.geojson/.json)")
+
+
+def _export_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.operator("object.nested_cages_export", text="Nested Cages (.svg/.geojson/.json)")
+
+
+_MENUS = (
+    ("VIEW3D_MT_object", _object_menu),
+    ("TOPBAR_MT_file_import", _import_menu),
+    ("TOPBAR_MT_file_export", _export_menu),
+)
+
+
 def register() -> None:
     for room in _ROOMS:
         room.register()
-    bpy.types.VIEW3D_MT_object.append(_object_menu)
+    for menu, entries in _MENUS:
+        getattr(bpy.types, menu).append(entries)
 
 
 def unregister() -> None:
-    bpy.types.VIEW3D_MT_object.remove(_object_menu)
+    for menu, entries in _MENUS:
+        getattr(bpy.types, menu).remove(entries)
     for room in reversed(_ROOMS):
         room.unregister()

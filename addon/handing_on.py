@@ -8,10 +8,12 @@ from types import ModuleType
 from typing import Any
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from . import animation, convert, filling, looks, output, ownership
-from .plane import size
+from .bringing_in import Y_DOWN
+from .plane import PLANARITY, size
 from .refusal import Refusal
 
 
@@ -98,15 +100,40 @@ def _own_action(obj: bpy.types.Object) -> None:
         obj.animation_data.action_slot = obj.animation_data.action.slots[slot.identifier]
 
 
-def meshes(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> dict[str, Any]:
-    """The core's ``Mesh`` of each object by its name, in the plane and coordinates of the first. Raises: Refusal."""
+def meshes(
+    context: bpy.types.Context,
+    objects: Sequence[bpy.types.Object],
+    core: ModuleType,
+    *,
+    world: bool = False,
+    scale: float = 1.0,
+) -> dict[str, Any]:
+    """The core's ``Mesh`` of each object by its name, times `scale`. Raises: Refusal.
+
+    In the plane and coordinates of the first; or, with `world`, in those of the world as seen from the top, the front
+    or the right, whichever the drawing faces.
+    """
     outlines = [convert.read(context, obj) for obj in objects]
     first = convert.fine_drawing(outlines[0])
+    seen = _seen(first) if world else None
     found = {}
     for obj, outline in zip(objects, outlines, strict=True):
         drawing = first if outline is outlines[0] else convert.drawing_in(first.frame, outline)
-        found[obj.name] = drawing.mesh(core)
+        mesh = drawing.mesh(core)
+        if seen is not None or scale != 1.0:
+            points = mesh.vertices if seen is None else first.frame.to_world(mesh.vertices)[:, seen]
+            mesh = core.Mesh.from_loops([scale * points[loop] for loop in mesh.loops])
+        found[obj.name] = mesh
     return found
+
+
+def _seen(drawing: convert.Drawing) -> list[int]:
+    """The two axes of the world in which a drawing is seen. Raises: Refusal if it is tilted against all of them."""
+    normal = np.abs(np.cross(drawing.frame.matrix[:3, 0], drawing.frame.matrix[:3, 1]))
+    away = int(normal.argmax())
+    if np.delete(normal, away).max() > PLANARITY * normal[away]:
+        raise Refusal("'{name}' is tilted: turn it to the top, front or right, or untick 'World'", name=drawing.name)
+    return [axis for axis in range(3) if axis != away]
 
 
 def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, flip_y: bool, triangles: bool) -> None:
@@ -124,7 +151,9 @@ def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, fl
             if kind == "SVG":
                 text = exchange.to_svg(turned)
             else:
-                text = exchange.to_geojson([exchange.Feature(m, {"name": name}) for name, m in turned.items()])
+                down = {Y_DOWN: True} if flip_y else {}
+                features = [exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
+                text = exchange.to_geojson(features)
         path.write_text(text, encoding="utf-8")
     except (core.NestedCagesError, OSError) as error:
         raise Refusal("'{path}' cannot be written: {problem}", path=path.name, problem=error) from error

@@ -21,6 +21,7 @@ OPERATORS = {
     "remove_animation": "animation",
     "to_objects": "export",
     "export": "export",
+    "import": "export",
     "from_image": "pictures",
 }
 SETTINGS = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import actions, bind, hand_on, levels, picture
+from . import actions, bind, bring_in, hand_on, levels, picture
 from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -14,6 +14,7 @@ CLASSES = (
     OBJECT_OT_nested_cages_verify,
     *actions.CLASSES,
     *bind.CLASSES,
+    *bring_in.CLASSES,
     *hand_on.CLASSES,
     *levels.CLASSES,
     *picture.CLASSES,

@@ -94,6 +94,18 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
     flip_y: BoolProperty(  # type: ignore[valid-type]
         name="Y Down", description="Let y point down, as in pictures, SVG and most 2D engines", default=True
     )
+    world: BoolProperty(  # type: ignore[valid-type]
+        name="World",
+        description="Write places in the world as seen from the top, front or right, not those in the first object",
+        default=False,
+    )
+    scale: FloatProperty(  # type: ignore[valid-type]
+        name="Scale",
+        description="What is written for one unit, such as the pixels of a metre",
+        default=1.0,
+        min=1e-9,
+        soft_max=1000.0,
+    )
     triangles: BoolProperty(  # type: ignore[valid-type]
         name="Triangles",
         description="Add triangles to a collision outline, for engines whose pieces must be convex",
@@ -124,7 +136,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
                 raise Refusal("Name the file to write")
             core = load_core()
             path = Path(bpy.path.abspath(self.filepath))
-            shapes = handing_on.meshes(context, chosen(context), core)
+            shapes = handing_on.meshes(context, chosen(context), core, world=self.world, scale=self.scale)
             handing_on.write(path, self.kind, shapes, core, flip_y=self.flip_y, triangles=self.triangles)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))

@@ -159,3 +159,93 @@ def test_images_without_anything_to_outline_are_refused() -> None:
     with pytest.raises(RuntimeError, match="Choose an image"):
         bpy.ops.object.nested_cages_from_image()
     assert not bpy.data.objects
+
+
+# There and back
+
+
+def outline_of(obj):
+    return shapely.normalize(shapely.geometry.shape(solid(obj)))
+
+
+@pytest.mark.parametrize("kind", ["SVG", "GEOJSON", "ENGINE"])
+@pytest.mark.parametrize("flip_y", [True, False])
+def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_y) -> None:
+    source, _, _ = cages
+    source.matrix_world.identity()
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}
+    both = [bpy.data.objects[f"Drawing Cage {number}"] for number in (1, 2)]
+    choose(both[-1])
+    path = tmp_path / {"SVG": "a.svg", "GEOJSON": "a.geojson", "ENGINE": "a.json"}[kind]
+    options = {"kind": kind, "flip_y": flip_y, "world": True, "scale": 64.0}
+    assert bpy.ops.object.nested_cages_export(filepath=str(path), **options) == {"FINISHED"}
+    y = "AUTO" if kind == "GEOJSON" else "DOWN" if flip_y else "UP"
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), scale=1 / 64, y=y) == {"FINISHED"}
+    (back,) = bpy.context.selected_objects
+    bpy.context.view_layer.update()
+    points, there = in_world(back, evaluated(back)), in_world(both[-1], evaluated(both[-1]))
+    gaps = np.linalg.norm(points[:, None] - there[None], axis=2)
+    assert gaps.shape[0] == gaps.shape[1]
+    assert gaps.min(axis=1).max() < 5e-7  # float32
+    mesh = core.Mesh.from_loops([np.array(ring.coords)[:-1] for ring in rings(back)])
+    assert core.verify(mesh, core.Mesh.from_loops([np.array(ring.coords)[:-1] for ring in rings(both[0])]))
+
+
+def rings(obj):
+    """The outlines of a mesh of edges in the world, seen from the top."""
+    flat = shapely.transform(solid(obj), lambda xy: in_world(obj, np.column_stack([xy, np.zeros(len(xy))]))[:, :2])
+    return [flat.exterior, *flat.interiors]
+
+
+def test_an_outline_that_stands_up_is_written_as_seen_from_the_front(core, tmp_path) -> None:
+    source = poly_curve("Drawing", [star()])
+    source.rotation_euler = (np.pi / 2, 0.0, 0.0)
+    source.location = (3.0, 0.0, 1.0)
+    path = str(tmp_path / "a.json")
+    options = {"kind": "ENGINE", "flip_y": False, "world": True, "scale": 100.0}
+    assert bpy.ops.object.nested_cages_export(filepath=path, **options) == {"FINISHED"}
+    found = core.exchange.from_engine_json((tmp_path / "a.json").read_text())
+    expected = in_world(source, evaluated(source))[:, [0, 2]] * 100.0
+    assert found.vertices.min(axis=0) == pytest.approx(expected.min(axis=0), abs=1e-3)
+    assert found.vertices.max(axis=0) == pytest.approx(expected.max(axis=0), abs=1e-3)
+    source.rotation_euler = (0.4, 0.0, 0.0)
+    with pytest.raises(RuntimeError, match="is tilted"):
+        bpy.ops.object.nested_cages_export(filepath=path, **options)
+
+
+def test_drawings_are_read_from_files_and_caged(core, tmp_path) -> None:
+    overlapping = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="50"/><rect width="80" height="80"/></svg>'
+    (tmp_path / "logo.svg").write_text(overlapping)
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "logo.svg")) == {"FINISHED"}
+    logo = bpy.context.active_object
+    assert logo.name == "logo"
+    assert logo.location.y < 0.0  # the square goes down to the right
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+    def region(name, x):
+        square = shapely.geometry.mapping(shapely.box(x, 6e6, x + 9, 6e6 + 9))
+        return {"type": "Feature", "properties": {"name": name}, "geometry": square}
+
+    squares = [region("West", 5e5), region("East", 6e5)]
+    (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": squares}))
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "map.geojson"), scale=1.0) == {"FINISHED"}
+    assert {obj.name for obj in bpy.context.selected_objects} == {"West", "East"}
+    assert {tuple(obj.dimensions[:2]) for obj in bpy.context.selected_objects} == {(9.0, 9.0)}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"),
+    [
+        ("a.txt", "", "no kind of file"),
+        ("a.svg", "hello", "not an SVG"),
+        ("a.geojson", "{", "not GeoJSON"),
+        ("b.geojson", '{"type": "FeatureCollection", "features": []}', "no polygons"),
+        ("none.svg", None, "cannot be read"),
+    ],
+)
+def test_files_that_cannot_be_read_are_refused(tmp_path, name, text, sentence) -> None:
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    with pytest.raises(RuntimeError, match=sentence):
+        bpy.ops.object.nested_cages_import(filepath=str(tmp_path / name))
+    assert not bpy.data.objects

@@ -38,6 +38,7 @@ def test_everything_has_a_description(extension) -> None:
         bpy.ops.object.nested_cages_unbind,
         bpy.ops.object.nested_cages_to_objects,
         bpy.ops.object.nested_cages_export,
+        bpy.ops.object.nested_cages_import,
         bpy.ops.object.nested_cages_from_image,
     ]
     for rna in [bpy.types.Scene.bl_rna.properties["nested_cages"].fixed_type, *(op.get_rna_type() for op in operators)]:
