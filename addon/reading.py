@@ -37,9 +37,18 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
 
 
 @contextmanager
-def _itself(_context: bpy.types.Context, obj: bpy.types.Object, _resolution: int) -> Iterator[bpy.types.Object]:
-    """A mesh object shows its lines as it is."""
-    yield obj
+def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int) -> Iterator[bpy.types.Object]:
+    """A mesh object shows its lines as it is; one that is not evaluated, because it is disabled, by a copy that is."""
+    if obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
+        yield obj
+        return
+    copy = obj.copy()
+    try:
+        copy.hide_viewport = False
+        context.scene.collection.objects.link(copy)
+        yield copy
+    finally:
+        bpy.data.objects.remove(copy)
 
 
 @contextmanager
