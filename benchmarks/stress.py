@@ -10,10 +10,13 @@ the end. A sample is checked by shapely as well. Exit status 1 when anything fai
 from __future__ import annotations
 
 import argparse
+import multiprocessing
+import os
 import re
 import sys
 import time
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -44,6 +47,8 @@ LARGEST = 1500
 START_RESTARTS = 8
 """Restarts of the outer hull: fewer than by default, since the number of cases matters here, not the last per cent."""
 
+SLOWEST = 5
+"""Number of slow cases that are named."""
 
 SMALLEST_POSSIBLE = re.compile(r"ask for at least (\d+)")
 """How a refusal names the smallest vertex count that was found to be possible."""
@@ -60,6 +65,7 @@ class Case:
     kind: str
     vertices: int = 0
     levels: tuple[int, ...] = ()
+    decimation: str = ""
     start: str = ""
     excess: float = float("nan")
     seconds: float = 0.0
@@ -80,17 +86,18 @@ def run_case(seed: int) -> Case | None:
     decimation = (hull, OnCurve(hull), ArcLength())[random.integers(3)]
     case = Case(seed, kind, most, levels, type(decimation).__name__)
     settings = Settings(decimation=decimation, fallback=hull, starts=1)
-    begin = time.perf_counter()
+    begin = time.process_time()
     try:
         hierarchy, case = cages_or_smallest(fine, case, settings)
     except Exception as error:  # a crash is a failure too, and its seed must be printed
         return replace(case, failure=f"{type(error).__name__}: {error}")
+    seconds = time.process_time() - begin
     first = hierarchy.levels[0].report
     return replace(
         case,
         start=first.start,
         excess=first.excess,
-        seconds=time.perf_counter() - begin,
+        seconds=seconds,
         failure=next((fault for level in hierarchy.levels if (fault := fault_of(level, seed))), ""),
     )
 
@@ -145,9 +152,11 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     options = parser.parse_args()
 
+    # the matrices here are small: in every process, threads of the linear algebra would only wait for each other
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     cases: list[Case] = []
     seed = options.seed
-    with ProcessPoolExecutor(options.jobs) as pool:
+    with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
         while len(cases) < options.count:
             wanted = options.count - len(cases)
             for case in pool.map(run_case, range(seed, seed + wanted), chunksize=8):
@@ -156,27 +165,44 @@ def main() -> int:
                     continue
                 cases.append(case)
                 if case.failure:
-                    print(f"seed {case.seed} {case.kind} n={case.vertices} {case.levels} {case.start}: {case.failure}")
-                    sys.stdout.flush()
+                    print(f"failed: {described(case)}: {case.failure}", flush=True)
     report(cases, options.seed, seed)
     return 1 if any(case.failure for case in cases) else 0
 
 
+def described(case: Case) -> str:
+    """What a case is, for those who repeat it."""
+    levels = ", ".join(map(str, case.levels))
+    return f"seed {case.seed}, {case.kind}, {case.vertices} vertices, levels [{levels}], from {case.decimation}"
+
+
 def report(cases: list[Case], first: int, last: int) -> None:
-    """The table, by kind."""
-    by_kind: dict[str, list[Case]] = defaultdict(list)
-    for case in cases:
-        by_kind[case.kind].append(case)
-    print(f"\nseeds {first} to {last - 1}")
+    """The tables, by kind and by start, and the slowest cases."""
+    sample = sum(case.seed % SHAPELY_SAMPLE == 0 for case in cases)
+    print(f"\nseeds {first} to {last - 1}; {sample} cases checked by shapely too")
+    table("kind", ((case.kind, case) for case in cases))
+    table("coarse", ((case.decimation, case) for case in cases))
+    print()
+    for case in sorted(cases, key=lambda case: -case.seconds)[:SLOWEST]:
+        print(f"{case.seconds:.1f} s: {described(case)}")
+
+
+def table(title: str, named: Iterable[tuple[str, Case]]) -> None:
+    """One line for the cases of each name, and one for all of them."""
+    groups: dict[str, list[Case]] = defaultdict(list)
+    everything: list[Case] = []
+    for name, case in named:
+        groups[name].append(case)
+        everything.append(case)
     columns = ("cases", "certified", "flow", "hull", "median s", "slowest s", "excess %")
-    print(f"{'kind':8}" + "".join(f"{name:>10}" for name in columns))
-    for kind, of_kind in [*sorted(by_kind.items()), ("all", cases)]:
-        good = [case for case in of_kind if not case.failure]
+    print(f"\n{title:10}" + "".join(f"{name:>10}" for name in columns))
+    for name, group in [*sorted(groups.items()), ("all", everything)]:
+        good = [case for case in group if not case.failure]
         starts = Counter(case.start for case in good)
         seconds = [case.seconds for case in good] or [0.0]
         excess = [100.0 * case.excess for case in good] or [0.0]
         print(
-            f"{kind:8}{len(of_kind):10d}{len(good):10d}{starts['flow']:10d}{starts['outer hull']:10d}"
+            f"{name:10}{len(group):10d}{len(good):10d}{starts['flow']:10d}{starts['outer hull']:10d}"
             f"{np.median(seconds):10.3f}{max(seconds):10.2f}{np.median(excess):10.2f}"
         )
 

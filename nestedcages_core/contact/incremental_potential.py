@@ -125,6 +125,10 @@ class IncrementalPotential:
             return False
         return len(impacts(pairs, x, motion, pair.distance)[0]) == 0
 
+    def pairs_in_range(self, x: FloatArray) -> int:
+        """How many pairs the barrier acts on at x."""
+        return len(self._active(x)[0])
+
     def _barriers(self, x: FloatArray) -> tuple[Pairs, PointEdge, FloatArray, BarrierTerms]:
         """The pairs within their range, their distances, weights and barriers."""
         pairs, pair, d_hat = self._active(x)

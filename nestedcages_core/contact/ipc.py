@@ -34,6 +34,10 @@ SHORTER_RANGE = 0.25
 MAX_SHORTENINGS = 4
 """Cap on those factors for one target."""
 
+PROGRESS, PATIENCE = 0.98, 3
+"""Each solve must leave less than this part of the way to the target, summed or at the farthest vertex, or so many in a
+row mean that the way is blocked."""
+
 CLEARANCE_RANGE = 4.0
 """The range d̂ is at least this multiple of the wanted clearance, so that the fine mesh comes home with room to
 spare."""
@@ -56,6 +60,9 @@ class IPC:
     """λ_B · d̂."""
     stride: float = 0.5
     """Longest motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
+    crowd: float = np.inf
+    """Pairs per vertex within their ranges above which it leaves the way to the next contact: each costs its share of
+    every iteration, and where much of the fine mesh is in reach of much of the cage, many iterations follow."""
     step_filter: StepFilter = field(default_factory=TimeOfImpact)
     """What bounds a step before the line search."""
     broad_phase: BroadPhase = field(default_factory=Cells)
@@ -81,7 +88,8 @@ class IPC:
         iterations = 0
         for target in waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
             stiffness, shortening = self.restoring / base, 1.0
-            stiffenings = shortenings = 0
+            stiffenings = shortenings = idle = 0
+            least = _left(x[m:], target)
             step_energy = energy.after(x[:m])
             while True:
                 objective = IncrementalPotential(
@@ -93,6 +101,8 @@ class IPC:
                     candidates,
                     self.step_filter,
                 )
+                if objective.pairs_in_range(x) > self.crowd * len(x):
+                    return ContactOutcome(x, False, iterations, "too many pairs are in contact at once")
                 solution = solver.minimise(objective, x, on_step)
                 x = solution.x
                 iterations += solution.iterations
@@ -104,6 +114,11 @@ class IPC:
                     x = np.concatenate([x[:m], target])
                     on_step(x)
                     break
+                left = _left(x[m:], target)
+                idle = 0 if (left < PROGRESS * least).any() else idle + 1
+                least = np.minimum(least, left)
+                if idle >= PATIENCE:
+                    return ContactOutcome(x, False, iterations, _blocked(x[m:], target))
                 if solution.converged and stiffenings < MAX_STIFFENINGS:
                     stiffness, stiffenings = STIFFER * stiffness, stiffenings + 1
                 elif not solution.converged and shortenings < MAX_SHORTENINGS:
@@ -123,6 +138,12 @@ def waypoints(start: FloatArray, path: Sequence[FloatArray], stride: float) -> I
             yield start + (k / pieces) * motion
         yield target
         start = target
+
+
+def _left(fine: FloatArray, target: FloatArray) -> FloatArray:
+    """(2,) the way to the target, summed over the vertices and at the farthest one."""
+    length = np.hypot(*(target - fine).T)
+    return np.array([length.sum(), length.max()])
 
 
 def _blocked(fine: FloatArray, target: FloatArray) -> str:

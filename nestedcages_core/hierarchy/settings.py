@@ -22,6 +22,11 @@ IPC_FIRST = 50_000
 """Product of the vertex counts up to which IPC is tried first: there it costs as little and leaves less to tighten."""
 
 
+CROWD = 10.0
+"""Pairs per vertex at which it leaves them to the other one after all. Usual are 1 to 3; around cores of many needles,
+where each iteration costs fifty times as much as elsewhere, 20 to 140."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """How nested cages are made. Nothing here needs tuning per shape."""
@@ -63,5 +68,5 @@ class Settings:
         """The contacts to try, in turn, for meshes of that many vertices."""
         if self.contact is None:
             small = cage_vertices * fine_vertices <= IPC_FIRST
-            return (IPC(), SequentialQP()) if small else (SequentialQP(), IPC())
+            return (IPC(crowd=CROWD), SequentialQP()) if small else (SequentialQP(), IPC())
         return tuple(self.contact) if isinstance(self.contact, Sequence) else (self.contact,)

@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from .._types import FloatArray
 from .base import Objective, Solution
 from .line_search import backtrack
+
+STALLED_AFTER = 12
+"""Steps in a row that together must gain more than the tolerance promises for one; fewer gains mean that walls, not the
+model, end the steps."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +29,7 @@ class ProjectedNewton:
     def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> Solution:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""
         first_decrement = 0.0
+        values: list[float] = []
         for iteration in range(self.max_iterations):
             if objective.finished(x):
                 return Solution(x, iteration, True)
@@ -31,6 +38,10 @@ class ProjectedNewton:
             first_decrement = max(first_decrement, decrement)
             if decrement <= self.tolerance * first_decrement:
                 return Solution(x, iteration, True)
+            values.append(model.value)
+            gain = values[-1 - STALLED_AFTER] - model.value if iteration >= STALLED_AFTER else np.inf
+            if gain <= self.tolerance * first_decrement:
+                return Solution(x, iteration, False)
             step = backtrack(objective, x, model)
             if step.fraction == 0.0:
                 return Solution(x, iteration + 1, False)
