@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from types import SimpleNamespace
+
 import bpy
 import pytest
 
@@ -48,13 +51,137 @@ def test_while_a_job_runs_there_is_no_second_one(addon) -> None:
     assert not bpy.ops.object.nested_cages_cancel.poll()
 
 
-@pytest.mark.parametrize("slices", [0, 1, 3, 6, 10, 15])
-def test_a_job_that_is_dropped_leaves_the_scene(addon, slices) -> None:
+STAGES = ("decimation", "flow", "reinflation", "tightening", "verification")
+
+
+@pytest.mark.parametrize("level", [1, 2])
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_job_that_is_dropped_at_any_stage_leaves_the_scene(addon, stage, level) -> None:
     work = job(addon)
     bpy.context.view_layer.update()
     before = snapshot()
     work.start()
-    for _ in range(slices):
-        work.advance(0.0)
+    wanted = f"Drawing, level {level}: {addon.generate.STAGES[stage]}"
+    while work.message != wanted:
+        assert not work.advance(0.0), "the stage was never shown"
     work.stop()
     assert snapshot() == before
+    assert work.advance()
+    assert not [thread for thread in threading.enumerate() if thread.name == "nested-cages"]
+
+
+def test_what_is_shown_is_what_is_done_next(addon) -> None:
+    """Each stage ends a slice as it begins, however much time there is."""
+    work = job(addon)
+    shown = []
+    while not work.advance(1e9):
+        shown.append(work.message)
+    for stage in STAGES:
+        assert f"Drawing, level 1: {addon.generate.STAGES[stage]}" in shown
+
+
+class Event(SimpleNamespace):
+    """What Blender tells a modal operator."""
+
+
+@pytest.fixture
+def modal(addon, monkeypatch):
+    """The operator as Blender invokes it in a window: its methods on a stand-in, with the window's parts noted."""
+    kind = addon.operators.generate.OBJECT_OT_nested_cages_generate
+    log = []
+    window = SimpleNamespace(
+        event_timer_add=lambda *_, **__: "timer",
+        event_timer_remove=lambda timer: log.append(timer),
+        modal_handler_add=lambda _operator: log.append("modal"),
+        windows=[],
+    )
+    workspace = SimpleNamespace(status_text_set=lambda words: log.append(words))
+    context = SimpleNamespace(
+        window="window",
+        window_manager=window,
+        workspace=workspace,
+        scene=bpy.context.scene,
+        space_data=None,
+        mode=bpy.context.mode,
+        view_layer=bpy.context.view_layer,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+    )
+    blender = SimpleNamespace(app=SimpleNamespace(background=False), data=bpy.data, ops=bpy.ops, context=bpy.context)
+    monkeypatch.setattr(addon.operators.generate, "bpy", blender)
+    monkeypatch.setattr(addon.operators.generate, "sources", lambda _context: list(bpy.context.selected_objects))
+    values = {name: getattr(bpy.context.scene.nested_cages, name) for name in addon.properties.NAMES}
+    operator = SimpleNamespace(**values | {"levels": "20, 10"}, _job=None, _timer=None, _scene_name="")
+    for name in ("_prepare", "_write", "_bind_again", "_refuse", "_show", "invoke", "modal", "cancel"):
+        setattr(operator, name, getattr(kind, name).__get__(operator))
+    operator.report = lambda level, words: log.append((*level, words))
+    return SimpleNamespace(operator=operator, context=context, log=log)
+
+
+TIMER, ESCAPE, OTHER = (Event(type=kind, value="PRESS") for kind in ("TIMER", "ESC", "A"))
+
+
+def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, modal) -> None:
+    poly_curve("Drawing", [star()])
+    operator, context = modal.operator, modal.context
+    assert operator.invoke(context, None) == {"RUNNING_MODAL"}
+    assert modal.log[0] == "modal" and modal.log[1].startswith("Nested Cages 0 %")
+    assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
+    outcome = {"PASS_THROUGH"}
+    while outcome == {"PASS_THROUGH"}:
+        assert addon.job.running() is operator._job
+        outcome = operator.modal(context, TIMER)
+    assert outcome == {"FINISHED"}
+    assert addon.job.running() is None
+    assert "timer" in modal.log and None in modal.log  # the timer and the status text are gone
+    assert len(bpy.data.collections["Drawing Cages"].objects) == 3
+
+
+@pytest.mark.parametrize("how", ["escape", "button", "Blender"])
+@pytest.mark.parametrize("ticks", [0, 1, 4, 8])
+def test_in_a_window_cancelling_leaves_the_scene(addon, modal, ticks, how) -> None:
+    poly_curve("Drawing", [star()])
+    bpy.context.view_layer.update()
+    before = snapshot()
+    operator, context = modal.operator, modal.context
+    operator.invoke(context, None)
+    for _ in range(ticks):
+        assert operator.modal(context, TIMER) == {"PASS_THROUGH"}
+    if how == "Blender":
+        operator.cancel(context)
+    else:
+        if how == "button":
+            bpy.ops.object.nested_cages_cancel()
+        assert operator.modal(context, ESCAPE if how == "escape" else TIMER) == {"CANCELLED"}
+        assert modal.log[-1] == ("INFO", "Nested Cages: cancelled, nothing was changed")
+    assert "timer" in modal.log and addon.job.running() is None
+    assert snapshot() == before
+
+
+def test_a_drawing_that_is_deleted_meanwhile_ends_in_a_sentence(addon, modal) -> None:
+    source = poly_curve("Drawing", [star()])
+    operator, context = modal.operator, modal.context
+    operator.invoke(context, None)
+    bpy.data.objects.remove(source)
+    outcome = {"PASS_THROUGH"}
+    while outcome == {"PASS_THROUGH"}:
+        outcome = operator.modal(context, TIMER)
+    assert outcome == {"CANCELLED"}
+    assert modal.log[-1] == ("ERROR", "'Drawing' was deleted meanwhile, so its cages were dropped")
+    assert not bpy.data.objects and addon.job.running() is None
+
+
+@pytest.mark.parametrize("change", [{"levels": "12"}, {"frames_per_step": 9}, {"energy": "SHAPE_KEEPING"}])
+def test_the_redo_panel_leaves_nothing_of_the_first_result(addon, change) -> None:
+    """What Blender does when a setting is changed there: it undoes the operator and executes it anew."""
+    poly_curve("Drawing", [star()])
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.object.nested_cages_generate(**{"levels": "20, 10"} | change)
+    expected = snapshot()
+    bpy.ops.ed.undo_push(message="directly")
+    bpy.ops.ed.undo()
+    bpy.ops.object.nested_cages_generate(levels="20, 10")
+    bpy.ops.ed.undo_push(message="first")
+    bpy.ops.ed.undo()
+    bpy.ops.object.nested_cages_generate(**{"levels": "20, 10"} | change)
+    assert snapshot() == expected
