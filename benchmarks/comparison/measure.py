@@ -65,7 +65,7 @@ class Measurement:
     short: float | None = None
     """How far the fine mesh is from home; 0 to the last bit."""
     certified: bool = False
-    """Whether the cage strictly contains the fine mesh at home, simple, with its loops and the clearance."""
+    """Whether the cage strictly contains the fine mesh at home, simple, with its loops."""
     free: bool | None = None
     """Whether the animation is certified free of crossings, its first step included."""
 
@@ -230,12 +230,11 @@ def measure_default(fine: Mesh, coarse: Mesh) -> Measurement:
         fine_steps=frame.inside(level.reinflation.fine_steps),
         cage_steps=frame.inside(level.reinflation.cage_steps),
     )
-    wanted = min(CLEARANCE, level.report.wanted_clearance / frame.scale)  # it is lowered where gaps leave no room
-    _judge(result, way, fine.moved(frame.inside(fine.vertices)), wanted)
+    _judge(result, way, fine.moved(frame.inside(fine.vertices)))
     return result
 
 
-def _judge(result: Measurement, way: Reinflation, home: Mesh, clearance: float = CLEARANCE) -> None:
+def _judge(result: Measurement, way: Reinflation, home: Mesh) -> None:
     """What the certificates say of the last step and of the way to it."""
     assert result.coarse is not None
     result.iterations = way.iterations or len(way.fine_steps) - 1
@@ -244,7 +243,7 @@ def _judge(result: Measurement, way: Reinflation, home: Mesh, clearance: float =
         return
     result.cage = result.coarse.moved(way.cage_steps[-1])
     same = len(result.coarse.loops) == len(home.loops)
-    certificate = verify(result.cage, home, clearance, same_loops=same)
+    certificate = verify(result.cage, home, 0.0, same_loops=same)
     result.certified, result.smallest = certificate.holds, certificate.clearance
     result.excess = 100.0 * certificate.excess
     start = np.concatenate([way.cage_steps[0], way.fine_steps[0]])

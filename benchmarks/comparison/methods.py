@@ -64,6 +64,13 @@ PAPER = Settings(
 )
 """Gurditta & Jacobson (2022) as written."""
 
+NESTED_CAGES = replace(PAPER, flow=SignedDistanceFlow(quadrature=Midpoint()), contact=VelocityFilter())
+"""Sacht et al. (2015): the flow down the signed distance with the gradient at midpoints, and the velocity filter, which
+lowers the area at every step and at last where the fine mesh stands at home."""
+
+SIMPLE = replace(PAPER, decimation=LevelSet())
+"""Simple nested cages (in Sellán et al. 2022): the level set itself is the cage. It takes no coarse mesh."""
+
 EXACT_FLOW = PaperFlow(exact_parity=True)
 REPAIRED = PaperContact(repairs=Repairs(parity=True, exact_home=True))
 DESCENT = GradientDescent(steps=100, refuse_infinite=True)
@@ -78,6 +85,11 @@ NEWTON = replace(NEAR, solver=ProjectedNewton())
 LOCAL = replace(NEWTON, contact=IPC())
 TWO_SIDED = replace(LOCAL, flow=TwoSidedFlow())
 TIGHT = replace(TWO_SIDED, tightening=Tightening())
+
+PUBLISHED = {"Nested Cages 2015": NESTED_CAGES, "paper as written": PAPER, "paper repaired": HOME}
+"""Methods that take a coarse mesh, as they were published, and the paper with its three repairs."""
+LEVEL_SETS = "Simple Nested Cages"
+"""The name of the published method that makes its own."""
 
 LADDER = (
     Method("paper as written", PAPER),

@@ -7,17 +7,18 @@ from pathlib import Path
 
 from comparison import methods, plots
 from comparison.cases import Inputs
-from comparison.measure import DEFAULT, Measurement, Results, compare, measure_default
+from comparison.measure import DEFAULT, Measurement, Results, compare, measure, measure_default
 from comparison.tables import count, excess_and_time, folded, matrix
 
 
 def run(inputs: Inputs) -> Results:
     """The paper as written, repaired, and ours with every contact."""
-    chosen = {"paper as written": methods.PAPER, "paper repaired": methods.HOME}
-    chosen |= {name: methods.with_contact(name) for name in methods.CONTACTS}
+    chosen = methods.PUBLISHED | {name: methods.with_contact(name) for name in methods.CONTACTS}
     found = compare("figures", inputs.figures, chosen)
     for shape, pair in inputs.figures.items():
-        found[shape][DEFAULT] = measure_default(*pair)
+        fine, coarse = pair
+        level_set = measure(methods.SIMPLE, fine, len(coarse.vertices))
+        found[shape] = {methods.LEVEL_SETS: level_set, **found[shape], DEFAULT: measure_default(*pair)}
     return found
 
 
