@@ -55,24 +55,29 @@ extension: $(DEMO_ENV)/ready
 	$(DEMO_ENV)/bin/python packaging/build_extension.py
 	$(DEMO_ENV)/bin/python packaging/try_extension.py
 
-# Blender as a Python module comes for one Python each; those of a Python that is not here are left out.
-BLENDERS_3.11 := 4.2.23 4.5.15 5.0.1
-BLENDERS_3.13 := 5.2.3
-test-blender:
-	@for version in 3.11 3.13; do \
-		if ! python$$version --version >/dev/null 2>&1; then \
-			echo "No python$$version here: its Blenders are left out."; continue; fi; \
-		if [ $$version = 3.11 ]; then blenders="$(BLENDERS_3.11)"; scipy=1.15.3; \
-			else blenders="$(BLENDERS_3.13)"; scipy=1.17.1; fi; \
-		for blender in $$blenders; do \
-			env=.venv-bpy-$$blender; \
-			if [ ! -e $$env/ready ]; then python$$version -m venv --clear $$env && $$env/bin/python -m pip install --quiet \
-				--disable-pip-version-check bpy==$$blender scipy==$$scipy pytest pytest-timeout shapely hypothesis && \
-				touch $$env/ready || exit 1; fi; \
-			echo "== Blender $$blender"; \
-			$(if $(LIMIT),$(LIMIT) 600) $$env/bin/python -m pytest -q tests/addon || exit 1; \
-		done; \
-	done
+# Blender as a Python module comes for one Python each; those of a Python that is not here are left out. A Python that
+# pyenv has installed counts, even if it is not the one in use. IF_POSSIBLE=1: so are those that cannot be downloaded.
+BLENDERS_3.11 ?= 4.2.23 4.5.15 5.0.1
+BLENDERS_3.13 ?= 5.2.3
+SCIPY_3.11 := 1.15.3
+SCIPY_3.13 := 1.17.1
+test-blender: $(foreach version,3.11 3.13,$(addprefix test-blender-$(version)-,$(BLENDERS_$(version))))
+
+# $(1): Python, $(2): Blender.
+define blender_tests
+.PHONY: test-blender-$(1)-$(2)
+test-blender-$(1)-$(2):
+	@python=; for found in python$(1) "$$$$(pyenv prefix $(1) 2>/dev/null)/bin/python$(1)"; do \
+		if "$$$$found" -c 'import venv' >/dev/null 2>&1; then python=$$$$found; break; fi; done; \
+	if [ -z "$$$$python" ]; then echo "== Blender $(2) is left out: no Python $(1) here"; exit 0; fi; \
+	env=.venv-bpy-$(2); \
+	if [ ! -e $$$$env/ready ]; then "$$$$python" -m venv --clear $$$$env && $$$$env/bin/python -m pip install --quiet \
+		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely hypothesis && \
+		touch $$$$env/ready || { echo "== Blender $(2) cannot be installed"; exit $$(if $$(IF_POSSIBLE),0,1); }; fi; \
+	echo "== Blender $(2)"; \
+	$(if $(LIMIT),$(LIMIT) 600) $$$$env/bin/python -m pytest -q tests/addon
+endef
+$(foreach version,3.11 3.13,$(foreach blender,$(BLENDERS_$(version)),$(eval $(call blender_tests,$(version),$(blender)))))
 
 clean:
 	rm -rf .venv-bpy-* $(DEMO_ENV) $(TEST_ENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info

@@ -39,6 +39,11 @@ done = bpy.ops.extensions.package_install_files(
 assert done == {"FINISHED"}, done
 bpy.ops.curve.primitive_bezier_circle_add()
 assert bpy.ops.object.nested_cages_generate(levels="12, 6") == {"FINISHED"}
+from urllib.parse import urlparse
+from urllib.request import url2pathname
+from bl_operators.wm import WM_OT_doc_view_manual
+page = WM_OT_doc_view_manual._lookup_rna_url("bpy.ops.object.nested_cages_generate", verbose=False)
+assert page.endswith(".html") and os.path.isfile(url2pathname(urlparse(page).path)), page
 import scipy
 assert os.environ["BLENDER_USER_RESOURCES"] in scipy.__file__, scipy.__file__
 cages = [o for o in bpy.data.objects if o.get("nested_cages_level", 0) > 0]
