@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from .._types import FloatArray
 from ..mesh import Mesh
-from ..triangulation import Sampling, triangulate
+from ..triangulation import Sampling, Triangulation, triangulate
 from .inside import require_inside
 from .precision import corrected
 
@@ -35,31 +37,50 @@ class Harmonic:
     def weights(self, points: FloatArray, cage: Mesh) -> FloatArray:
         """W (P, m), never negative. Raises NestedCagesError for a point outside the cage."""
         require_inside(points, cage)
-        low, high = cage.vertices.min(axis=0), cage.vertices.max(axis=0)
-        centre = 0.5 * (low + high)
-        cage = cage.moved(cage.vertices - centre).validated()
-        points = points - centre
-        grid = triangulate(cage, Sampling(self.spacing * cage.diagonal, self.at_corners))
-        boundary = grid.boundary_values(len(cage.vertices)).tocsc()
-        at_points = grid.interpolation(points).tocsc()
-        rim, inner = grid.on_boundary, len(grid.inside)
-        on_rim, in_inner = at_points[:, :rim], at_points[:, rim:]
-        stiffness = grid.stiffness().tocsc()
-        stiff, coupling = stiffness[rim:, rim:].tocsc(), stiffness[rim:, :rim]
-        factors = splu(stiff, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}) if inner else None
-        weights = np.empty((len(points), len(cage.vertices)))
-        for first in range(0, len(cage.vertices), COLUMNS_AT_ONCE):
-            some = slice(first, first + COLUMNS_AT_ONCE)
-            hats = boundary[:, some].toarray()
-            weights[:, some] = on_rim @ hats
-            if factors is not None:
-                load = -(coupling @ hats)
-                inside = factors.solve(load)
-                inside += factors.solve(load - stiff @ inside)
-                weights[:, some] += in_inner @ inside
+        cage, points = _centred(cage, points)
+        grid = self._grid(cage)
+        (weights,) = _from_values(grid, [grid.interpolation(points)], len(cage.vertices))
         np.maximum(weights, 0.0, out=weights)
         chunk = max(ROWS_AT_ONCE // weights.shape[1], 1)
         for first in range(0, len(points), chunk):
             rows = slice(first, first + chunk)
             weights[rows] = corrected(weights[rows], points[rows], cage.vertices)
         return weights
+
+    def gradients(self, points: FloatArray, cage: Mesh) -> FloatArray:
+        """(P, m, 2) slopes of the coordinates, constant on each element. Raises NestedCagesError as `weights`."""
+        require_inside(points, cage)
+        cage, points = _centred(cage, points)
+        grid = self._grid(cage)
+        return np.stack(_from_values(grid, grid.differentiation(points), len(cage.vertices)), axis=2)
+
+    def _grid(self, cage: Mesh) -> Triangulation:
+        return triangulate(cage, Sampling(self.spacing * cage.diagonal, self.at_corners))
+
+
+def _centred(cage: Mesh, points: FloatArray) -> tuple[Mesh, FloatArray]:
+    """Cage and points about the middle of the cage, where their numbers have most digits."""
+    centre = 0.5 * (cage.vertices.min(axis=0) + cage.vertices.max(axis=0))
+    return cage.moved(cage.vertices - centre).validated(), points - centre
+
+
+def _from_values(grid: Triangulation, operators: Sequence[csr_array], corners: int) -> list[FloatArray]:
+    """(P, m) each: operators (P, N) on what the m coordinates are at the N vertices of the grid."""
+    boundary = grid.boundary_values(corners).tocsc()
+    rim, inner = grid.on_boundary, len(grid.inside)
+    stiffness = grid.stiffness().tocsc()
+    stiff, coupling = stiffness[rim:, rim:].tocsc(), stiffness[rim:, :rim]
+    factors = splu(stiff, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}) if inner else None
+    parts = [(operator.tocsc()[:, :rim], operator.tocsc()[:, rim:]) for operator in operators]
+    found = [np.empty((operator.shape[0], corners)) for operator in operators]
+    for first in range(0, corners, COLUMNS_AT_ONCE):
+        some = slice(first, first + COLUMNS_AT_ONCE)
+        hats = boundary[:, some].toarray()
+        inside = np.zeros((inner, hats.shape[1]))
+        if factors is not None:
+            load = -(coupling @ hats)
+            inside = factors.solve(load)
+            inside += factors.solve(load - stiff @ inside)
+        for values, (on_rim, in_inner) in zip(found, parts, strict=True):
+            values[:, some] = on_rim @ hats + in_inner @ inside
+    return found

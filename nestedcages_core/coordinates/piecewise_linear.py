@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from scipy.sparse import csr_array
 
 from .._types import FloatArray
@@ -20,3 +21,9 @@ class PiecewiseLinear:
         """W (P, m), sparse. Raises NestedCagesError for a point outside the cage."""
         require_inside(points, cage)
         return triangulate(cage).interpolation(points)
+
+    def gradients(self, points: FloatArray, cage: Mesh) -> FloatArray:
+        """(P, m, 2) slopes of the coordinates, constant on each triangle. Raises NestedCagesError as `weights`."""
+        require_inside(points, cage)
+        slopes = triangulate(cage).differentiation(points)
+        return np.stack([slope.toarray() for slope in slopes], axis=2)

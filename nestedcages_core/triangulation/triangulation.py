@@ -85,6 +85,19 @@ class Triangulation:
         shape = (len(points), len(self.vertices))
         return csr_array((weights.ravel()[used], (row[used], column[used])), shape=shape)
 
+    def differentiation(self, points: FloatArray) -> tuple[csr_array, csr_array]:
+        """What makes values at the vertices their slopes along x and y, (P, N) each, in the triangles around points."""
+        triangle, _ = self.locate(points)
+        corners = self.triangles[triangle]
+        a, b, c = (self.vertices[corners[:, k]] for k in range(3))
+        opposite = np.stack((c - b, a - c, b - a), axis=1) / (2.0 * self.areas[triangle])[:, None, None]
+        row, shape = np.repeat(np.arange(len(points)), 3), (len(points), len(self.vertices))
+        along_x, along_y = -opposite[:, :, 1], opposite[:, :, 0]  # across the opposite edge
+        return (
+            csr_array((along_x.ravel(), (row, corners.ravel())), shape=shape),
+            csr_array((along_y.ravel(), (row, corners.ravel())), shape=shape),
+        )
+
     def locate(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
         """The triangle around each of (P, 2) points, (P,), and the barycentric coordinates there, (P, 3)."""
         found = np.asarray(self._centres.query(points)[1], dtype=np.int64)
