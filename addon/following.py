@@ -96,8 +96,10 @@ def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.
     rest.data.foreach_set("vector", filling.points_of(inner.data).astype(np.float32).ravel())
     modifier = bind_modifier(context, inner, cage, method)
     nodes.add(inner, nodes.REMEMBER)
-    nodes.add(inner, nodes.ADD_EDITS)
-    for place, name in enumerate((nodes.REMEMBER, modifier.name, nodes.ADD_EDITS)):
+    ours = [nodes.REMEMBER, modifier.name]
+    if method not in weights.KINDS:  # these place edits themselves
+        ours.append(nodes.add(inner, nodes.ADD_EDITS).name)
+    for place, name in enumerate(ours):
         inner.modifiers.move(inner.modifiers.find(name), place)
     bound = is_bound(modifier)
     if bound:

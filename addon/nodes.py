@@ -11,8 +11,11 @@ from .filling import CORNER, HEIGHT
 
 # Where a vertex was when it was bound, and how far it has been edited since; attributes of the bound mesh.
 REST, EDIT = "nested_cages_rest", "nested_cages_edit"
-# Attributes with the share that each vertex of the cage has in a vertex, with the number of the cage's vertex behind.
+# Attributes with the share that a vertex of the cage has in each vertex, and its slopes along x and y; the number of
+# the cage's vertex is behind.
 WEIGHT = "nested_cages_weight_"
+# Sums of the vertices of the cage: by weights, and by the slopes of the weights.
+SUMS = ("Place", "Along X", "Along Y")
 
 Tree = bpy.types.NodeTree
 
@@ -112,43 +115,64 @@ def _whole(tree: Tree) -> None:
 
 
 def _coordinates(tree: Tree) -> None:
-    """Puts each vertex where its weights and the vertices of the object say: the sum of both, vertex by vertex."""
+    """Puts each vertex where its weights and the vertices of the object say, and its edit beside it, turned along.
+
+    The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned.
+    """
     start, end, source = _object(tree, "RELATIVE")
     count = tree.nodes.new("GeometryNodeAttributeDomainSize")
     first, last = tree.nodes.new("GeometryNodeRepeatInput"), tree.nodes.new("GeometryNodeRepeatOutput")
     first.pair_with_output(last)
     last.repeat_items.clear()
     last.repeat_items.new("INT", "Number")
-    last.repeat_items.new("VECTOR", "Place")
+    for name in SUMS:
+        last.repeat_items.new("VECTOR", name)
     tree.links.new(source.outputs["Geometry"], count.inputs["Geometry"])
     tree.links.new(count.outputs["Point Count"], first.inputs["Iterations"])
-    # The vertex of this number, and its weight.
+    # The vertex of this number, and its weight with the slopes.
     place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
     pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
     sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
     tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
     tree.links.new(place.outputs[0], sockets["Value"])
     tree.links.new(first.outputs["Number"], sockets["Index"])
-    digits, name = tree.nodes.new("FunctionNodeValueToString"), tree.nodes.new("FunctionNodeReplaceString")
-    name.inputs["String"].default_value, name.inputs["Find"].default_value = f"{WEIGHT}#", "#"
+    digits, name_of = tree.nodes.new("FunctionNodeValueToString"), tree.nodes.new("FunctionNodeReplaceString")
+    name_of.inputs["String"].default_value, name_of.inputs["Find"].default_value = f"{WEIGHT}#", "#"
     tree.links.new(first.outputs["Number"], digits.inputs["Value"])
-    tree.links.new(digits.outputs[0], name.inputs["Replace"])
-    weight = _attribute(tree, "", "FLOAT")
-    tree.links.new(name.outputs[0], weight.node.inputs["Name"])
-    # Added to the sum.
-    total, onward = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("ShaderNodeMath")
-    total.operation, onward.operation = "MULTIPLY_ADD", "ADD"
+    tree.links.new(digits.outputs[0], name_of.inputs["Replace"])
+    weight, parts = _attribute(tree, "", "FLOAT_VECTOR"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(name_of.outputs[0], weight.node.inputs["Name"])
+    tree.links.new(weight, parts.inputs[0])
+    # Added to the sums.
+    corner = next(socket for socket in pick.outputs if socket.enabled)
+    for name, part in zip(SUMS, parts.outputs, strict=True):
+        tree.links.new(_vector(tree, "MULTIPLY_ADD", corner, part, first.outputs[name]), last.inputs[name])
+    onward = tree.nodes.new("ShaderNodeMath")
+    onward.operation = "ADD"
     onward.inputs[1].default_value = 1.0
-    tree.links.new(next(s for s in pick.outputs if s.enabled), total.inputs[0])
-    tree.links.new(weight, total.inputs[1])
-    tree.links.new(first.outputs["Place"], total.inputs[2])
     tree.links.new(first.outputs["Number"], onward.inputs[0])
-    tree.links.new(total.outputs[0], last.inputs["Place"])
     tree.links.new(onward.outputs[0], last.inputs["Number"])
+    # The turn nearest to the slopes: x + y × n for the normal n, and what is upright on it.
+    where, x, y = (last.outputs[name] for name in SUMS)
+    normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
+    right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
+    up, edit = _vector(tree, "CROSS_PRODUCT", normal, right), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(_attribute(tree, EDIT, "FLOAT_VECTOR"), edit.inputs[0])
+    for axis, part in zip((right, up, normal), edit.outputs, strict=True):
+        where = _vector(tree, "MULTIPLY_ADD", axis, part, where)
     move = tree.nodes.new("GeometryNodeSetPosition")
     tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
-    tree.links.new(last.outputs["Place"], move.inputs["Position"])
+    tree.links.new(where, move.inputs["Position"])
     tree.links.new(move.outputs[0], end.inputs[0])
+
+
+def _vector(tree: Tree, operation: str, *values: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """The result of a vector operation."""
+    node = tree.nodes.new("ShaderNodeVectorMath")
+    node.operation = operation
+    for value, socket in zip(values, node.inputs, strict=False):
+        tree.links.new(value, socket)
+    return node.outputs[0]
 
 
 def _outline(tree: Tree) -> tuple[bpy.types.Node, bpy.types.NodeSocket]:

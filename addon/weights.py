@@ -19,8 +19,9 @@ KINDS: dict[str, Callable[[ModuleType], Any]] = {
     HARMONIC: lambda core: core.Harmonic(),
     LINEAR: lambda core: core.PiecewiseLinear(),
 }
-# Vertices times vertices of the cage, at the most: Blender sums this many weights in some 30 ms, on every frame.
-MOST_WEIGHTS = 2_000_000
+# Vertices times vertices of the cage, at the most: Blender sums this many weights in a few hundredths of a second, on
+# every frame.
+MOST_WEIGHTS = 1_000_000
 
 
 def fits(obj: bpy.types.Object, cage: bpy.types.Object) -> bool:
@@ -39,14 +40,17 @@ def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: st
     if np.ptp(np.concatenate([inside[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
         raise Refusal("'{inner}' and '{cage}' do not lie in one plane", inner=obj.name, cage=cage.name)
     try:
-        found = core.cage_coordinates(inside[:, :2], filling.outline(cage, core), KINDS[method](core))
+        kind, outline = KINDS[method](core), filling.outline(cage, core)
+        found = core.cage_coordinates(inside[:, :2], outline, kind)
+        slopes = kind.gradients(inside[:, :2], outline) @ there[:2, :2]  # along the object's own axes
     except core.NestedCagesError as error:
         raise Refusal("'{name}': {problem}", name=obj.name, problem=error) from error
-    columns = (found if isinstance(found, np.ndarray) else found.toarray()).T.astype(np.float32)
+    dense = found if isinstance(found, np.ndarray) else found.toarray()
+    columns = np.concatenate([dense[:, :, None], slopes], axis=2).astype(np.float32)
     clear(obj)
-    for corner, column in enumerate(columns):
-        attribute = obj.data.attributes.new(f"{nodes.WEIGHT}{corner}", "FLOAT", "POINT")
-        attribute.data.foreach_set("value", np.ascontiguousarray(column))
+    for corner in range(columns.shape[1]):
+        attribute = obj.data.attributes.new(f"{nodes.WEIGHT}{corner}", "FLOAT_VECTOR", "POINT")
+        attribute.data.foreach_set("vector", columns[:, corner].ravel())
     return nodes.add(obj, nodes.COORDINATES, Object=cage)
 
 

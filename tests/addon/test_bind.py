@@ -206,6 +206,22 @@ def test_a_finer_cage_adds_its_own_edits() -> None:
     assert np.abs(evaluated(fine) - bent - (0.5, 0.0, 0.0)).max() < 1e-5
 
 
+@pytest.mark.parametrize("method", ["HARMONIC", "LINEAR"])
+def test_edits_of_a_finer_cage_turn_with_the_coarser_one(method) -> None:
+    _, _, fine, cages = bound(method=method)
+    finer, coarser = cages
+    edited = base(finer)
+    edited[:, :2] += 0.1 * np.sin(edited[:, 1::-1])
+    edited[:, 2] += 0.02 * np.cos(3.0 * edited[:, 0])
+    put(finer, edited)
+    bent, detailed = evaluated(fine), evaluated(finer)
+    turn = np.eye(3)
+    turn[:2, :2] = ROTATION
+    put(coarser, base(coarser) @ turn.T + (0.3, -0.2, 0.0))
+    for obj, before in ((finer, detailed), (fine, bent)):
+        assert np.abs(evaluated(obj) - (before @ turn.T + (0.3, -0.2, 0.0))).max() < 1e-5
+
+
 @pytest.mark.parametrize("draw", [poly_curve, wire])
 def test_the_original_follows(draw) -> None:
     source, _, fine, cages = bound(draw)
