@@ -35,13 +35,18 @@ def is_animated(collection: bpy.types.Collection) -> bool:
     return any(isinstance(owner, bpy.types.Key) for owner, _ in _owners(collection))
 
 
+def has_slots() -> bool:
+    """Whether one action can animate several data-blocks in this Blender."""
+    return "slots" in bpy.types.Action.bl_rna.properties
+
+
 def bake(collection: bpy.types.Collection) -> bpy.types.Action:
     """Moves the animation of all levels into one action with a slot for each data-block. Raises: Refusal.
 
     Every keyframe stays as it is. Blender has such actions since version 4.4.
     """
     _check(collection)
-    if "slots" not in bpy.types.Action.bl_rna.properties:
+    if not has_slots():
         raise Refusal("One action for several objects needs Blender 4.4 or later")
     owners = list(_owners(collection))
     for owner, name in owners:

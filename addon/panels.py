@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import bpy
 
 from . import binding, output, ownership, properties
@@ -11,6 +13,8 @@ from .properties import copy_values, timing
 from .refusal import say
 
 CATEGORY = "Nested Cages"
+# Letters in a line of a note: what fits into the sidebar as wide as Blender opens it.
+NOTE_WIDTH = 36
 
 
 class SidebarPanel:
@@ -104,6 +108,8 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
                 row = box.split(factor=0.45)
                 row.label(text=label)
                 row.label(text=text, translate=False)
+            for line in _notes(obj):
+                box.label(text=line, translate=False)
         layout.operator("object.nested_cages_verify", icon="CHECKMARK")
 
 
@@ -125,13 +131,14 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
             row.operator("object.nested_cages_unbind", icon="UNLINKED")
         else:
             layout.operator("object.nested_cages_bind", icon="LINKED")
-        row = layout.row(align=True)
-        row.operator("object.nested_cages_bake_action", icon="ACTION")
-        row.operator("object.nested_cages_remove_animation", icon="X")
-        layout.operator(
+        column = layout.column(align=True)
+        column.operator("object.nested_cages_bake_action", icon="ACTION")
+        column.operator("object.nested_cages_remove_animation", icon="X")
+        column = layout.column(align=True)
+        column.operator(
             "object.nested_cages_to_objects", text="Convert Cages to Curves", icon="OUTLINER_OB_CURVE"
         ).shape = "CURVE"
-        layout.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
+        column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
@@ -167,8 +174,6 @@ class NESTEDCAGES_UL_levels(bpy.types.UIList):
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """Label and value of what is stored on an output object."""
     rows = [("Vertices", str(obj.get("nested_cages_vertices", "")))]
-    if "nested_cages_link" in obj:
-        rows.append(("Follows by", obj["nested_cages_link"]))
     if obj[ownership.LEVEL]:
         rows += [
             ("Excess", f"{100.0 * obj['nested_cages_excess']:.2f} %"),
@@ -180,6 +185,13 @@ def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
         if "nested_cages_check" in obj:
             rows.append(("Check", obj["nested_cages_check"]))
     return rows
+
+
+def _notes(obj: bpy.types.Object) -> list[str]:
+    """Lines of what is said about an output object in whole sentences."""
+    sentences = [say("Follows by {link}", link=obj["nested_cages_link"])] if "nested_cages_link" in obj else []
+    sentences.append(obj.get("nested_cages_notes", ""))
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
 
 
 def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None:

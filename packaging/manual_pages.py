@@ -139,7 +139,7 @@ class _Page:
         text = re.sub(r"!\[([^\]]*)\]\(([^)]+)\)", r'<img alt="\1" src="\2">', text)
         text = re.sub(r"\[([^\]]*)\]\(([^)]+)\)", self.link, text)
         text = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", text)
-        text = re.sub(r"\*(\S(?:.*?\S)?)\*", r"<em>\1</em>", text)
+        text = re.sub(r"\*([^*\s](?:[^*]*[^*\s])?)\*", r"<em>\1</em>", text)
         return re.sub(r"\0(\d+)\0", lambda match: codes[int(match[1])], text)
 
     def link(self, match: re.Match[str]) -> str:

@@ -35,6 +35,13 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
     bl_description = "Put the animation of the drawing and of all of its cages into one action, each with its own slot"
     bl_options = {"REGISTER", "UNDO"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not actions.has_slots():
+            cls.poll_message_set("One action for several objects needs Blender 4.4 or later")
+            return False
+        return super().poll(context)
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             action = actions.bake(_collection(context))
