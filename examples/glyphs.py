@@ -75,10 +75,10 @@ def main() -> None:
     print(f"{len(outcomes)} glyphs, {len(failed)} failed, {time.perf_counter() - began:.1f} s,", end=" ")
     print(f"{100 * excess:.1f} % larger in the median")
 
-    columns = 6 if given.small else 32
-    figure, (axes,) = panels(1, width=16.0, height=16.0 * len(outcomes) / columns**2 + 1.0)
+    columns = 6 if given.small else 25
+    figure, (axes,) = panels(1, width=16.0, height=14.0 * len(outcomes) / columns**2 + 1.0)
     for k, outcome in enumerate(outcomes):
-        corner = SIZE * np.array([(k % columns) * 1.2, -(k // columns) * 1.4])
+        corner = SIZE * np.array([(k % columns) * 1.6, -(k // columns) * 1.4])
         glyph = shapes[outcome.key]
         fill(axes, glyph.moved(glyph.vertices + corner), BODY)
         if outcome.result is not None:
