@@ -19,6 +19,7 @@ from .enclosure import Enclosure
 from .hull_search import search_hulls
 from .offset import strict_offset
 from .outline import Outline
+from .small_holes import with_room
 from .unrolled import unroll
 
 OFFSET = 5e-5
@@ -112,6 +113,8 @@ class _Search:
                     mesh = self.unrolled.rolled_up(padded(hull, self.budget.total, self.per_loop))
                 except InvalidMeshError:
                     continue
+                if RESERVE * self.clearance > self.distance:
+                    mesh = with_room(mesh, self.enclosure, self.clearance)
                 if self.enclosure.holds(mesh):
                     yield mesh
 

@@ -20,6 +20,7 @@ from ..reinflation import Reinflation, reinflate
 from ..verification import Certificate, verify, verify_motion
 from .reporting import Reporter
 from .results import Level, NestingReport
+from .room import no_room
 from .settings import Settings
 from .units import Clearance, Frame
 
@@ -166,7 +167,7 @@ class LevelBuilder:
             if certificate.holds or not (certificate.strict and certificate.simple):
                 break
         if not certificate.holds:
-            raise NestingError(_refusal(certificate, wanted))
+            raise NestingError(_refusal(certificate, self.fine, wanted))
         motion = verify_motion(cage, self.fine, reinflation.cage_steps, reinflation.fine_steps)
         report.pause()
         if not motion:
@@ -257,11 +258,11 @@ class _Race:
                 raise _LosingError
 
 
-def _refusal(certificate: Certificate, wanted: float) -> str:
+def _refusal(certificate: Certificate, fine: Mesh, wanted: float) -> str:
     """Why a cage was not returned."""
-    if certificate.strict and certificate.simple:
-        return (
-            f"No cage keeps the clearance of {wanted:.6g}: the best one comes as close as {certificate.clearance:.6g}. "
-            "Ask for less clearance or use more vertices."
-        )
-    return "The cage could not be certified: " + " ".join(certificate.problems)
+    if not (certificate.strict and certificate.simple):
+        return "The cage could not be certified: " + " ".join(certificate.problems)
+    return no_room(fine, wanted) or (
+        f"No cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the best one comes as close "
+        f"as {certificate.clearance:.6g}; ask for less clearance or use more vertices."
+    )

@@ -1,0 +1,217 @@
+"""What must always hold, for whole runs: random shapes, every instant, invariance, five levels, own coarse meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from benchmarks.random_shapes import random_shape
+from nestedcages_core import (
+    ArcLength,
+    FlowError,
+    Mesh,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    Settings,
+    nested_cages,
+    verify,
+    verify_motion,
+)
+from nestedcages_core.flow import FlowResult
+from shapes import (
+    annulus,
+    assert_nested,
+    comb,
+    disc,
+    islands,
+    letter_a,
+    letter_a_coarse,
+    polygon,
+    resampled,
+    ring,
+    star,
+)
+
+SUB_FRAMES = 1000
+LARGEST = 250
+"""Vertices of the largest random shape here; the stress program takes larger ones."""
+
+FAST = Settings(starts=1, decimation=OuterHull(restarts=2), fallback=OuterHull(restarts=2))
+SHAPES = [letter_a, star, islands, lambda: annulus(64), lambda: comb(3, 0.02)]
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10**6), st.sampled_from([OuterHull(restarts=2), OnCurve(), ArcLength()]))
+def test_random_shapes_get_certified_cages(seed: int, decimation: object) -> None:
+    """A slice of benchmarks/stress.py; a count that the loops do not allow is refused with one that they do."""
+    drawn = random_shape(seed)
+    assume(drawn is not None and len(drawn[1].vertices) <= LARGEST)
+    assert drawn is not None
+    fine = drawn[1]
+    chosen = Settings(starts=1, decimation=decimation, fallback=FAST.fallback)  # type: ignore[arg-type]
+    count = min(len(fine.vertices), max(3 * len(fine.loops), 24))
+    try:
+        level = nested_cages(fine, [count], chosen).levels[0]
+    except NestingError as error:
+        assert "ask for at least" in str(error)
+        count = int(str(error).rpartition("ask for at least ")[2].rstrip("."))
+        level = nested_cages(fine, [count], chosen).levels[0]
+    assert verify(level.cage, fine, level.report.wanted_clearance)
+    assert verify_motion(level.cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
+
+
+@pytest.mark.parametrize(
+    ("fine", "level"),
+    [(letter_a(), letter_a_coarse()), (annulus(64), annulus(5, 0.5, 0.3)), (islands(), resampled(islands(), 40))],
+    ids=["letter", "annulus", "islands"],
+)
+def test_no_sub_frame_shows_a_crossing(fine: Mesh, level: Mesh) -> None:
+    """As Blender draws it: linear blends at any time between the recorded steps, looked at by shapely."""
+    run = nested_cages(fine, [level]).levels[0]
+    cages, fines = run.reinflation.cage_steps, run.reinflation.fine_steps
+    rings = [np.append(loop, loop[0]) for loop in run.cage.loops], [np.append(loop, loop[0]) for loop in fine.loops]
+    for time in np.random.default_rng(0).uniform(0.0, len(cages) - 1.0, SUB_FRAMES):
+        k, part = int(time), time % 1.0
+        cage, inside = ((1.0 - part) * steps[k] + part * steps[k + 1] for steps in (cages, fines))
+        outline = shapely.MultiLineString([cage[loop] for loop in rings[0]])
+        assert outline.is_simple
+        assert not outline.intersects(shapely.MultiLineString([inside[loop] for loop in rings[1]]))
+
+
+def turned(angle: float) -> Callable[[np.ndarray], np.ndarray]:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return lambda points: points @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def lopsided() -> Mesh:
+    """A shape without any symmetry, with a hole that has none: no choice between its vertices is a tie."""
+    turn = 2.0 * np.pi * np.arange(150) / 150
+    around = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    radius = 1.0 + 0.25 * np.cos(3 * turn + 0.2) + 0.1 * np.sin(7 * turn) + 0.05 * np.cos(11 * turn + 1.0)
+    hole = 0.3 * (1.0 + 0.3 * np.cos(2 * turn + 0.3) + 0.1 * np.cos(5 * turn))
+    return Mesh.from_loops([radius[:, None] * around, (hole[:, None] * around)[::3] + np.array([0.1, 0.05])])
+
+
+STRAIGHT = {
+    "moved": (1.0, lambda points: points + np.array([30.0, -70.0])),
+    "tiny": (1e-6, lambda points: 1e-6 * points),
+    "huge": (1e6, lambda points: 1e6 * points),
+}
+MOTIONS = {
+    **STRAIGHT,
+    "turned": (1.0, turned(0.7)),
+    "all": (1e3, lambda points: 1e3 * turned(2.0)(points) + np.array([3e3, 1e3])),
+}
+ROUND_OFF = 1e-10
+"""Distances in diagonals; coordinates of 70 alone are rounded by 1e-14."""
+
+
+@pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
+def test_the_cage_moves_with_the_shape(scale: float, motion: Callable[[np.ndarray], np.ndarray]) -> None:
+    fine, clearance = lopsided(), 1e-4
+    moved = fine.moved(motion(fine.vertices)).validated()
+    cage = nested_cages(fine, [24], Settings(clearance=clearance)).cages[0]
+    cage_moved = nested_cages(moved, [24], Settings(clearance=scale * clearance)).cages[0]
+    expected = polygon(cage.moved(motion(cage.vertices)))
+    assert polygon(cage_moved).hausdorff_distance(expected) < ROUND_OFF * moved.diagonal
+
+
+@pytest.mark.parametrize(("scale", "motion"), STRAIGHT.values(), ids=STRAIGHT.keys())
+def test_the_way_from_an_own_coarse_mesh_moves_too(
+    scale: float, motion: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    fine, coarse = lopsided(), resampled(lopsided(), 30)
+    moved, coarse_moved = (mesh.moved(motion(mesh.vertices)).validated() for mesh in (fine, coarse))
+    cage = nested_cages(fine, [coarse]).cages[0]
+    cage_moved = nested_cages(moved, [coarse_moved]).cages[0]
+    expected = polygon(cage.moved(motion(cage.vertices)))
+    assert polygon(cage_moved).hausdorff_distance(expected) < ROUND_OFF * moved.diagonal
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e6, 1e9])
+def test_far_from_the_origin_the_cage_is_as_good_as_coordinates_allow(distance: float) -> None:
+    fine = lopsided()
+    moved = Mesh(fine.vertices + np.array([distance, -distance]), fine.edges)
+    cage, cage_moved = (nested_cages(mesh, [24], FAST).cages[0] for mesh in (fine, moved))
+    assert verify(cage_moved, moved)
+    assert cage_moved.area / moved.area == pytest.approx(cage.area / fine.area, rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", [lopsided, letter_a, islands], ids=lambda shape: shape.__name__)
+def test_the_start_of_loops_and_their_order_do_not_matter(shape: Callable[[], Mesh]) -> None:
+    fine = shape()
+    loops = [fine.vertices[loop] for loop in fine.loops]
+    other = Mesh.from_loops([np.roll(loop, 5 + k, axis=0)[:: (-1) ** k] for k, loop in enumerate(loops)][::-1])
+    cage, cage_other = (nested_cages(mesh, [24], FAST).cages[0] for mesh in (fine, other))
+    assert polygon(cage).hausdorff_distance(polygon(cage_other)) < 1e-6 * fine.diagonal
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=["letter", "star", "islands", "annulus", "comb"])
+def test_five_levels(shape: Callable[[], Mesh]) -> None:
+    fine = shape()
+    counts = [n for n in (60, 48, 36, 28, 20) if n <= len(fine.vertices)]
+    hierarchy = nested_cages(fine, counts, FAST)
+    assert len(hierarchy.levels) == 5
+    inner = fine
+    for cage, count in zip(hierarchy.cages, counts, strict=True):
+        assert_nested(cage, inner)
+        assert len(cage.vertices) <= count
+        inner = cage
+    assert_nested(inner, fine)
+
+
+# Own coarse meshes with fewer loops (figure 4), and flows that get stuck
+
+WRAP = np.array([(-0.5, -0.5), (0.6, -0.45), (1.7, -0.5), (1.7, 0.5), (0.6, 0.45), (-0.5, 0.5)])
+
+
+def two_rings() -> Mesh:
+    """Two annuli side by side."""
+    right = 1.2
+    return Mesh.from_loops([ring(40, 0.5), disc(40, 0.5, right, 0.0), ring(20, 0.2), disc(20, 0.2, right, 0.0)])
+
+
+@pytest.mark.parametrize(
+    "coarse",
+    [[WRAP], [WRAP, disc(5, 0.22, 1.22, 0.03)], [ring(6, 0.5), disc(6, 0.5, 1.2, 0.0)]],
+    ids=["one loop around both", "one hole left open", "both holes covered"],
+)
+def test_one_cage_may_wrap_two_components_and_cover_holes(coarse: list[np.ndarray]) -> None:
+    """Gurditta & Jacobson 2022, figure 4."""
+    fine = two_rings()
+    level = nested_cages(fine, [Mesh.from_loops(coarse)], Settings(fallback=None)).levels[0]
+    assert level.report.start == "flow"
+    assert len(level.cage.loops) == len(coarse)
+    assert level.report.notes[-1] == f"Number of loops: {len(coarse)} of the cage, 4 of the mesh in it."
+    assert verify(level.cage, fine, level.report.wanted_clearance, same_loops=False)
+    assert polygon(level.cage).contains_properly(polygon(fine))
+    assert verify_motion(level.cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi / 3.0, 12, endpoint=False))
+def test_a_disc_in_a_triangle_s_ring_in_every_rotation(angle: float) -> None:
+    """Figure 5: the coarse mesh is reached by the flow itself, not from the outer hull."""
+    level = nested_cages(annulus(64), [annulus(3, 0.4, angle)], Settings(fallback=None)).levels[0]
+    assert_nested(level.cage, level.fine)
+
+
+def test_a_stuck_flow_without_fallback_carries_reason_and_way() -> None:
+    fine = comb(3, 0.05)
+    coarse = Mesh.from_loops([np.array([(0.1, -0.3), (0.9, -0.3), (0.9, -0.1), (0.1, -0.1)])])
+    with pytest.raises(FlowError, match=r"near \(.*\); .*\.$") as caught:
+        nested_cages(fine, [coarse], Settings(fallback=None))
+    assert caught.value.partial.levels == ()
+    cause = caught.value.__cause__
+    assert isinstance(cause, FlowError)
+    assert isinstance(cause.partial, FlowResult)
+    assert (cause.partial.steps[0] * fine.diagonal).shape == fine.vertices.shape
+    level = nested_cages(fine, [coarse]).levels[0]
+    assert level.report.start == "outer hull"
+    assert str(caught.value) in level.report.notes[0]
+    assert len(level.cage.vertices) == len(coarse.vertices)
