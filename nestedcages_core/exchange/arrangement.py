@@ -235,8 +235,11 @@ def _linked(points: FloatArray, tails: IntArray, heads: IntArray) -> list[IntArr
         choices = leaving.get(head, [])
         if not choices:
             raise InvalidMeshError(f"The shapes' outline is open near {place(points[head])}; move its points apart.")
-        angles = _empty_angle(points, np.full(len(choices), tails[edge]), head, heads[choices])
-        onward[edge] = choices[int(angles.argmin())]
+        sharpest = 0
+        if len(choices) > 1:
+            angles = _empty_angle(points, np.full(len(choices), tails[edge]), head, heads[choices])
+            sharpest = int(angles.argmin())
+        onward[edge] = choices[sharpest]
     loops = []
     open_ = set(range(len(tails)))
     while open_:
