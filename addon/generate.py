@@ -194,6 +194,7 @@ class Generation:
             inner, finished = fine, []
             for number, wanted in enumerate(levels, 1):
                 name = say("{name}, level {number}", name=request.fine.name, number=number)
+                yield Progress(reached, name)  # before anything is computed, so that it can be shown
                 for step in self._level(name, inner, wanted, clearances, number):
                     if isinstance(step, CageLevel):
                         finished.append(step)
@@ -203,7 +204,8 @@ class Generation:
                         reached = max(reached, (done + step.fraction) / total)
                         yield Progress(reached, f"{name}: {say(STAGES[step.stage])}")
                 done += 1
-                yield Progress(done / total, name)
+                reached = done / total
+                yield Progress(reached, name)
             self.results.append(Result(request.fine, tuple(finished)))
 
     def _clearances(self, request: Request, fine: Any) -> tuple[float, ...]:
