@@ -39,6 +39,9 @@ SPIKE_VARIATIONS = (0.0, 0.1, 0.3)
 RESCUES = 40
 """Runs with wilder weights if no restart comes down to the wanted number."""
 
+RESCUE_MOVES, FEWEST_RESCUES = 8_000, 8
+"""Moves that all rescues together may take, about two seconds, and rescues that large outlines get nevertheless."""
+
 RESCUE_WHOLE = 400
 """Size up to which every second rescue begins at the outline itself."""
 
@@ -131,9 +134,11 @@ def _rescues(
     starts = [prepare(stage) for stage in _stages(outline, sum(minimum), minimum, (EVEN,))]
     if len(outline.vertices) <= RESCUE_WHOLE:
         starts.append(prepare(outline))
+    moves = max(len(start.vertices) for start in starts) - sum(minimum)
+    runs = max(FEWEST_RESCUES, min(RESCUES, RESCUE_MOVES // max(1, moves)))
     rng = random.Random(seed)
     hulls: list[Outline] = []
-    for k in range(RESCUES):
+    for k in range(runs):
         chosen = RESCUE.draw(rng, len(outline.sizes))
         hulls.append(ProgressiveHull(starts[k % len(starts)], chosen, minimum).run(count))
         if len(hulls[-1].vertices) <= count:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
+from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
 from ..mesh import Mesh
 from .level import LevelBuilder
@@ -34,7 +35,7 @@ def nested_cages(
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
     settings = settings if settings is not None else Settings()
-    wanted = _checked_levels(fine, levels)
+    fine, wanted = _checked(fine, levels)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
@@ -79,27 +80,31 @@ class NestedCagesRun:
         self._work.close()
 
 
-def _checked_levels(fine: Mesh, levels: Sequence[int | Mesh]) -> list[int | Mesh]:
-    """The levels, each an int or a Mesh; NestingError for those that no cage can have."""
+def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int | Mesh]]:
+    """The fine mesh and the levels, each an int or a Mesh, all meshes validated.
+
+    NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
+    """
     if not isinstance(fine, Mesh):
         raise NestingError(
             f"The fine mesh must be a Mesh, not {type(fine).__name__}; use Mesh.from_loops or Mesh.from_geometry."
         )
-    if isinstance(levels, (int, np.integer, Mesh)):
+    if isinstance(levels, Mesh | str) or not isinstance(levels, Iterable):
         raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
+    fine = fine.validated()
     checked: list[int | Mesh] = []
     before = len(fine.vertices)
-    fewest = 3 * len(fine.loops)
+    loops = len(fine.loops)
     for number, level in enumerate(levels, start=1):
         if isinstance(level, Mesh):
-            count = len(level.vertices)
-            checked.append(level)
+            count, loops = len(level.vertices), len(level.loops)
+            checked.append(level.validated())
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
             count = int(level)
-            if count < fewest:
+            if count < LEAST_PER_LOOP * loops:
                 raise NestingError(
-                    f"Level {number} asks for {count} vertices, but {len(fine.loops)} loops need at least {fewest}, 3 "
-                    f"each."
+                    f"Level {number} asks for {count} vertices, but {loops} loop{'s need' if loops > 1 else ' needs'} "
+                    f"at least {LEAST_PER_LOOP * loops}{f', {LEAST_PER_LOOP} each' if loops > 1 else ''}."
                 )
             checked.append(count)
         else:
@@ -112,4 +117,4 @@ def _checked_levels(fine: Mesh, levels: Sequence[int | Mesh]) -> list[int | Mesh
         before = count
     if not checked:
         raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
-    return checked
+    return fine, checked

@@ -56,7 +56,9 @@ class Settings:
     """How the cage is brought to its optimum once the fine mesh is home."""
 
     def __post_init__(self) -> None:
-        if self.clearance is not None and not (np.isfinite(self.clearance) and self.clearance >= 0.0):
+        length = self.clearance
+        known = length is None or isinstance(length, int | float | np.number)
+        if not known or (length is not None and not (np.isfinite(length) and length >= 0.0)):
             raise NestedCagesError(
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
                 f"default."

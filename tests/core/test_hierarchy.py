@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import logging
 
+import numpy as np
 import pytest
 
 from nestedcages_core import (
     ArcLength,
     FlowError,
     Hierarchy,
+    InvalidMeshError,
     Mesh,
     NestedCagesError,
     NestedCagesRun,
@@ -184,6 +186,10 @@ def test_a_clearance_that_no_cage_has_is_refused_with_the_best_one() -> None:
         (["many"], r"Level 1 must be a number of vertices or a Mesh, not 'many'"),
         ([True], r"Level 1 must be a number of vertices or a Mesh, not True"),
         (24, r"must be a list"),
+        (None, r"must be a list"),
+        ("24", r"must be a list"),
+        ([2], r"Level 1 asks for 2 vertices, but 2 loops need at least 6, 3 each\."),
+        ([Mesh.from_loops([ring(9, 1.2)]), 2], r"Level 2 asks for 2 vertices, but 1 loop needs at least 3\."),
     ],
 )
 def test_levels_that_make_no_sense_are_refused(levels: object, sentence: str) -> None:
@@ -197,10 +203,27 @@ def test_a_fine_mesh_must_be_a_mesh() -> None:
         nested_cages(ring(20), [5])  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("clearance", [-1.0, float("nan"), float("inf")])
-def test_impossible_clearances_are_refused(clearance: float) -> None:
+@pytest.mark.parametrize("clearance", [-1.0, float("nan"), float("inf"), "1 mm", [0.1]])
+def test_impossible_clearances_are_refused(clearance: object) -> None:
     with pytest.raises(NestedCagesError, match="clearance must be a finite length"):
-        Settings(clearance=clearance)
+        Settings(clearance=clearance)  # type: ignore[arg-type]
+
+
+def test_moved_meshes_are_validated_at_the_door() -> None:
+    fine = Mesh.from_loops([ring(50)])
+    with pytest.raises(InvalidMeshError, match="crosses itself near"):
+        nested_cages(fine.moved(fine.vertices[np.random.default_rng(0).permutation(50)]), [8])
+    coarse = Mesh.from_loops([ring(8)])
+    with pytest.raises(InvalidMeshError, match="crosses itself near"):
+        nested_cages(fine, [coarse.moved(coarse.vertices[[0, 4, 2, 6, 1, 5, 3, 7]])])
+    mirrored = fine.moved(fine.vertices * np.array([1.0, -1.0]))
+    assert_nested(nested_cages(mirrored, [8]).cages[0], mirrored.validated())
+
+
+def test_after_a_cage_with_fewer_loops_fewer_vertices_are_enough() -> None:
+    hierarchy = nested_cages(annulus(60), [Mesh.from_loops([ring(9, 1.2)]), 3])
+    assert [len(cage.vertices) for cage in hierarchy.cages] == [9, 3]
+    assert_nested(hierarchy.cages[1], hierarchy.cages[0])
 
 
 def test_the_log_at_debug_level_tells_the_story_of_a_run(caplog: pytest.LogCaptureFixture) -> None:
