@@ -3,10 +3,12 @@
     python benchmarks/shapes.py --data ../shared/data/shapes
 
 For every shape at 16, 32 and 64 vertices: our excess from outer-hull starts beside the record (the least excess of the
-methods ``best_known`` and ``prototype`` in peers.csv), and our time beside the recorded one of the prototype. Then,
-from resampled starts, the share of cage edges that show the sign of a local optimum of the area: flush with the fine
-mesh around their middle, or touched at it. Last, what shapely's buffer + simplify and GEOS's polygon hull make of the
-same shapes in the same run. Exit status 1 when an excess is above the allowed multiple of its record.
+methods ``best_known`` and ``prototype`` in peers.csv), that of our hull before it is tightened beside that of
+``prog_hull_strict`` there, and our time beside the recorded one of the prototype. Then, from resampled starts, the
+share of cage edges that show the sign of a local optimum of the area: flush with the fine mesh around their middle, or
+touched at it. Then five levels around each other. Last, what shapely's buffer + simplify and GEOS's polygon hull make
+of the same shapes in the same run. Exit status 1 when a cage is not certified, an excess is above the allowed multiple
+of its record, or that of a hull above the peer's.
 """
 
 from __future__ import annotations
@@ -16,17 +18,21 @@ import csv
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from data import read_shape
-from nestedcages_core import ArcLength, Mesh, NestedCagesError, Settings, nested_cages
+from nestedcages_core import ArcLength, Level, Mesh, NestedCagesError, OuterHull, Settings, nested_cages, verify
 from nestedcages_core.broad_phase import near_pairs
 from nestedcages_core.distance import point_edge
 from peers import buffer_and_simplify, polygon_hull
 
 COUNTS = (16, 32, 64)
+
+FIVE_LEVELS = (64, 48, 32, 24, 16)
+"""Vertices of cages around each other."""
 
 CLEARANCE_ALLOWANCE = 0.03
 """Points of excess that the clearance may cost: the records were set without one."""
@@ -48,65 +54,91 @@ def main() -> int:
     parser.add_argument("--repeats", type=int, default=3, help="runs of which the fastest counts")
     options = parser.parse_args()
     try:
-        records, seconds = read_records(options.data / "peers.csv")
+        records = read_records(options.data / "peers.csv")
     except OSError as error:
         print(f"There are no shapes to measure: {error}. Name their folder with --data.", file=sys.stderr)
         return 2
     shapes = options.shapes or sorted({shape for shape, _ in records})
-    ratios = hull_starts(options.data, shapes, records, seconds, options.repeats)
-    resampled_starts(options.data, shapes)
+    good = hull_starts(options.data, shapes, records, options.repeats)
+    good = resampled_starts(options.data, shapes) and good
+    good = five_levels(options.data, shapes) and good
     peers(options.data, shapes)
-    return 1 if max(ratios) > ALLOWED else 0
+    return 0 if good else 1
 
 
-def read_records(path: Path) -> tuple[dict[tuple[str, int], float], dict[tuple[str, int], float]]:
-    """Least recorded excess (%) and the prototype's seconds, by shape and vertex count."""
-    records: dict[tuple[str, int], float] = {}
-    seconds: dict[tuple[str, int], float] = {}
+@dataclass
+class Record:
+    """What peers.csv says of a shape at a vertex count; nan where it says nothing."""
+
+    excess: float = np.nan
+    """Least one, in per cent."""
+    seconds: float = np.nan
+    """Of the prototype."""
+    hull: float = np.nan
+    """Excess of a strict progressive hull, in per cent."""
+
+
+def read_records(path: Path) -> dict[tuple[str, int], Record]:
+    """The records by shape and vertex count."""
+    records: dict[tuple[str, int], Record] = {}
     with path.open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            key = row["shape"], int(row["m_target"])
+            record = records.setdefault((row["shape"], int(row["m_target"])), Record())
             if row["method"] in ("best_known", "prototype"):
-                records[key] = min(records.get(key, np.inf), float(row["excess_percent"]))
+                record.excess = float(np.fmin(record.excess, float(row["excess_percent"])))
             if row["method"] == "prototype" and row["seconds"]:
-                seconds[key] = float(row["seconds"])
-    return records, seconds
+                record.seconds = float(row["seconds"])
+            if row["method"] == "prog_hull_strict":
+                record.hull = float(row["excess_percent"])
+    return records
 
 
-def hull_starts(
-    folder: Path,
-    shapes: list[str],
-    records: dict[tuple[str, int], float],
-    seconds: dict[tuple[str, int], float],
-    repeats: int,
-) -> list[float]:
-    """The table of outer-hull starts; returns the ratios of our excess to the record."""
-    columns = ("fine", "cage", "excess %", "record %", "ratio", "CPU s", "recorded s", "new record")
-    print("Outer-hull starts\n" + f"{'shape':10}" + heading(columns))
-    ratios = []
+def hull_starts(folder: Path, shapes: list[str], records: dict[tuple[str, int], Record], repeats: int) -> bool:
+    """The table of outer-hull starts; whether all is as good as it should be."""
+    columns = "fine", "cage", "certified", "excess %", "record %", "ratio", "hull %", "peer's %", "CPU s", "recorded s"
+    print("Outer-hull starts\n" + f"{'shape':10}" + heading((*columns, "new record")))
+    ratios, hull_ratios, certified = [], [], True
     for name in shapes:
         fine = read_shape(folder, name)
         for count in COUNTS:
-            excess, ours = fastest(fine, count, Settings(), repeats)
+            level, ours = fastest(fine, count, Settings(), repeats)
+            excess, hull = (100.0 * (area / fine.area - 1.0) for area in (level.cage.area, hull_area(fine, count)))
             record = records[name, count]
-            ratio = max(excess - CLEARANCE_ALLOWANCE, NEGLIGIBLE) / max(record, NEGLIGIBLE)
-            ratios.append(ratio)
+            ratios.append(max(excess - CLEARANCE_ALLOWANCE, NEGLIGIBLE) / max(record.excess, NEGLIGIBLE))
+            hull_ratios.append(hull / record.hull)
+            certified &= is_certified(level)
             print(
-                f"{name:10}{len(fine.vertices):11d}{count:11d}{excess:11.3f}{record:11.3f}{ratio:11.3f}{ours:11.3f}"
-                f"{seconds.get((name, count), np.nan):11.2f}{'yes' if excess < record else '':>11}"
+                f"{name:10}{len(fine.vertices):11d}{count:11d}{yes(is_certified(level))}{excess:11.3f}"
+                f"{record.excess:11.3f}{ratios[-1]:11.3f}{hull:11.3f}{record.hull:11.3f}{ours:11.3f}"
+                f"{record.seconds:11.2f}{'yes' if excess < record.excess else '':>11}"
             )
     print(f"ratio to the record: median {np.median(ratios):.3f}, largest {max(ratios):.3f} (allowed {ALLOWED})")
-    return ratios
+    print(f"hull before tightening, to the peer's: median {np.median(hull_ratios):.3f}, largest {max(hull_ratios):.3f}")
+    return certified and max(ratios) <= ALLOWED and max(hull_ratios) <= 1.0
 
 
-def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[float, float]:
-    """Excess in per cent, and CPU seconds of the fastest of several runs."""
+def hull_area(fine: Mesh, count: int) -> float:
+    """Area of the hull that tightening begins with."""
+    return OuterHull().decimate(fine, count).area
+
+
+def is_certified(level: Level) -> bool:
+    """Whether a new look at a cage finds all that its level promises."""
+    return verify(level.cage, level.fine, level.report.wanted_clearance).holds
+
+
+def yes(good: bool) -> str:
+    return f"{'yes' if good else 'NO':>11}"
+
+
+def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[Level, float]:
+    """The level, and CPU seconds of the fastest of several runs."""
     times = []
     for _ in range(repeats):
         begin = time.process_time()
         hierarchy = nested_cages(fine, [count], settings)
         times.append(time.process_time() - begin)
-    return 100.0 * hierarchy.levels[0].report.excess, min(times)
+    return hierarchy.levels[0], min(times)
 
 
 def peers(folder: Path, shapes: list[str]) -> None:
@@ -129,20 +161,41 @@ def heading(columns: Sequence[str]) -> str:
     return "".join(f"{name:>11}" for name in columns)
 
 
-def resampled_starts(folder: Path, shapes: list[str]) -> None:
-    """The table of resampled starts with the sign of a local optimum."""
-    columns = ("cage", "excess %", "optimal edges %")
-    print("\nResampled starts\n" + f"{'shape':10}" + "".join(f"{name:>17}" for name in columns))
+def resampled_starts(folder: Path, shapes: list[str]) -> bool:
+    """The table of resampled starts with the sign of a local optimum; whether all cages are certified."""
+    print("\nResampled starts\n" + f"{'shape':10}" + heading(("cage", "certified", "start", "excess %", "optimal %")))
+    certified = True
     for name in shapes:
         fine = read_shape(folder, name)
         for count in COUNTS:
             try:
                 level = nested_cages(fine, [count], Settings(decimation=ArcLength())).levels[0]
             except NestedCagesError as error:
-                print(f"{name:10}{count:17d}  {error}")
+                print(f"{name:10}{count:11d}{yes(False)}  {error}")
+                certified = False
                 continue
+            certified &= is_certified(level)
             share = 100.0 * optimal_edges(level.cage, fine, level.report.wanted_clearance)
-            print(f"{name:10}{count:17d}{100.0 * level.report.excess:17.3f}{share:17.1f}")
+            print(
+                f"{name:10}{count:11d}{yes(is_certified(level))}{level.report.start:>11}"
+                f"{100.0 * level.report.excess:11.3f}{share:11.1f}"
+            )
+    return certified
+
+
+def five_levels(folder: Path, shapes: list[str]) -> bool:
+    """The table of cages around each other, each with its area beyond the shape's; whether all are certified."""
+    columns = *(f"{count} v. %" for count in FIVE_LEVELS), "certified"
+    print("\nFive levels\n" + f"{'shape':10}" + heading(columns))
+    certified = True
+    for name in shapes:
+        fine = read_shape(folder, name)
+        levels = nested_cages(fine, FIVE_LEVELS).levels
+        good = all(is_certified(level) and verify(level.cage, fine).holds for level in levels)
+        certified &= good
+        excess = [100.0 * (level.cage.area / fine.area - 1.0) for level in levels]
+        print(f"{name:10}" + "".join(f"{number:11.3f}" for number in excess) + yes(good))
+    return certified
 
 
 def optimal_edges(cage: Mesh, fine: Mesh, clearance: float) -> float:
