@@ -4,7 +4,9 @@ itself.
 On the way from one step to the next, with s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p -
 a) is zero and p lies beside the edge. Both c and the two products that say whether p lies beside it are quadratic in s,
 so each lies between the smallest and the largest of its three Bernstein coefficients (Farouki 2012). Where those have
-one sign, beyond their rounding errors, for the whole way, the pair is certified; where they do not, the way is halved.
+one sign, beyond their rounding errors, for the whole way, the pair is certified; so is one whose point stays on one
+side of both ends of the edge along x or along y, which also holds where the edge shrinks to a point in passing. All
+other ways are halved.
 A pair that is still open after all halvings counts as a collision: the certificate never errs on the other side.
 """
 
@@ -28,6 +30,9 @@ other."""
 ROUNDING = 16.0 * np.finfo(float).eps
 """Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
 safety."""
+
+HALVED = MAX_HALVINGS * np.finfo(float).eps
+"""Bound on the rounding error of a position on the way after all halvings, relative to the largest one."""
 
 SKIN = 1.0
 """Skin of the candidate list as a fraction of the mean cage edge length."""
@@ -80,6 +85,7 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
     ]
     (edge0, start0, end0), (edge1, start1, end1) = ends
     pair = np.arange(len(pairs))
+    margin = HALVED * np.max([np.abs(side).max(axis=1) for side in (start0, start1, end0, end1)], axis=0)
     certified = np.ones(len(pairs), bool)
     for _ in range(MAX_HALVINGS):
         side = _bernstein(edge0, edge1, start0, start1, cross=True)
@@ -89,6 +95,8 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
         along_start = _bernstein(edge0[open_], edge1[open_], start0[open_], start1[open_], cross=False)
         along_end = _bernstein(edge0[open_], edge1[open_], end0[open_], end1[open_], cross=False)
         open_[open_] = ~(_sure(along_start, -1.0) | _sure(along_end, 1.0))
+        sides = np.stack([corner[open_] for corner in (start0, start1, end0, end1)])
+        open_[open_] = ~_beyond(sides, margin[pair[open_]])
         crowded = np.bincount(pair[open_], minlength=len(pairs)) > MAX_PIECES
         certified[crowded] = False
         open_ &= ~crowded[pair]
@@ -104,6 +112,16 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
     else:
         certified[pair] = False
     return certified
+
+
+def _beyond(sides: FloatArray, margin: FloatArray) -> BoolArray:
+    """(K,) whether along an axis the point is beyond both ends of the edge, by the margin (K,), before and after.
+
+    sides: (4, K, 2) from the edge's ends to the point.
+    """
+    beyond = (sides > margin[:, None]).all(axis=0) | (sides < -margin[:, None]).all(axis=0)
+    certain: BoolArray = beyond.any(axis=1)
+    return certain
 
 
 def _bernstein(

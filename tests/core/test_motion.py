@@ -52,6 +52,17 @@ def test_a_jump_through_the_wall_is_found() -> None:
     assert verify_motion(cage, fine, np.repeat(cage.vertices[None], 3, axis=0), around)
 
 
+def test_an_edge_that_turns_around_through_a_point_meets_nothing_far_away() -> None:
+    """A fine edge shrinks to a point in the middle of the way and comes out reversed."""
+    fine = Mesh.from_loops([np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)])
+    after = fine.vertices.copy()
+    after[[0, 1]] = after[[1, 0]]
+    fine_steps = np.stack([fine.vertices, after])
+    for half, free in ((0.6, True), (0.5, False)):
+        cage = Mesh.from_loops([0.5 + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], float)])
+        assert bool(verify_motion(cage, fine, np.stack([cage.vertices, cage.vertices]), fine_steps)) == free
+
+
 def test_a_cage_that_crosses_itself_is_found() -> None:
     cage = Mesh.from_loops([np.array([[0, 0], [4, 0], [4, 4], [3, 4], [2, 2], [1, 4], [0, 4]], float)])
     fine = Mesh.from_loops([ring(8, 0.1) + np.array([2.0, 0.5])])
