@@ -22,6 +22,9 @@ from nestedcages_core.solver import Solver
 DEFAULT = "nested_cages"
 """The name of the method that is the program as it is, fallbacks and all."""
 
+OUT_OF_TIME = "ended after"
+"""How the problem of a run begins that was ended."""
+
 PHASES = ("flow", "reinflation", "tightening")
 CLEARANCE = 1e-5  # bounding-box diagonals of the fine mesh, the default of nested_cages
 LIMIT = 12.0  # CPU seconds after which a run is ended
@@ -73,6 +76,16 @@ class Measurement:
     def success(self) -> bool:
         """A certified cage, the fine mesh at home, an animation without a crossing."""
         return not self.failed and self.certified and self.short == 0.0 and bool(self.free)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run came to its own end with a cage that encloses the fine mesh, home or not."""
+        return self.certified and not self.out_of_time
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether it was ended from outside."""
+        return self.problem.startswith(OUT_OF_TIME)
 
     @property
     def total(self) -> float:
@@ -197,7 +210,7 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
             )  # fmt: skip
             way = way.with_tightening(cages)
     except OutOfTimeError:
-        result.failed, result.problem = phase, f"ended after {limit:.0f} s"
+        result.failed, result.problem = phase, f"{OUT_OF_TIME} {limit:.0f} s"
         if way is None and states and result.coarse is not None:
             m, stacked = len(result.coarse.vertices), np.stack(states)
             way = Reinflation(stacked[:, m:], stacked[:, :m], len(states) - 1, 0)

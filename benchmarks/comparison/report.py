@@ -106,11 +106,11 @@ def _original(found: dict[str, Results]) -> str:
         f"paper's method succeeds on {success[second][0]} figures and {success[second][1]} random shapes; the method "
         f"of 2015, with the exact signs and the collision detection of this program, on {success[first][0]} and "
         f"{success[first][1]}. Where both succeed, the original is the tighter one on {tighter} of {len(both)} and "
-        f"takes {1.0 / (ratio or 1.0):.2g} times as long in the median. On Table 1 its excess is "
+        f"{number(ratio, '.0f')} times faster in the median. On Table 1 its excess is "
         f"{number(median(row[first].excess for row in rows), '.1f')} % in the median, the paper's "
         f"{number(median(row['paper as written'].excess for row in rows), '.1f')} %. What loses is not the barrier but "
-        "what is around it: the same barrier with local ranges, projected Newton and a flow that gets inside is below "
-        "as robust and as fast as the filter, or more so."
+        "what is around it: the same barrier with local ranges, projected Newton and a flow that gets inside is as "
+        "robust as the filter and faster, as the tables below show."
     )
 
 

@@ -41,7 +41,7 @@ def kind_of_failure(result: Measurement) -> str:
     """What went wrong in words that several runs can share."""
     if result.success:
         return "succeeds"
-    if "ended after" in result.problem:
+    if result.out_of_time:
         return "out of time"
     if result.failed == "flow":
         return "the flow does not end (the program loops)"

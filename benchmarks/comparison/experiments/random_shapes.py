@@ -39,8 +39,9 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         runs = [shape[name] for shape in found.values()]
         good = [run for run in runs if run.success]
         lines.append([
-            name, count(found, name), str(sum(run.failed == "flow" for run in runs)),
-            str(sum(run.failed == "reinflation" for run in runs)), str(sum("ended" in run.problem for run in runs)),
+            name, count(found, name), str(sum(run.failed in ("decimation", DEFAULT) for run in runs)),
+            str(sum(run.failed == "flow" for run in runs)), str(sum(run.failed == "reinflation" for run in runs)),
+            str(sum(run.out_of_time for run in runs)), str(sum(not run.failed and not run.success for run in runs)),
             number(median(run.total for run in good), ".3f"), number(median(run.excess for run in good)),
             number(median(run[name].total for run in solved), ".3f"),
             number(median(run[name].excess for run in solved)),
@@ -48,7 +49,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
     lost = [
         f"* {shape}, {name}: {run[name].problem}"
         for shape, run in found.items()
-        for name in methods.CONTACTS
+        for name in (*methods.CONTACTS, DEFAULT)
         if not run[name].success
     ]
     seeds = ", ".join(re.sub(r"\D", "", shape) for shape in found)
@@ -60,9 +61,10 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         f"every {VERTICES_PER_COARSE}. Seeds from {FIRST_SEED} on, those that draw no valid shape of this size passed "
         f"over: {seeds}. A run is ended after {LIMIT:.0f} s. No method falls back on another start, but *{DEFAULT}*: "
         "that is the program as it is, without settings, which tries contacts in turn and the outer hull at last.",
-        table(["method", "success", "flow fails", "reinflation fails", "of these out of time", "median s",
-               "median excess %", "shared: s", "shared: excess %"], lines),
-        "Medians are over a method's own successes, and, as *shared*, over the "
+        table(["method", "success", "no start", "flow fails", "reinflation fails", "of these out of time", "refuted",
+               "median s", "median excess %", "shared: s", "shared: excess %"], lines),
+        "*No start*: refused before anything moved; *refuted*: the run ended well, but a certificate says no. Medians "
+        "are over a method's own successes, and, as *shared*, over the "
         f"{len(solved)} shapes on which every method leaves a cage that encloses the shape, home or not. "
         + ("Where one of ours did not succeed:\n\n" + "\n".join(lost) if lost else "Ours always succeeded."),
         f"The {min(SHOWN, len(found))} shapes that fewest methods solve:",
