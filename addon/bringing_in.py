@@ -9,7 +9,10 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
+from .chains import without_doubles
+from .plane import size
 from .refusal import Refusal
 
 SVG, MAPS = (".svg",), (".geojson", ".json")
@@ -63,22 +66,38 @@ def place(
     for shape in shapes:
         turned = shape.y_down if y_down is None else y_down
         points = shape.mesh.vertices * (scale, -scale if turned else scale)
-        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        middle = middle.astype(np.float32).astype(np.float64)
-        near = (points - middle).astype(np.float32)
-        try:  # float32 may have made points one that were two
-            core.Mesh.from_loops([near[loop].astype(np.float64) for loop in shape.mesh.loops])
-        except core.NestedCagesError as error:
-            raise Refusal(
-                "'{name}' loses detail in Blender's precision: {problem}", name=shape.name, problem=error
-            ) from error
-        made.append((shape.name, np.column_stack([near, np.zeros(len(near))]), shape.mesh.edges, middle))
+        middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
+        stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops], core)
+        made.append((shape.name, stored, middle))
     objects = []
-    for name, corners, edges, middle in made:
+    for name, mesh, middle in made:
         data = bpy.data.meshes.new(name)
-        data.from_pydata(corners.tolist(), edges.tolist(), [])
+        corners = np.column_stack([mesh.vertices, np.zeros(len(mesh.vertices))])
+        data.from_pydata(corners.tolist(), mesh.edges.tolist(), [])
         obj = bpy.data.objects.new(name, data)
         obj.location = (*middle, 0.0)
         context.collection.objects.link(obj)
         objects.append(obj)
     return objects
+
+
+def _stored(name: str, loops: list[NDArray[np.float64]], core: ModuleType) -> Any:
+    """The core's ``Mesh`` of loops (k, 2) in the numbers that Blender stores. Raises: Refusal.
+
+    Points that float32 cannot tell apart become one, and loops that touch because of it are joined.
+    """
+    extent = size(np.concatenate(loops))
+    try:
+        kept = [_rounded(loop, extent) for loop in loops]
+        try:
+            return core.Mesh.from_loops(kept)
+        except core.NestedCagesError:
+            mended = core.exchange.solid([core.exchange.Painted(kept, evenodd=True)])
+            return core.Mesh.from_loops([_rounded(mended.vertices[loop], extent) for loop in mended.loops])
+    except core.NestedCagesError as error:
+        raise Refusal("'{name}' loses detail in Blender's precision: {problem}", name=name, problem=error) from error
+
+
+def _rounded(loop: NDArray[np.float64], extent: float) -> NDArray[np.float64]:
+    """A loop (k, 2) as float32, without points that lie on the one before."""
+    return without_doubles(loop.astype(np.float32), extent).astype(np.float64)

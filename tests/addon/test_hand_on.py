@@ -233,6 +233,15 @@ def test_drawings_are_read_from_files_and_caged(core, tmp_path) -> None:
     assert {tuple(obj.dimensions[:2]) for obj in bpy.context.selected_objects} == {(9.0, 9.0)}
 
 
+def test_points_that_float32_cannot_tell_apart_become_one(tmp_path) -> None:
+    near = 1e-7
+    data = f"M0 0H10V10H0Z M0 0h{near}v{-near}z M10 10h5v5h-5z M3 3h2v{near}h-2z"  # a speck, a touch, a slit
+    (tmp_path / "fine.svg").write_text(f'<svg><path fill-rule="evenodd" d="{data}"/></svg>')
+    assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "fine.svg"), scale=1.0) == {"FINISHED"}
+    assert solid(bpy.context.active_object).area == pytest.approx(125.0, rel=1e-4)
+    assert bpy.ops.object.nested_cages_generate(levels="6") == {"FINISHED"}
+
+
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [
