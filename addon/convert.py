@@ -5,7 +5,7 @@ in.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
@@ -114,6 +114,11 @@ def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = Reading
             off=off,
         )
     return Drawing(outline.name, frame, tuple(loops), outline.identity)
+
+
+def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
+    """A drawing and others in the same frame as one, as if their objects were joined."""
+    return replace(drawing, loops=tuple(loop for part in (drawing, *others) for loop in part.loops))
 
 
 def _closed_loops(

@@ -27,6 +27,7 @@ OPERATORS = {
 SETTINGS = {
     "level": "levels",
     "use_selected_as_levels": "own_meshes",
+    "together": "cages",
     "clearance": "levels",
     "decimation": "levels",
     "energy": "levels",

@@ -66,6 +66,14 @@ class GenerationProperties:
         ),
         default=False,
     )
+    together: BoolProperty(  # type: ignore[valid-type]
+        name="All in One",
+        description=(
+            "Wrap all selected drawings in common cages, as if they were one object, instead of each in its own; they "
+            "lie in the plane of the active one"
+        ),
+        default=False,
+    )
     clearance: FloatProperty(  # type: ignore[valid-type]
         name="Clearance",
         description=(
@@ -182,7 +190,7 @@ class GenerationProperties:
 
 # All settings; and what is shown together, in this order.
 NAMES = tuple(GenerationProperties.__annotations__)
-WHAT = ("use_selected_as_levels", "clearance", "decimation", "energy")
+WHAT = ("use_selected_as_levels", "together", "clearance", "decimation", "energy")
 FRAMES = ("start_frame", "frames_per_step")
 ANIMATION = ("show_flow", "ease", "loop_back", "show_result")
 LOOKS = ("thickness",)

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .. import binding, convert, originals, output, properties
+from .. import binding, convert, originals, output, ownership, properties
 from ..generate import OWN, Generation, Request
 from ..job import TICK, Job, running
 from ..properties import GenerationProperties
@@ -186,42 +186,51 @@ class NESTEDCAGES_OT_cancel(bpy.types.Operator):
 
 
 def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode."""
+    """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode.
+
+    Output of a drawing that is selected itself is about to be replaced, not to be caged.
+    """
     if context.mode == "EDIT_MESH":
         return list(context.objects_in_mode_unique_data)
-    return [obj for obj in context.selected_objects if convert.readable(obj)]
+    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
+    return [obj for obj in selected if not _is_output_of(obj, selected)]
+
+
+def _is_output_of(obj: bpy.types.Object, drawings: list[bpy.types.Object]) -> bool:
+    collection = next((c for c in obj.users_collection if ownership.SOURCE in c), None)
+    return ownership.LEVEL in obj and collection is not None and collection[ownership.SOURCE] in drawings
 
 
 def requests(context: bpy.types.Context, values: GenerationProperties) -> list[Request]:
-    """What the selection asks for: each drawing with its own cages, or the active one with the others as its levels.
-    Raises: Refusal.
+    """What the selection asks for: each drawing with its own cages, all in common ones, or the active one with the
+    others as its levels. Raises: Refusal.
     """
     reading = properties.reading_options(values)
-    selected = sources(context)
-    if not values.use_selected_as_levels:
+    selected, active = sources(context), context.view_layer.objects.active
+    if values.use_selected_as_levels:
+        if active not in selected or len(selected) < 2:
+            raise Refusal(
+                "'Selected as Levels' needs the drawing as the active object and at least one coarse mesh selected "
+                "beside it"
+            )
+        own = [obj for obj in selected if obj is not active]
+        drawings = [[active]]
+    else:
         own = _own_objects(context, values)
-        found = []
-        for obj in selected:
-            if obj not in own:
-                fine = convert.fine_drawing(convert.read(context, obj, reading), reading)
-                coarse = [convert.drawing_in(fine.frame, convert.read(context, o, reading), reading) for o in own]
-                found.append(Request(fine, tuple(coarse)))
-        if not found:
+        alone = sorted((obj for obj in selected if obj not in own), key=lambda obj: obj is not active)
+        drawings = [alone] if values.together else [[obj] for obj in alone]
+        if not alone:
             raise Refusal("Select the drawing too: all that is selected is one of its levels")
-        return found
-    active = context.view_layer.objects.active
-    if active not in selected or len(selected) < 2:
-        raise Refusal(
-            "'Selected as Levels' needs the drawing as the active object and at least one coarse mesh selected "
-            "beside it"
-        )
-    fine = convert.fine_drawing(convert.read(context, active, reading), reading)
-    coarse = [
-        convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading)
-        for obj in selected
-        if obj is not active
-    ]
-    return [Request(fine, tuple(sorted(coarse, key=lambda drawing: -sum(map(len, drawing.loops)))))]
+    found = []
+    for objects in drawings:
+        outlines = [convert.read(context, obj, reading) for obj in objects]
+        fine = convert.fine_drawing(outlines[0], reading)
+        fine = convert.joined(fine, [convert.drawing_in(fine.frame, outline, reading) for outline in outlines[1:]])
+        coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
+        if values.use_selected_as_levels:
+            coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
+        found.append(Request(fine, tuple(coarse)))
+    return found
 
 
 def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:

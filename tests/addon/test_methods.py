@@ -225,7 +225,7 @@ def test_presets_that_come_along_set_all_that_makes_a_cage(addon, path) -> None:
         for target in node.targets
         if isinstance(target, ast.Attribute)
     }
-    expected = {"levels", "use_selected_as_levels", "clearance", "show_flow"} | set(
+    expected = {"levels", "use_selected_as_levels", "together", "clearance", "show_flow"} | set(
         addon.methods.Methods.__dataclass_fields__
     )
     assert assigned == expected

@@ -226,6 +226,53 @@ def test_several_selected_drawings_get_their_own_cages(addon) -> None:
         assert collection["nested_cages_source"] == bpy.data.objects[name]
 
 
+def test_all_selected_drawings_in_common_cages(addon, core) -> None:
+    """Two drawings in objects of their own, each with its transform, and a hole that is an object too."""
+    one, two, hole = poly_curve("One", [star()]), wire("Two", [circle(40)]), wire("Hole", [circle(12, 0.3)])
+    two.location, two.rotation_euler = (3.0, 0.5, 0.0), (0.0, 0.0, 0.4)
+    for obj in (one, two, hole):
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = one
+    bpy.context.view_layer.update()
+    assert generate(levels="30", together=True) == {"FINISHED"}
+    (collection,) = [c for c in bpy.data.collections if "nested_cages_source" in c]
+    assert collection["nested_cages_source"] == one and collection.name == "One Cages"
+    fine, cage = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    depsgraph = at_frame(cage["nested_cages_end"])
+    moved = in_world(two, evaluated(two, depsgraph))[:, :2]
+    expected = shapely.Polygon(star(), [circle(12, 0.3)]).union(shapely.Polygon(moved))
+    assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+    assert len(solid(cage, depsgraph).geoms) == 2
+    once = snapshot()
+    generate(levels="30", together=True)
+    assert snapshot() == once
+
+
+def test_drawings_in_common_cages_must_not_cross(addon) -> None:
+    poly_curve("One", [star()])
+    wire("Two", [circle(40, 1.0, (0.9, 0.0))])
+    bpy.data.objects["One"].select_set(True)
+    with pytest.raises(RuntimeError, match="'Two': Loops 0 and 1 cross"):
+        generate(together=True)
+
+
+def test_output_that_is_selected_with_its_drawing_is_replaced_not_caged(addon) -> None:
+    poly_curve("Drawing", [star()])
+    generate()
+    for obj in bpy.data.objects:
+        obj.hide_viewport = False
+        obj.select_set(True)
+    generate()
+    assert len(bpy.data.collections) == 1 and len(bpy.data.objects) == 4
+    cage = output()[2][0]
+    for obj in bpy.data.objects:
+        obj.select_set(obj == cage)
+    bpy.context.view_layer.objects.active = cage
+    generate(levels="8")  # a cage that is selected on its own is a drawing like any other
+    assert "Drawing Cage 1 Cages" in bpy.data.collections
+
+
 def test_a_second_run_replaces_what_the_first_made(addon) -> None:
     poly_curve("Drawing", [star()])
     generate()
@@ -404,7 +451,18 @@ def levels_out_of_plane():
     bpy.data.objects["Tilted"].select_set(True)
 
 
+def not_a_number():
+    loop = raised(star())
+    loop[3, 0] = np.nan
+    return wire("Broken", [loop])
+
+
 REFUSALS = {
+    "duplicate loops": (lambda: poly_curve("Twice", [star(), star()]), {}, "'Twice': "),
+    "loops that touch": (lambda: poly_curve("Touch", [circle(4), circle(4, 1.0, (2.0, 0.0))]), {}, "'Touch': "),
+    "a single point": (lambda: poly_curve("Point", [np.zeros((4, 2))]), {}, "'Point'"),
+    "no numbers": (not_a_number, {}, "'Broken'"),
+    "no room": (lambda: poly_curve("Drawing", [star(), circle(12, 0.1)]), {"clearance": 0.2}, "ask for less than 0.09"),
     "open spline": (lambda: poly_curve("Open", [star()], cyclic=False), {}, "'Open' is open"),
     "crosses itself": (eight, {"levels": "3"}, "'Eight': "),
     "not planar": (bent, {}, "'Bent' does not lie in one plane"),

@@ -6,6 +6,7 @@ settings = bpy.context.scene.nested_cages
 
 settings.levels = "24, 12"
 settings.use_selected_as_levels = False
+settings.together = False
 settings.clearance = 0.02
 settings.decimation = "ON_CURVE"
 settings.energy = "AREA"

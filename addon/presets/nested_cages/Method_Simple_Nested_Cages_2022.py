@@ -6,6 +6,7 @@ settings = bpy.context.scene.nested_cages
 
 settings.levels = "20%"
 settings.use_selected_as_levels = False
+settings.together = False
 settings.clearance = 0.0
 settings.decimation = "LEVEL_SET"
 settings.energy = "AREA"
