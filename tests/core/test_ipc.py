@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError
+from nestedcages_core import IPC, Area, Mesh, OnCurve, ProjectedNewton, ReinflationError, Settings, nested_cages
 from nestedcages_core.contact.barrier_ranges import BarrierRanges, facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, Weights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.reinflation import Reinflation, reinflate
-from shapes import ring
+from nestedcages_core.solver import Model
+from nestedcages_core.solver.newton import STALLED_AFTER
+from shapes import assert_nested, ring
 
 
 def annulus(count: int) -> Mesh:
@@ -161,3 +163,43 @@ def test_a_cage_that_cannot_give_way_is_an_error_with_the_steps_so_far(monkeypat
         home_again(fine, coarse, start)
     assert isinstance(caught.value.partial, Reinflation)
     assert len(caught.value.partial.fine_steps) > 1
+
+
+def needles() -> Mesh:
+    """Seven long spikes around a core of two hundred vertices."""
+    radius = np.where(np.arange(200) % 28 == 0, 1.0, 1e-3)
+    return Mesh.from_loops([radius[:, None] * ring(200)])
+
+
+def test_a_crowd_of_pairs_is_left_to_the_next_contact() -> None:
+    """All of the core is within reach of all of the cage there, so that one iteration costs as much as fifty others."""
+    fine, coarse = needles(), OnCurve().decimate(needles(), 40)
+    with pytest.raises(ReinflationError, match="too many pairs are in contact at once"):
+        nested_cages(fine, [coarse], Settings(contact=IPC(crowd=10.0), fallback=None))
+    level = nested_cages(fine, [coarse], Settings(fallback=None)).levels[0]
+    assert_nested(level.cage, fine)
+
+
+class Walled:
+    """|x|² with walls that let no step go farther than a millionth."""
+
+    def value(self, x: np.ndarray) -> float:
+        return float((x * x).sum())
+
+    def slope(self, x: np.ndarray) -> tuple[float, np.ndarray]:
+        return self.value(x), 2.0 * x
+
+    def newton(self, x: np.ndarray) -> Model:
+        return Model(self.value(x), 2.0 * x, -x)
+
+    def largest_step(self, x: np.ndarray, direction: np.ndarray) -> float:
+        return 1e-6
+
+    def finished(self, x: np.ndarray) -> bool:
+        return False
+
+
+def test_steps_that_walls_cut_short_come_to_an_end() -> None:
+    solution = ProjectedNewton().minimise(Walled(), np.ones((3, 2)), lambda x: None)
+    assert not solution.converged
+    assert solution.iterations == STALLED_AFTER
