@@ -86,7 +86,7 @@ def run(names: list[str], given: argparse.Namespace) -> None:
                 control.data.update()
                 points = following.evaluated_points(bpy.context, drawing)[:, :2]
                 moved, around = fine.moved(points), cage.moved(posed)
-                bent[f"{kind}: {left_outside(moved, around)} points outside"] = (moved, around)
+                bent[f"{kind}, outside: {left_outside(moved, around)}"] = (moved, around)
     if given.picture and bent:
         draw(bent, given.picture)
 

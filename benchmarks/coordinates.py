@@ -67,7 +67,7 @@ def main() -> None:
             if name == BENT:
                 posed = cage.moved(bend(cage, fine.vertices.min(axis=0)))
                 moved = fine.moved(deform(weights, posed))
-                bent[f"{kind}: {left_outside(moved, posed)} points outside"] = (moved, posed)
+                bent[f"{kind}, outside: {left_outside(moved, posed)}"] = (moved, posed)
     if given.picture and bent:
         draw({"at rest": (read_shape(given.data, BENT), at_rest), **bent}, given.picture)
 
