@@ -54,8 +54,8 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         "Every row keeps the changes of those above it; all are objects in `Settings`, listed in "
         "`benchmarks/comparison/methods.py`. *Certified*: cages that strictly enclose the fine mesh at home, whether "
         "or not that came home. Times, excess and iterations are over the "
-        f"{len(solved)} shapes on which every row ends with such a cage in time: {', '.join(solved) or 'none'}; the times are "
-        "geometric means.",
+        f"{len(solved)} shapes on which every row ends with such a cage in time: {', '.join(solved) or 'none'}; the "
+        "times are geometric means.",
         table(["", "method", "success", "certified", "came home", "flow stuck", "s", "mean excess %", "iterations"],
               lines),
         "Excess and time where a row succeeded; otherwise ✗ and the phase that failed, and in brackets the excess of "
@@ -81,12 +81,11 @@ def finding(found: Results, inputs: Inputs) -> str:
         gained = sum(b.success and not a.success for a, b in pairs)
         lost = sum(a.success and not b.success for a, b in pairs)
         parts = [f"{gained} more succeed" if gained else "", f"{lost} no longer succeed" if lost else ""]
-        if both and all(a.excess == b.excess and a.iterations == b.iterations for a, b in both):
-            parts.append(f"changes nothing on any of {len(both)} shapes")
-        elif both:
-            ratio = statistics.geometric_mean(b.total / a.total for a, b in both)
+        if both:
+            parts.append(f"time × {statistics.geometric_mean(b.total / a.total for a, b in both):.2g}")
+            same = all(a.excess == b.excess for a, b in both)
             points = statistics.mean(b.excess - a.excess for a, b in both)
-            parts += [f"time × {ratio:.2g}", f"excess {points:+.2f} points"]
+            parts.append(f"the same excess on all {len(both)}" if same else f"excess {points:+.2f} points")
         told.append(f"*{name.removeprefix('+ ')}*: " + ", ".join(part for part in parts if part))
     return (
         "**Each improvement**, against the row before it, where both end in time with a cage that encloses the shape, "
