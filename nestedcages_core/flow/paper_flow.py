@@ -29,8 +29,8 @@ class PaperFlow:
 
     step: float = 0.01 / PAPER_DIAGONAL
     """h in bounding-box diagonals of the fine mesh; the program's is 0.01 on the annulus of Table 1."""
-    limit: int = 100
-    """Most steps."""
+    limit: int = 300
+    """Most steps; the program has no cap. Of 78 pairs none that was outside after 230 steps got inside in 1,000."""
     samples: int = 4
     """Samples per edge, at t = 0, 1/samples, … from the vertex on, weighted (1 - t)² / length."""
     exact_parity: bool = False
