@@ -6,6 +6,7 @@ import os
 import platform
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import scipy
@@ -168,14 +169,22 @@ def document(
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
+def _processor() -> str:
+    """The model of the processor, where the system says."""
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()
+
+
 def _method(runs: int, seconds: float, jobs: int) -> list[str]:
     return [
         "## How it was measured",
-        f"`{COMMAND}`, from the project's root, wrote this page: every number, verdict, table and plot, from "
-        f"{runs:,} runs in {seconds / 60.0:.1f} minutes. [comparison/runs.csv](comparison/runs.csv) has every run in a "
-        "line. "
+        f"`{COMMAND}{f' --jobs {jobs}' if jobs > 1 else ''}`, from the project's root, wrote this page: every number, "
+        f"verdict, table and plot, from {runs:,} runs in {seconds / 60.0:.1f} minutes. "
+        "[comparison/runs.csv](comparison/runs.csv) has every run in a line. "
         f"Nested Cages {__version__}, Python {platform.python_version()}, numpy {np.__version__}, scipy "
-        f"{scipy.__version__}, {sys.platform}, {os.cpu_count()} cores, {jobs} of them in use, "
+        f"{scipy.__version__}, {sys.platform}, {_processor()}, {os.cpu_count()} cores, {jobs} of them in use, "
         "one thread each.",
         "\n".join([
             f"* **Time** is CPU time of the process. Runs of less than {SHORT} s in Table 1 and in the tables of "

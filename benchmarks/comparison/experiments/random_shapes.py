@@ -12,7 +12,7 @@ from comparison.experiments.figures import failures
 from comparison.measure import DEFAULT, Results, compare, measure, measure_default
 from comparison.tables import count, median, number, table
 
-LIMIT = 6.0  # CPU seconds of a run
+LIMIT = 10.0  # CPU seconds of a run
 SHOWN = 8  # shapes in the picture
 
 
