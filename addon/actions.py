@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import animation, binding, output, ownership
+from . import animation, binding, hiding, output, ownership
 from .filling import points_of
 from .output import PHASES
 from .refusal import Refusal, say
@@ -83,7 +83,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
                 obj.data.vertices.foreach_set("co", home.ravel())
             obj.data.update()
         if obj.animation_data is not None and obj.animation_data.action is not None:
-            animation.always_show(obj)
+            hiding.always_show(obj)
         obj.hide_viewport = obj.hide_render = False
         for name in (*TIMES, PHASES):
             if name in obj:

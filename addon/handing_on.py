@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import animation, convert, filling, looks, output, ownership
+from . import convert, filling, hiding, looks, output, ownership
 from .bringing_in import Y_DOWN
 from .plane import PLANARITY, size
 from .refusal import Refusal
@@ -82,7 +82,7 @@ def make_animated(objects: Sequence[bpy.types.Object], core: ModuleType) -> list
         filling.add_faces(new.data, core.triangulation.triangulate(outline).triangles)
         if new.animation_data is not None and new.animation_data.action is not None:
             _own_action(new)
-            animation.always_show(new)
+            hiding.always_show(new)
         looks.set_thickness(new, 0, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
         for name in [name for name in new.keys() if name.startswith("nested_cages_")]:  # noqa: SIM118

@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from . import animation, looks
+from . import animation, hiding, looks
 from .animation import Span, StoredPhases, Timing
 from .generate import CageLevel, Result
 from .ownership import LEVEL, SOURCE, collection_of, member, members
@@ -115,7 +115,7 @@ def _write_one(
             inner = result.levels[number]
             _play(cage, inner.fine_steps, inner, timeline, timing, number + 1, from_rest=True)
         gone = animation.mirrored(span.flow, timeline[-1].end, timing)
-        animation.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
+        hiding.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
         _describe(cage, _facts(result, level, span, number))
     for surplus in [o for o in members(collection) if o[LEVEL] > len(result.levels)]:
         replaced.drop(surplus)

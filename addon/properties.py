@@ -18,9 +18,10 @@ from bpy.props import (
 
 from . import level_list
 from .animation import Timing
+from .choices import REPAIRS, SETTINGS
 from .convert import ReadingOptions
 from .generate import Options, parse_levels
-from .methods import REPAIRS, SETTINGS, Methods
+from .methods import Methods
 
 # Parts, because any drawing has them; of a text or an imported icon they are some 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"

@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from . import animation, looks
+from .hiding import HIDING, Hiding, take_hiding
 from .ownership import LEVEL, members
 
 # What a transform consists of; setting these copies the very numbers, which a matrix would round.
@@ -24,7 +25,6 @@ TRANSFORM = (
     "delta_rotation_quaternion",
     "delta_scale",
 )
-HIDDEN = ("hide_viewport", "hide_render")
 # What all of our custom properties begin with.
 PREFIX = "nested_cages_"
 
@@ -48,7 +48,7 @@ class Replaced:
         keys = obj.data.shape_keys
         for block in (obj.data, keys, _action(keys)):
             self._rename(block)
-        hiding = animation.take_hiding(obj)
+        hiding = take_hiding(obj)
         if hiding.action is not None and not hiding.kept:
             self._rename(hiding.action)
         next(member for member in self._members if member.obj == obj).hiding = hiding
@@ -108,10 +108,10 @@ class _Member:
         obj, modifier = self.obj, self.obj.modifiers.get(looks.THICKNESS)
         self.name, self.mesh = obj.name, obj.data
         self.transform = {name: _plain(getattr(obj, name)) for name in TRANSFORM}
-        self.hidden = {name: getattr(obj, name) for name in HIDDEN}
+        self.hidden = {name: getattr(obj, name) for name in HIDING}
         self.properties = _properties(obj)
         self.radius = 0.0 if modifier is None else looks.get_input(modifier, "Radius")
-        self.hiding: animation.Hiding | None = None
+        self.hiding: Hiding | None = None
 
     def restore(self) -> None:
         obj = self.obj

@@ -60,13 +60,13 @@ PRESETS = ROOT / "addon" / "presets" / "nested_cages"
 
 
 def choices(addon):
-    return [(name, key) for name, setting in addon.methods.SETTINGS.items() for key in setting.choices]
+    return [(name, key) for name, setting in addon.choices.SETTINGS.items() for key in setting.choices]
 
 
 def test_the_table_is_complete(addon) -> None:
     expansion = {("expansion_energy", key) for name, key in EXPECTED if name == "energy"}
     assert set(choices(addon)) == set(EXPECTED) | expansion | {("expansion_energy", "SAME")}
-    for setting in addon.methods.SETTINGS.values():
+    for setting in addon.choices.SETTINGS.values():
         for key, name, description in setting.items:
             assert key.isupper() and name and len(description) > 15, (key, name)
             assert not description.endswith("."), key  # Blender adds it

@@ -325,7 +325,7 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
     once = everything()
     room, name, calls = {
         "first level": (addon.animation, "add_steps", 1),
-        "second level": (addon.animation, "hide_until", 2),
+        "second level": (addon.hiding, "hide_until", 2),
         "second drawing": (addon.animation, "add_steps", 4),
         "markers": (addon.animation, "add_markers", 2),
         "thickness": (addon.looks, "set_thickness", 4),
