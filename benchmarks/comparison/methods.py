@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
+
+import numpy as np
 
 from nestedcages_core import (
     IPC,
@@ -24,6 +27,7 @@ from nestedcages_core import (
     NoFilter,
     OnCurve,
     OuterHull,
+    OwnDecimation,
     PaperContact,
     PaperFlow,
     ProjectedNewton,
@@ -137,6 +141,14 @@ QUADRATURES: dict[str, Quadrature] = {
     "even samples": EvenSamples(),
 }
 
+
+def every_kth(loops: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
+    """The user's own decimation, for example: vertices at even steps of their numbers."""
+    total = sum(len(loop) for loop in loops)
+    shares = [max(3, count * len(loop) // total) for loop in loops]
+    return [loop[np.arange(share) * len(loop) // share] for loop, share in zip(loops, shares, strict=True)]
+
+
 DECIMATIONS: dict[str, Decimation] = {
     "arc length": ArcLength(),
     "Douglas–Peucker": DouglasPeucker(),
@@ -145,6 +157,7 @@ DECIMATIONS: dict[str, Decimation] = {
     "on the curve": OnCurve(),
     "outer hull": OuterHull(),
     "level set": LevelSet(),
+    "own: every k-th": OwnDecimation(every_kth),
 }
 
 

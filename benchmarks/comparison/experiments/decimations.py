@@ -39,9 +39,9 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         lines.append([name, _told(fine, few, LevelSet()), _told(fine, few, LevelSet(change_loops=True))])
     return "\n\n".join([
         f"## Decimations, {COUNT} vertices",
-        "Seven ways to make the coarse mesh, each followed by flow (where it does not enclose the shape), IPC and "
+        "Ways to make the coarse mesh, each followed by flow (where it does not enclose the shape), IPC and "
         "tightening; one start each, where `nested_cages` would try several. *On the curve* chooses the vertices that "
-        "describe the curve best; the user's own decimation (`OwnDecimation`) is a function and has no row.",
+        "describe the curve best; the last is a function of five lines, as a user's own may be (`OwnDecimation`).",
         matrix("shape", names, found, excess_and_time),
         "![Decimations](comparison/decimations.png)",
         "A level set at a large offset closes holes and merges parts. `LevelSet()` refuses that and says which loop is "
