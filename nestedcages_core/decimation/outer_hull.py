@@ -9,6 +9,8 @@ from itertools import islice
 import numpy as np
 
 from .._types import FloatArray
+from ..broad_phase import near_pairs
+from ..distance import point_edge
 from ..errors import InvalidMeshError, NestingError
 from ..mesh import Mesh
 from ..mesh.validation import place as in_words
@@ -123,8 +125,13 @@ class _Search:
         return max(self.total, len(hull.vertices)), hull.area
 
     def tightest(self) -> FloatArray:
-        """A place where there is no room."""
-        place: FloatArray = self.start.vertices[self.stuck[0] if len(self.stuck) else 0]
+        """The vertex that is closest to an edge which does not end there."""
+        starts, successor = self.start.vertices, self.start.successor
+        vertex, edge = near_pairs(starts, starts, starts[successor], self.distance)
+        apart = (vertex != edge) & (vertex != successor[edge])
+        vertex, edge = vertex[apart], edge[apart]
+        distance = point_edge(starts[vertex], starts[edge], starts[successor[edge]]).distance
+        place: FloatArray = starts[vertex[distance.argmin()] if len(vertex) else 0]
         return place
 
     def unreachable(self, best: Outline) -> str:
