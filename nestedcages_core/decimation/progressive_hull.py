@@ -175,7 +175,7 @@ class ProgressiveHull:
         x, y = (bx + s * ux, by + s * uy) if nearer_b else (cx + t * qx, cy + t * qy)
         if self._within_reach(x, y):
             area = 0.5 * abs(s * turn_b)
-            height_squared = 4.0 * area * area / (wx * wx + wy * wy)
+            height_squared = 2.0 * area * (2.0 * area / (wx * wx + wy * wy))  # area² may leave the range of floats
             self.queue.push(2 * b + 1, self.factor[b] * (weight * area + weights.spike * height_squared), x, y)
 
     def _within_reach(self, x: float, y: float) -> bool:

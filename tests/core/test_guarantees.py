@@ -102,6 +102,7 @@ STRAIGHT = {
     "moved": (1.0, lambda points: points + np.array([30.0, -70.0])),
     "tiny": (1e-6, lambda points: 1e-6 * points),
     "huge": (1e6, lambda points: 1e6 * points),
+    "squared areas are infinite": (2.0**400, lambda points: 2.0**400 * points),
 }
 MOTIONS = {
     **STRAIGHT,
@@ -215,3 +216,75 @@ def test_a_stuck_flow_without_fallback_carries_reason_and_way() -> None:
     assert level.report.start == "outer hull"
     assert str(caught.value) in level.report.notes[0]
     assert len(level.cage.vertices) == len(coarse.vertices)
+
+
+# Inputs that are hard on purpose
+
+SQUARE = ring(4, 1.0, np.pi / 4)
+
+
+def rings_in_rings(count: int = 10) -> Mesh:
+    """Five islands, each in a hole of the one before."""
+    return Mesh.from_loops([ring(40, 1.0 - 0.09 * k) for k in range(count)])
+
+
+def straight_runs() -> Mesh:
+    part = np.linspace(0.0, 1.0, 50, endpoint=False)[:, None]
+    sides = zip(SQUARE, np.roll(SQUARE, -1, axis=0), strict=True)
+    return Mesh.from_loops([np.concatenate([a + part * (b - a) for a, b in sides])])
+
+
+def many(count: int, radius: float) -> Mesh:
+    return Mesh.from_loops([disc(8, radius, 0.05 * (k % 20), 0.05 * (k // 20)) for k in range(count)])
+
+
+def needle() -> Mesh:
+    plate = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 1.0), (0.5, 1000.0), (0.499999, 1.0), (0.0, 1.0)]
+    return Mesh.from_loops([np.array(plate)])
+
+
+HARD: dict[str, tuple[Mesh, list[int | Mesh]]] = {
+    "islands five deep": (rings_in_rings(), [200, 120]),
+    "two hundred tiny parts": (many(200, 0.001), [800, 600]),
+    "collinear runs": (straight_runs(), [100, 4, 3]),
+    "slit of 1e-6": (comb(2, 1e-6), [12, 6]),
+    "slit of 1e-12": (comb(2, 1e-12), [12, 6]),
+    "zigzag in a slit of 1e-6": (comb(1, 1e-6), [resampled(comb(1, 1e-6), 40, 0.37)]),
+    "zigzag in slits of 1e-3": (comb(3, 1e-3), [resampled(comb(3, 1e-3), 60, 0.5), 30]),
+    "sliver": (Mesh.from_loops([np.array([(0, 0), (1, 0), (1, 1e-9), (0.5, 2e-9), (0, 1e-9)])]), [4, 3]),
+    "needle": (needle(), [5, 4]),
+    "sizes nine orders apart": (Mesh.from_loops([ring(50), disc(20, 1e-9, 3.0, 0.0)]), [20, 8]),
+    "a hole of 1e-9": (annulus(50, 1e-9), [20]),
+    "tiny coordinates": (Mesh.from_loops([1e-149 * ring(50)]), [12]),
+    "huge coordinates": (Mesh.from_loops([1e149 * ring(50)]), [12]),
+    "minus zero": (Mesh.from_loops([np.array([(-0.0, -0.0), (1, -0.0), (1, 1), (0.0, 1)])]), [4, 3]),
+    "whole numbers": (Mesh.from_loops([np.array([(0, 0), (10, 0), (10, 7), (5, 3), (0, 10)])]), [4]),
+    "single precision": (Mesh.from_loops([ring(50).astype(np.float32)]), [12]),
+    "every second of a Fortran array": (Mesh.from_loops([np.asfortranarray(ring(100))[::2]]), [12]),
+    "triangles": (Mesh.from_loops([ring(3)]), [3, 3, 3]),
+    "as many as the fine mesh": (star(), [180, 180]),
+    "the fine mesh as its own": (star(), [star()]),
+    "own mesh turned round": (star(), [Mesh.from_loops([star().vertices[::-1]])]),
+    "own mesh that touches": (
+        Mesh.from_loops([SQUARE]),
+        [Mesh.from_loops([SQUARE * np.array([[2.0], [1.0], [1.0], [1.0]])])],
+    ),
+    "own mesh across": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(4, 1.0, 0.4) * np.array([2.0, 0.3])])]),
+    "own mesh inside": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8, 0.1)])]),
+    "own mesh far around": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8, 100.0)])]),
+    "own mesh elsewhere": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([disc(8, 1.0, 50.0, 50.0)])]),
+    "own mesh of more loops": (Mesh.from_loops([ring(80)]), [annulus(8, 0.3)]),
+    "own mesh of more parts": (Mesh.from_loops([ring(80)]), [Mesh.from_loops([ring(8), disc(8, 0.3, 5.0, 5.0)])]),
+    "own mesh among counts": (letter_a(), [60, letter_a_coarse(), 8]),
+}
+
+
+@pytest.mark.parametrize(("fine", "levels"), HARD.values(), ids=HARD.keys())
+def test_hard_inputs_get_certified_cages(fine: Mesh, levels: list[int | Mesh]) -> None:
+    hierarchy = nested_cages(fine, levels, FAST)
+    assert len(hierarchy.levels) == len(levels)
+    inner = fine
+    for level in hierarchy.levels:
+        assert verify(level.cage, inner, level.report.wanted_clearance)
+        assert verify_motion(level.cage, inner, level.reinflation.cage_steps, level.reinflation.fine_steps)
+        inner = level.cage
