@@ -382,9 +382,13 @@ def test_a_drawing_that_is_deleted_meanwhile_is_refused(addon) -> None:
     source = poly_curve("Drawing", [star()])
     drawing = addon.convert.fine_drawing(addon.convert.read(bpy.context, source))
     assert drawing.source == source
+    bpy.ops.ed.undo_push(message="read")
     source.name = "Other"
     assert drawing.source == source
-    bpy.data.objects.remove(source)
+    bpy.ops.ed.undo_push(message="renamed")
+    bpy.ops.ed.undo()
+    assert drawing.source == bpy.data.objects["Drawing"]
+    bpy.data.objects.remove(bpy.data.objects["Drawing"])
     assert drawing.source is None
 
 
