@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TypeVar
 
 import bpy
 from bpy.props import (
@@ -23,6 +23,7 @@ from .convert import ReadingOptions
 from .generate import Options, parse_levels
 from .methods import Methods
 
+Filled = TypeVar("Filled", ReadingOptions, Timing, Methods)
 # Parts, because any drawing has them; of a text or an imported icon they are some 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
 
@@ -215,7 +216,13 @@ class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
 
 def reading_options(values: GenerationProperties) -> ReadingOptions:
     """How objects are read."""
-    return ReadingOptions(resolution=values.resolution, close_open=values.close_open, project=values.project)
+    return _filled(ReadingOptions, values)
+
+
+def _filled(kind: type[Filled], values: GenerationProperties) -> Filled:
+    """A dataclass whose fields are called as the settings are."""
+    found = {name: getattr(values, name) for name in kind.__dataclass_fields__}
+    return kind(**{name: frozenset(value) if isinstance(value, set) else value for name, value in found.items()})
 
 
 def options(values: GenerationProperties) -> Options:
@@ -226,8 +233,7 @@ def options(values: GenerationProperties) -> Options:
 
 def methods(values: GenerationProperties) -> Methods:
     """How it is computed."""
-    found = {name: getattr(values, name) for name in Methods.__dataclass_fields__}
-    return Methods(**found | {"repairs": frozenset(values.repairs)})
+    return _filled(Methods, values)
 
 
 def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterable[str]) -> None:
@@ -246,8 +252,7 @@ def own_names(values: GenerationProperties) -> list[str]:
 
 def timing(values: GenerationProperties) -> Timing:
     """How the result is animated."""
-    names = ("start_frame", "frames_per_step", "show_flow", "ease", "loop_back")
-    return Timing(**{name: getattr(values, name) for name in names})
+    return _filled(Timing, values)
 
 
 def copy_values(source: GenerationProperties, target: GenerationProperties) -> None:

@@ -8,6 +8,9 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from .. import picture
 from ..refusal import Refusal, load_core, say
 
+# Properties that the core takes by the same names.
+OPTIONS = ("padding", "threshold", "holes")
+
 
 class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
     """Wraps what is opaque in an image."""
@@ -63,7 +66,7 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         self.layout.prop_search(self, "image", bpy.data, "images")
-        for name in ("vertices", "padding", "threshold", "holes"):
+        for name in ("vertices", *OPTIONS):
             self.layout.prop(self, name)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -72,8 +75,7 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
             if image is None:
                 raise Refusal("Choose an image: none is named, and the active object is no image empty")
             core = load_core()
-            options = {"padding": self.padding, "threshold": self.threshold, "holes": self.holes}
-            mesh = picture.outline(image, self.vertices, core, **options)
+            mesh = picture.outline(image, self.vertices, core, **{name: getattr(self, name) for name in OPTIONS})
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
