@@ -44,9 +44,6 @@ SHAPELY_SAMPLE = 10
 LARGEST = 1500
 """Shapes with more vertices are left out: growth has its own benchmark."""
 
-START_RESTARTS = 8
-"""Restarts of the outer hull: fewer than by default, since the number of cases matters here, not the last per cent."""
-
 SLOWEST = 5
 """Number of slow cases that are named."""
 
@@ -82,7 +79,7 @@ def run_case(seed: int) -> Case | None:
     fewest, most = 3 * len(fine.loops), len(fine.vertices)
     counts = {int(c) for c in random.integers(fewest, max(fewest, min(most, 100)) + 1, random.integers(1, 4))}
     levels = tuple(sorted(counts, reverse=True))
-    hull = OuterHull(restarts=START_RESTARTS)
+    hull = OuterHull()
     decimation = (hull, OnCurve(hull), ArcLength())[random.integers(3)]
     case = Case(seed, kind, most, levels, type(decimation).__name__)
     settings = Settings(decimation=decimation, fallback=hull, starts=1)
