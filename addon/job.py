@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from .generate import Generation, Progress
 from .refusal import say
@@ -15,13 +16,16 @@ TICK = 0.01
 
 
 class Job:
-    """A generation under way: ``fraction`` and ``message`` for display, ``cancelled`` for anybody to set."""
+    """A generation under way: ``fraction`` and ``message`` for display, ``cancelled`` for anybody to set, and ``end``,
+    which stops it with all that its operator has set up, given the context.
+    """
 
     def __init__(self, generation: Generation) -> None:
         self.generation = generation
         self.fraction = 0.0
         self.message = say("Starting")
         self.cancelled = False
+        self.end: Callable[[Any], None] = lambda _context: self.stop()
         self._work: Iterator[Progress] = iter(generation)
 
     def advance(self, seconds: float = SLICE) -> bool:
@@ -42,8 +46,10 @@ class Job:
         while not self.advance(float("inf")):
             pass
 
-    def start(self) -> None:
+    def start(self, end: Callable[[Any], None] | None = None) -> None:
         """Makes this the job that `running` returns."""
+        if end is not None:
+            self.end = end
         _current.append(self)
 
     def stop(self) -> None:

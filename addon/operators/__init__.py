@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import bpy
 
+from ..job import running
 from . import actions, bind, bring_in, hand_on, levels, picture
-from .generate import NESTEDCAGES_OT_cancel, OBJECT_OT_nested_cages_generate
+from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
 CLASSES = (
     OBJECT_OT_nested_cages_generate,
-    NESTEDCAGES_OT_cancel,
+    OBJECT_OT_nested_cages_cancel,
     OBJECT_OT_nested_cages_verify,
     *actions.CLASSES,
     *bind.CLASSES,
@@ -27,5 +28,8 @@ def register() -> None:
 
 
 def unregister() -> None:
+    job = running()
+    if job is not None:
+        job.end(bpy.context)  # Blender forgets a running operator whose class goes, without a word to it
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -69,7 +69,7 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         except Refusal as refusal:
             return self._refuse(refusal)
         self._scene_name = context.scene.name
-        self._job.start()
+        self._job.start(self.cancel)
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
         context.window_manager.modal_handler_add(self)
         self._show(context)
@@ -165,7 +165,7 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         _redraw(context)
 
 
-class NESTEDCAGES_OT_cancel(bpy.types.Operator):
+class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
     """Stops the job."""
 
     bl_idname = "object.nested_cages_cancel"

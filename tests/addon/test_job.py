@@ -51,6 +51,25 @@ def test_while_a_job_runs_there_is_no_second_one(addon) -> None:
     assert not bpy.ops.object.nested_cages_cancel.poll()
 
 
+def test_disabling_the_add_on_ends_the_job(extension, addon) -> None:
+    work, ended = job(addon), []
+
+    def end(context) -> None:
+        ended.append(context.window_manager)
+        work.stop()
+
+    work.start(end)
+    extension.unregister()
+    extension.register()
+    assert ended == [bpy.context.window_manager]
+    assert addon.job.running() is None
+    job(addon).start()
+    extension.unregister()
+    extension.register()
+    assert addon.job.running() is None
+    assert bpy.ops.object.nested_cages_generate.poll()
+
+
 STAGES = ("decimation", "flow", "reinflation", "tightening", "verification")
 
 
@@ -125,6 +144,7 @@ def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, moda
     operator, context = modal.operator, modal.context
     assert operator.invoke(context, None) == {"RUNNING_MODAL"}
     assert modal.log[0] == "modal" and modal.log[1].startswith("Nested Cages 0 %")
+    assert operator._job.end == operator.cancel
     assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
     outcome = {"PASS_THROUGH"}
     while outcome == {"PASS_THROUGH"}:
