@@ -117,10 +117,9 @@ def stage(folder: Path, wheels: list[Path]) -> Path:
     manifest = (ROOT / "blender_manifest.toml").read_text(encoding="utf-8")
     names = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in wheels)
     platforms = ", ".join(f'"{platform}"' for platform in PLATFORMS)
-    listed = f"platforms = [{platforms}]\nwheels = [\n{names}]\n\n[build]"
-    if manifest.count("\n[build]") != 1:
-        raise SystemExit("blender_manifest.toml should have one [build] table: the wheels are listed before it.")
-    (folder / "blender_manifest.toml").write_text(manifest.replace("[build]", listed, 1), encoding="utf-8")
+    keys, table, tables = manifest.partition("\n[")
+    listed = f"platforms = [{platforms}]\nwheels = [\n{names}]\n"
+    (folder / "blender_manifest.toml").write_text(keys + listed + table + tables, encoding="utf-8")
     return folder
 
 

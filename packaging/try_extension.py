@@ -3,8 +3,7 @@
     python packaging/try_extension.py [ZIP]
 
 Needs Blender as a Python module. The check is that the installed extension, found under its extension name, makes
-certified cages with the scipy that
-the zip carries: a scipy that this Python has of its own is hidden first.
+certified cages with the scipy that the zip carries: a scipy that this Python has of its own is hidden first.
 """
 
 from __future__ import annotations
