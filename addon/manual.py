@@ -47,8 +47,11 @@ PAGES = (
 
 
 def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
-    """The prefix of all pages, and the pages."""
-    folder, ending = next(guide for guide in GUIDES if guide[0].is_dir())
+    """The prefix of all pages, and the pages; none where the guide was left out."""
+    found = next((guide for guide in GUIDES if guide[0].is_dir()), None)
+    if found is None:
+        return "", ()
+    folder, ending = found
     return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
 
 

@@ -113,6 +113,11 @@ def test_the_pages_are_whole(tmp_path) -> None:
     assert words >= set(re.findall(r"[a-z]{4,}", source.lower()))
 
 
+def test_without_the_guide_there_are_no_pages(manual, monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(manual, "GUIDES", ((tmp_path / "nowhere", ".md"),))
+    assert manual.manual_map() == ("", ())
+
+
 def test_other_pages_are_left_to_blender(extension) -> None:
     url = DocView._lookup_rna_url("bpy.types.Object.location", verbose=False)
     assert url is not None and "nested" not in url
