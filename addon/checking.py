@@ -39,7 +39,8 @@ def check(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core:
 
 def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core: ModuleType) -> Finding:
     try:
-        certificate = core.verify(cage.mesh(core), fine.mesh(core), same_loops=len(cage.loops) == len(fine.loops))
+        outside, inside = cage.mesh(core), fine.mesh(core)
+        certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
     except Refusal as refusal:
         holds, sentence = False, str(refusal)
     else:

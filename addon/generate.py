@@ -249,7 +249,7 @@ class Generation:
         standing = np.broadcast_to(level.coarse.vertices, (len(flow) - 1, *level.coarse.vertices.shape))
         fine_steps = np.concatenate([flow[:-1], reinflation.fine_steps]).astype(np.float32)
         cage_steps = np.concatenate([standing, reinflation.cage_steps]).astype(np.float32)
-        same_loops = len(level.coarse.loops) == len(fine.loops)
+        same_loops = level.coarse.has_loops_like(fine)
         cage = level.cage.moved(cage_steps[-1].astype(np.float64))
         inside = self._inside_from(cage, fine, cage_steps, fine_steps, len(flow) - 1)
         return CageLevel(

@@ -255,8 +255,7 @@ def _judge(result: Measurement, way: Reinflation, home: Mesh) -> None:
     if not np.isfinite(way.cage_steps[-1]).all():
         return
     result.cage = result.coarse.moved(way.cage_steps[-1])
-    same = len(result.coarse.loops) == len(home.loops)
-    certificate = verify(result.cage, home, 0.0, same_loops=same)
+    certificate = verify(result.cage, home, 0.0, same_loops=result.coarse.has_loops_like(home))
     result.certified, result.smallest = certificate.holds, certificate.clearance
     result.excess = 100.0 * certificate.excess
     start = np.concatenate([way.cage_steps[0], way.fine_steps[0]])

@@ -18,6 +18,7 @@ from ..flow.matching import match_loops
 from ..mesh import Mesh
 from ..reinflation import Reinflation, reinflate
 from ..verification import Certificate, verify, verify_motion
+from ..verification.certificate import loops_in_words
 from .reporting import Reporter
 from .results import Level, NestingReport
 from .room import no_room
@@ -157,17 +158,19 @@ class LevelBuilder:
     def _certified(self, attempt: _Attempt, notes: tuple[str, ...]) -> Level:
         """The level that an attempt makes, at the largest of the clearances in question that can be certified."""
         report, coarse, wanted = self.report, attempt.coarse, self.clearance.length
+        # a coarse mesh of one's own may wrap several parts in one loop or cover holes
+        same_loops = coarse.has_loops_like(self.fine)
         for length in self.clearance.options():
             if length < wanted:
                 attempt = self._tightened(attempt, length)
             report.begin("verification")
             flow, reinflation = self._in_input_units(attempt)
             cage = coarse.moved(reinflation.cage_steps[-1])
-            certificate = verify(cage, self.fine, length, same_loops=len(coarse.loops) == len(self.fine.loops))
-            if certificate.holds or not (certificate.strict and certificate.simple):
+            certificate = verify(cage, self.fine, length, same_loops=same_loops)
+            if not _is_only_too_close(certificate, length):
                 break
         if not certificate.holds:
-            raise NestingError(_refusal(certificate, self.fine, wanted))
+            raise NestingError(_refusal(certificate, self.fine, length, wanted))
         motion = verify_motion(cage, self.fine, reinflation.cage_steps, reinflation.fine_steps)
         report.pause()
         if not motion:
@@ -177,9 +180,9 @@ class LevelBuilder:
             )
         if length < wanted:
             notes = (*notes, f"The gaps of the fine mesh leave room for a clearance of {length:.3g}, not {wanted:.3g}.")
-        if len(coarse.loops) != len(self.fine.loops):
-            kept, given = len(coarse.loops), len(self.fine.loops)
-            notes = (*notes, f"Number of loops: {kept} of the cage, {given} of the mesh in it.")
+        if not same_loops:
+            kept, given = loops_in_words(coarse), loops_in_words(self.fine)
+            notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
         nesting = NestingReport(
             strict=certificate.strict,
             simple=certificate.simple,
@@ -258,9 +261,15 @@ class _Race:
                 raise _LosingError
 
 
-def _refusal(certificate: Certificate, fine: Mesh, wanted: float) -> str:
-    """Why a cage was not returned."""
-    if not (certificate.strict and certificate.simple):
+def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
+    """Whether a cage lacks nothing but the clearance."""
+    sound = certificate.strict and certificate.simple and len(certificate.problems) == 1
+    return sound and certificate.clearance < clearance
+
+
+def _refusal(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> str:
+    """Why a cage was not returned; tried: the last clearance asked for."""
+    if not _is_only_too_close(certificate, tried):
         return "The cage could not be certified: " + " ".join(certificate.problems)
     return no_room(fine, wanted) or (
         f"No cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the best one comes as close "

@@ -165,6 +165,10 @@ class Mesh:
         """This mesh if it came through the door, else a new one that does. Raises InvalidMeshError."""
         return self if self.is_validated else Mesh(self.vertices, self.edges)
 
+    def has_loops_like(self, other: Mesh) -> bool:
+        """Whether another mesh has as many outer loops and as many holes."""
+        return np.array_equal(np.sort(self.loop_signs), np.sort(other.loop_signs))
+
     @cached_property
     def predecessor(self) -> IntArray:
         """(n,) the vertex before each vertex."""

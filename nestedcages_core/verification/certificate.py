@@ -92,7 +92,7 @@ def _turned_loops(cage: Mesh, judged: Mesh) -> IntArray:
     return np.union1d(opposed, np.flatnonzero(judged.loop_signs != cage.loop_signs))
 
 
-def _roles(mesh: Mesh) -> str:
+def loops_in_words(mesh: Mesh) -> str:
     """How many loops of each kind there are."""
     outer = int((mesh.loop_signs > 0).sum())
     holes = len(mesh.loops) - outer
@@ -171,7 +171,7 @@ class _Pair:
         cage the only child of a hole of the fine mesh.
         """
         kept = len(self.cage.loops)
-        ours, theirs = _roles(self.cage), _roles(self.fine)
+        ours, theirs = loops_in_words(self.cage), loops_in_words(self.fine)
         if ours != theirs:
             return [f"The cage has {ours}, but the fine mesh has {theirs}."]
         signs = np.concatenate((self.cage.loop_signs, self.fine.loop_signs))

@@ -195,7 +195,7 @@ def test_where_parts_merge_the_cage_says_so() -> None:
     poly_curve("Drawing", [star(24) * 0.5, star(24) * 0.5 + (1.3, 0.0)])
     bpy.ops.object.nested_cages_generate(levels="8", decimation="LEVEL_SET_MERGING")
     cage = bpy.data.objects["Drawing Cage 1"]
-    assert "1 of the cage, 2 of the mesh in it" in cage["nested_cages_notes"]
+    assert "1 outer loop and no holes, but the mesh in it has 2 outer loops" in cage["nested_cages_notes"]
 
 
 def test_presets_keep_the_methods(addon, tmp_path, monkeypatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -189,10 +190,23 @@ def test_one_cage_may_wrap_two_components_and_cover_holes(coarse: list[np.ndarra
     level = nested_cages(fine, [Mesh.from_loops(coarse)], Settings(fallback=None)).levels[0]
     assert level.report.start == "flow"
     assert len(level.cage.loops) == len(coarse)
-    assert level.report.notes[-1] == f"Number of loops: {len(coarse)} of the cage, 4 of the mesh in it."
+    assert re.fullmatch(
+        r"The cage has \d outer loops? and (no|1) holes?, but the mesh in it has 2 outer loops and 2 holes\.",
+        level.report.notes[-1],
+    )
     assert verify(level.cage, fine, level.report.wanted_clearance, same_loops=False)
     assert polygon(level.cage).contains_properly(polygon(fine))
     assert verify_motion(level.cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
+
+
+def test_a_cage_may_have_as_many_loops_of_other_kinds() -> None:
+    """One loop around both parts and one that leaves the room between them free: two loops, as the parts have."""
+    fine = Mesh.from_loops([disc(4, 0.5, -2.0, 0.0), disc(4, 0.5, 2.0, 0.0)])
+    level = nested_cages(fine, [Mesh.from_loops([ring(4, 6.0), ring(4, 1.0)])], Settings(fallback=None)).levels[0]
+    note = "The cage has 1 outer loop and 1 hole, but the mesh in it has 2 outer loops and no holes."
+    assert level.report.notes == (note,)
+    assert verify(level.cage, fine, level.report.wanted_clearance, same_loops=False)
+    assert polygon(level.cage).contains_properly(polygon(fine))
 
 
 @pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi / 3.0, 12, endpoint=False))
