@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from operator import attrgetter
 from types import ModuleType
 
 import bpy
@@ -16,14 +18,16 @@ from .refusal import Refusal, say
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found of one cage and the mesh in it: a sentence, and the points at fault, (k, 3) in each object's
-    space.
+    """What was found of one cage and the mesh in it from the first to the last of `frames`: a sentence, the least
+    clearance, a length of the scene, and the points at fault, (k, 3) in each object's space, on the last frame.
     """
 
     cage: str
     fine: str
     holds: bool
     sentence: str
+    clearance: float
+    frames: tuple[int, int]
     cage_faults: NDArray[np.float32]
     fine_faults: NDArray[np.float32]
 
@@ -34,19 +38,72 @@ def check(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core:
     frame = fine_drawing(outlines[0]).frame
     drawings = [drawing_in(frame, outline) for outline in outlines]
     pairs = zip(outlines[:-1], drawings[:-1], outlines[1:], drawings[1:], strict=True)
-    return [_finding(*pair, core) for pair in pairs]
+    return [_finding(*pair, core, context.scene.frame_current) for pair in pairs]
 
 
-def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core: ModuleType) -> Finding:
+def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> list[Finding]:
+    """Checks on the scene's frames from its first to its last, up to the first with a fault, which then is the current
+    one. Raises: Refusal, with the frame.
+    """
+    scene, shown = context.scene, context.window_manager
+    first, last, findings = scene.frame_start, scene.frame_end, []
+    shown.progress_begin(first, last)
+    try:
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            shown.progress_update(frame)
+            try:
+                found = check(context, objects, core)
+            except Refusal as refusal:
+                raise Refusal("Frame {frame}: {problem}", frame=frame, problem=refusal) from refusal
+            if not all(finding.holds for finding in found):
+                return [_on(finding, first, frame) for finding in found]
+            findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
+    finally:
+        shown.progress_end()
+    return [_enclosing(finding, first, last) for finding in findings]
+
+
+def _on(finding: Finding, first: int, frame: int) -> Finding:
+    """The finding of the first frame with a fault, told with that frame."""
+    sentence = say("Frame {frame}: {problem}", frame=frame, problem=finding.sentence)
+    return replace(finding, frames=(first, frame), sentence=sentence)
+
+
+def _enclosing(finding: Finding, first: int, last: int) -> Finding:
+    """The finding of least clearance, told of all frames."""
+    sentence = say(
+        "'{cage}' encloses '{fine}' on all frames from {first} to {last}: clearance {clearance:.3g} at least",
+        cage=finding.cage,
+        fine=finding.fine,
+        first=first,
+        last=last,
+        clearance=finding.clearance,
+    )
+    return replace(finding, frames=(first, last), sentence=sentence)
+
+
+@contextmanager
+def same_frame(scene: bpy.types.Scene) -> Iterator[None]:
+    """Comes back to the frame that is current now."""
+    frame, subframe = scene.frame_current, scene.frame_subframe
+    try:
+        yield
+    finally:
+        scene.frame_set(frame, subframe=subframe)
+
+
+def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core: ModuleType, frame: int) -> Finding:
+    clearance = 0.0
     try:
         outside, inside = cage.mesh(core), fine.mesh(core)
         certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
     except Refusal as refusal:
         holds, sentence = False, str(refusal)
     else:
-        holds = bool(certificate.holds)
+        holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
         words = {
-            "clearance": certificate.clearance * fine.frame.scale,
+            "clearance": clearance,
             "excess": 100.0 * certificate.excess,
             "cage": outer.name,
             "fine": inner.name,
@@ -62,6 +119,8 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core:
         inner.name,
         holds,
         sentence,
+        clearance,
+        (frame, frame),
         outer.points[cage_faults].astype(np.float32),
         inner.points[fine_faults].astype(np.float32),
     )

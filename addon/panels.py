@@ -110,7 +110,10 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
                 row.label(text=text, translate=False)
             for line in _notes(obj):
                 box.label(text=line, translate=False)
-        layout.operator("object.nested_cages_verify", icon="CHECKMARK")
+        column = layout.column(align=True)
+        column.operator("object.nested_cages_verify", icon="CHECKMARK")
+        if binding.is_bound(collection):
+            column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
 
 
 class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import nullcontext
+
 import bpy
 import numpy as np
+from bpy.props import BoolProperty
 
-from .. import convert, ownership
-from ..checking import check, select_points
+from .. import actions, binding, convert, ownership
+from ..checking import Finding, check, check_animation, same_frame, select_points
 from ..refusal import Refusal, load_core, say
 
 
@@ -21,6 +25,15 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
+    whole: BoolProperty(  # type: ignore[valid-type]
+        name="Whole Animation",
+        description=(
+            "Check all frames of the scene instead of this one, up to the first with a fault, and come back to this one"
+        ),
+        default=False,
+        options={"SKIP_SAVE"},
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
@@ -34,23 +47,20 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        objects = _nested(context)
+        objects, scene = _nested(context, self.whole), context.scene
         try:
-            findings = check(context, objects, load_core())
+            if self.whole:
+                _refuse_steps(scene, objects)
+            with same_frame(scene) if self.whole else nullcontext():
+                findings = (check_animation if self.whole else check)(context, objects, load_core())
+                at_fault = [obj for obj in objects if _select_faults(context, obj, findings)]
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        at_fault = []
-        for obj in objects:
-            points = [finding.cage_faults for finding in findings if finding.cage == obj.name]
-            points += [finding.fine_faults for finding in findings if finding.fine == obj.name]
-            if obj.type == "MESH" and obj.data.is_editable and select_points(context, obj, np.concatenate(points)):
-                at_fault.append(obj)
         for finding in findings:
             cage = next(obj for obj in objects if obj.name == finding.cage)
             if ownership.LEVEL in cage:
-                verdict = "Holds on frame {frame}" if finding.holds else "Broken on frame {frame}"
-                cage["nested_cages_check"] = say(verdict, frame=context.scene.frame_current)
+                cage["nested_cages_check"] = _verdict(finding)
                 cage["nested_cages_finding"] = finding.sentence
         reports = dict.fromkeys((finding.holds, finding.sentence) for finding in findings)
         for holds, sentence in sorted(reports, key=lambda found: not found[0]):
@@ -65,11 +75,43 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _nested(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The objects to check, from the inside out: the selected ones, or those of the active one's cages."""
+def _refuse_steps(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
+    """Raises: Refusal if cages play how they came about, in which what is inside comes through them on purpose."""
+    for obj in objects:
+        collection = ownership.collection_about(scene, obj) if ownership.LEVEL in obj else None
+        if collection is not None and not binding.is_bound(collection) and actions.is_animated(collection):
+            raise Refusal(
+                "'{name}' plays how its cages came about, and there they are crossed on purpose: bind the drawing or "
+                "remove the animation first, or check single frames",
+                name=collection.name,
+            )
+
+
+def _select_faults(context: bpy.types.Context, obj: bpy.types.Object, findings: Sequence[Finding]) -> bool:
+    """Selects the vertices of an object that are at fault on this frame; whether there are any."""
+    points = [finding.cage_faults for finding in findings if finding.cage == obj.name]
+    points += [finding.fine_faults for finding in findings if finding.fine == obj.name]
+    return obj.type == "MESH" and obj.data.is_editable and select_points(context, obj, np.concatenate(points)) > 0
+
+
+def _verdict(finding: Finding) -> str:
+    """What the panel says."""
+    first, last = finding.frames
+    if not finding.holds:
+        return say("Broken on frame {frame}", frame=last)
+    if first == last:
+        return say("Holds on frame {frame}", frame=last)
+    return say("Holds on {first} – {last}", first=first, last=last)
+
+
+def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.Object]:
+    """The objects to check, from the inside out: the selected ones, or those of the active one's cages, without those
+    that are hidden on this frame unless `hidden`.
+    """
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:
         return sorted(chosen, key=lambda obj: (obj.get(ownership.LEVEL, 0), obj.dimensions.length))
     active = context.view_layer.objects.active
     collection = ownership.collection_about(context.scene, active) if active is not None else None
-    return [obj for obj in ownership.members(collection) if not obj.hide_viewport] if collection is not None else []
+    members = ownership.members(collection) if collection is not None else []
+    return [obj for obj in members if hidden or not obj.hide_viewport]

@@ -70,7 +70,7 @@ def addon(extension: ModuleType) -> ModuleType:
     """The package `addon`, with all rooms that the tests use as attributes."""
     from importlib import import_module
 
-    rooms = "animation choices convert generate hiding job looks methods output plane properties refusal"
+    rooms = "animation checking choices convert generate hiding job looks methods output plane properties refusal"
     for room in rooms.split():
         import_module(f"{PACKAGE}.addon.{room}")
     return import_module(f"{PACKAGE}.addon")

@@ -87,6 +87,90 @@ def test_cages_whose_level_has_not_begun_are_left_out(cages) -> None:
     assert "nested_cages_check" not in cages[2]
 
 
+@pytest.fixture
+def keyed(addon):
+    """A star bound to one cage, of which a vertex moves into the star from frame 1 to frame 20; frame 3.5 is shown."""
+    poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="12")
+    bpy.ops.object.nested_cages_bind()
+    fine, cage = (bpy.data.objects[f"Drawing {name}"] for name in ("Fine", "Cage 1"))
+    cage.shape_key_add(name="Basis")
+    key = cage.shape_key_add(name="Fold")
+    far = max(range(12), key=lambda index: key.points[index].co.x)
+    key.points[far].co.x *= -0.9
+    for frame, value in ((1, 0.0), (20, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 20
+    scene.frame_set(3, subframe=0.5)
+    return fine, cage
+
+
+def test_the_first_frame_with_a_fault_is_found(keyed) -> None:
+    fine, cage = keyed
+    scene = bpy.context.scene
+    verdicts, wrong = [], []
+    for frame in range(1, 21):
+        scene.frame_set(frame)
+        bpy.ops.object.nested_cages_verify()
+        verdicts.append(cage["nested_cages_check"])
+        wrong.append((selected(fine), selected(cage)))
+    first = next(frame for frame, verdict in enumerate(verdicts, 1) if verdict.startswith("Broken"))
+    assert 2 < first < 20
+
+    scene.frame_set(3, subframe=0.5)
+    assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+    assert cage["nested_cages_check"] == f"Broken on frame {first}"
+    assert cage["nested_cages_finding"].startswith(f"Frame {first}: '{cage.name}' does not enclose")
+    assert (selected(fine), selected(cage)) == wrong[first - 1]
+    assert (scene.frame_current, scene.frame_subframe) == (3, 0.5)
+
+    scene.frame_end = first - 1
+    bpy.ops.object.nested_cages_verify(whole=True)
+    assert cage["nested_cages_check"] == f"Holds on 1 – {first - 1}"
+    assert f"on all frames from 1 to {first - 1}: clearance" in cage["nested_cages_finding"]
+    assert not selected(fine) and not selected(cage)
+
+
+def test_the_least_clearance_of_all_frames_is_told(addon) -> None:
+    inner = wire("Inner", [circle(12, 0.5)])
+    outer = wire("Outer", [circle(4, 2.0)])  # a square whose sides are sqrt(2) from its middle
+    inner.select_set(True)
+    for frame, x in ((1, 0.0), (5, 0.4), (9, 0.0)):
+        outer.location.x = x
+        outer.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 9
+    findings = addon.checking.check_animation(bpy.context, [inner, outer], addon.refusal.load_core())
+    corners = circle(12, 0.5) - (0.4, 0.0)
+    assert findings[0].clearance == pytest.approx((2.0 - np.abs(corners).sum(axis=1).max()) / np.sqrt(2.0), rel=1e-5)
+    assert findings[0].frames == (1, 9)
+
+
+def test_a_frame_that_cannot_be_read_is_named(addon) -> None:
+    inner = wire("Inner", [circle(12, 0.5)])
+    outer = wire("Outer", [circle(8, 2.0)])
+    inner.select_set(True)
+    for frame, turn in ((6, 0.0), (7, 0.5)):
+        outer.rotation_euler.y = turn
+        outer.keyframe_insert("rotation_euler", frame=frame)
+    bpy.context.scene.frame_set(3)
+    with pytest.raises(RuntimeError, match=r"Frame 7: 'Outer' does not lie in one plane"):
+        bpy.ops.object.nested_cages_verify(whole=True)
+    assert bpy.context.scene.frame_current == 3
+
+
+def test_steps_that_cross_on_purpose_are_no_fault(cages) -> None:
+    scene = bpy.context.scene
+    before = scene.frame_current
+    with pytest.raises(RuntimeError, match="'Drawing Cages' plays how its cages came about"):
+        bpy.ops.object.nested_cages_verify(whole=True)
+    assert scene.frame_current == before
+    bpy.ops.object.nested_cages_remove_animation()
+    bpy.ops.object.nested_cages_verify(whole=True)
+    assert {cage["nested_cages_check"] for cage in cages[1:]} == {f"Holds on {scene.frame_start} – {scene.frame_end}"}
+
+
 def test_thickness_is_for_renders_only(addon) -> None:
     source = poly_curve("Drawing", [star()])
     source.scale = (2.0, 2.0, 2.0)
