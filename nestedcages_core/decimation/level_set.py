@@ -53,9 +53,14 @@ class LevelSet:
         """A coarse mesh that strictly encloses the fine one, at least the clearance away; loop k around loop k.
 
         With `change_loops` it may have other loops, in any order. Raises NestingError where no offset encloses, with
-        the loop that was in the way.
+        the loop that was in the way, and for a clearance beyond the largest offset.
         """
         budget = checked_budget(fine, count)
+        if clearance >= LARGEST_OFFSET * fine.diagonal:
+            raise NestingError(
+                f"A level set cannot keep the clearance of {clearance:.6g}, {LARGEST_OFFSET:g} times the size of the "
+                "mesh or more; ask for less, or use the outer hull."
+            )
         search = _Search(self, fine, count, max(self.cells, int(CELLS_PER_VERTEX * budget.total)), clearance)
         return search.run()
 

@@ -143,3 +143,12 @@ def test_enclosing_is_strict() -> None:
     assert not encloses(fine, fine)
     assert not encloses(Mesh.from_loops([ring(12) + 5.0]), fine)
     assert encloses(Mesh.from_loops([2.0 * ring(12)]), fine)
+
+
+def test_a_clearance_beyond_all_offsets_is_refused() -> None:
+    fine = Mesh.from_loops([ring(20)])
+    with pytest.raises(NestingError, match="clearance of 6, 2 times the size of the mesh or more"):
+        LevelSet().decimate(fine, 8, clearance=6.0)
+    level = nested_cages(fine, [8], Settings(decimation=LevelSet(), clearance=6.0)).levels[0]
+    assert level.report.clearance >= 6.0 * (1.0 - 1e-9)
+    assert "the outer hull" in level.report.notes[0]
