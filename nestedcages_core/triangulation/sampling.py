@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .._types import FloatArray, IntArray
+from ..errors import NestedCagesError
 from ..mesh import Mesh
 from ..signed_distance import SignedDistance
 
@@ -51,12 +52,12 @@ class Samples(NamedTuple):
 
 
 def sample(mesh: Mesh, sampling: Sampling | None) -> Samples:
-    """The points; without a sampling the mesh's own vertices."""
+    """The points; without a sampling the mesh's own vertices. Raises NestedCagesError unless the spacing is a length."""
     n = len(mesh.vertices)
     if sampling is None:
         return Samples(mesh.vertices, np.arange(n), np.zeros(n), np.stack((np.arange(n), mesh.successor), axis=1))
-    if not sampling.spacing > 0.0:
-        raise ValueError(f"The spacing of a triangulation is a positive length, not {sampling.spacing!r}.")
+    if not 0.0 < sampling.spacing < np.inf:
+        raise NestedCagesError(f"The spacing of a triangulation must be a positive length, not {sampling.spacing!r}.")
     edge, parameter = _divided(mesh, sampling)
     starts, ends = mesh.vertices[edge], mesh.vertices[mesh.successor[edge]]
     boundary = np.concatenate((mesh.vertices, starts + parameter[:, None] * (ends - starts)))

@@ -255,10 +255,14 @@ def test_prolongation_keeps_linear_functions_on_every_level() -> None:
 
 
 def test_prolongation_refuses_levels_that_are_not_there() -> None:
-    levels = grids(nested_cages(star(5, 60), [20]))
+    hierarchy = nested_cages(star(5, 60), [20])
+    levels = grids(hierarchy)
     with pytest.raises(NestedCagesError, match="2 grids"):
         levels.prolongation(0, 2)
     with pytest.raises(NestedCagesError, match="from grid 0 to grid 1"):
         levels.prolongation(1, 0)
+    for spacing in (0.0, float("inf")):
+        with pytest.raises(NestedCagesError, match="must be a positive length"):
+            grids(hierarchy, spacing)
     with pytest.raises(NestedCagesError, match="3 spacings were given for 2 grids"):
-        grids(nested_cages(star(5, 60), [20]), [1.0, 2.0, 3.0])
+        grids(hierarchy, [1.0, 2.0, 3.0])
