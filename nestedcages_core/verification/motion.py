@@ -40,7 +40,7 @@ SKIN = 1.0
 
 @dataclass(frozen=True)
 class MotionCertificate:
-    """Whether an animation is free of collisions at every instant."""
+    """Whether an animation is free of collisions at every instant, if it is so in one step."""
 
     free: bool
     step: int | None = None
@@ -55,7 +55,8 @@ class MotionCertificate:
 def verify_motion(cage: Mesh, fine: Mesh, cage_steps: FloatArray, fine_steps: FloatArray) -> MotionCertificate:
     """Certify the linear motion between consecutive steps of a cage (K + 1, m, 2) and a fine mesh (K + 1, n, 2).
 
-    The meshes give the edges only; the fine mesh may cross itself on its way.
+    The meshes give the edges only; the fine mesh may cross itself on its way. What is certified is that no contact
+    comes or goes: all instants are nested if one is, for which `verify` has a certificate.
     """
     bodies = Bodies.of(cage, fine)
     candidates = CandidateList(bodies)
