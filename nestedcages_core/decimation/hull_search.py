@@ -27,8 +27,8 @@ RESTART_MOVES = 12_000
 """Moves that all restarts together may take, about half a second: large counts get fewer restarts."""
 
 RESTARTS_PER_LOOP, MOST_RESTARTS = 2, 2
-"""Further restarts for every further loop, since loops share their vertices in many ways; at most so many times the
-restarts of one loop."""
+"""Further restarts for every loop after the second, since many loops share their vertices in many ways; at most so many
+times the restarts of one loop."""
 
 FEWEST_RESTARTS = 4
 """Restarts that large counts get nevertheless."""
@@ -100,14 +100,15 @@ def search_hulls(
 ) -> list[Outline]:
     """Hulls of an outline with at most `count` vertices, least area first; the smallest first if none is small enough.
 
-    minimum: vertices that each loop keeps. restarts: runs for one loop. prepare: what is done to an outline that
+    minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: what is done to an outline that
     restarts begin at.
     Deterministic for a seed.
     """
     both = len(outline.vertices) <= STAGE_TWICE
     stages = [prepare(stage) for stage in _stages(outline, count, minimum, (EVEN, ROUGH) if both else (ROUGH,))]
     moves = max(1, len(stages[0].vertices) - count)
-    wanted = min(restarts + RESTARTS_PER_LOOP * (len(outline.sizes) - 1), MOST_RESTARTS * restarts)
+    further = RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
+    wanted = min(restarts + further, MOST_RESTARTS * restarts)
     runs = max(1, min(wanted, max(FEWEST_RESTARTS, RESTART_MOVES // moves)))
     rng = random.Random(seed)
     weights = [EVEN, ROUGH, *(replace(EVEN, spike=spike) for spike in SPIKE_VARIATIONS)][:runs]
