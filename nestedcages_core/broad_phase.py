@@ -70,7 +70,7 @@ def _near_pairs_by_cells(
     # pieces of edges, and for each the columns that its neighbourhood covers
     piece_count = np.maximum(np.ceil(lengths / cell).astype(np.int64), 1)
     edge = np.repeat(np.arange(len(starts)), piece_count)
-    place = _position_in_group(piece_count)
+    place = position_in_group(piece_count)
     direction = (ends - starts)[edge]
     piece_start = starts[edge] + (place / piece_count[edge])[:, None] * direction
     piece_end = starts[edge] + ((place + 1) / piece_count[edge])[:, None] * direction
@@ -80,7 +80,7 @@ def _near_pairs_by_cells(
     np.minimum(to_cell, [columns - 1, rows - 1], out=to_cell)
     covered = np.maximum(to_cell[:, 0] - from_cell[:, 0] + 1, 0)
     piece = np.repeat(np.arange(len(edge)), covered)
-    column = _position_in_group(covered) + from_cell[piece, 0]
+    column = position_in_group(covered) + from_cell[piece, 0]
     begin = first[column * rows + from_cell[piece, 1]]
     stop = first[column * rows + np.maximum(to_cell[piece, 1], from_cell[piece, 1] - 1) + 1]
     count = np.maximum(stop - begin, 0)
@@ -95,7 +95,7 @@ def _near_pairs_by_cells(
         high_item = max(low_item + 1, int(np.searchsorted(total, done + CHUNK_PAIRS)))
         counts = count[low_item:high_item]
         item = np.repeat(np.arange(low_item, high_item), counts)
-        i = order[_position_in_group(counts) + begin[item]]
+        i = order[position_in_group(counts) + begin[item]]
         j = edge[piece[item]]
         pair = point_edge(points[i], starts[j], ends[j])
         holder = np.minimum((pair.parameter * piece_count[j]).astype(np.int64), piece_count[j] - 1)
@@ -107,6 +107,6 @@ def _near_pairs_by_cells(
     return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
 
 
-def _position_in_group(counts: IntArray) -> IntArray:
+def position_in_group(counts: IntArray) -> IntArray:
     """0, 1, …, counts[0]-1, 0, 1, …, counts[1]-1, …: the place of every member in its group."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ._types import FloatArray, IntArray
+from .broad_phase import position_in_group
 from .distance import SMALLEST_LENGTH, point_edge
 from .mesh import Mesh
 from .predicates import winding_number
@@ -126,7 +127,7 @@ class EdgeSearch:
             wanted = lengths.sum() / (SAMPLES_PER_EDGE * len(lengths) + SPARE_SAMPLES)
             counts = np.maximum(np.ceil(lengths / max(wanted, SMALLEST_LENGTH)), 1.0).astype(np.int64)
             self._edge_of_sample = np.repeat(np.arange(len(lengths)), counts)
-            place = np.arange(len(self._edge_of_sample)) - np.repeat(np.cumsum(counts) - counts, counts)
+            place = position_in_group(counts)
             parameter = (place + 0.5) / counts[self._edge_of_sample]
             direction = (self.ends - self.starts)[self._edge_of_sample]
             self._spacing = float((lengths / counts).max())

@@ -47,10 +47,9 @@ def barrier_hessian_factors(
     """Factors U (K, 3, 6) with Uᵀ U the positive semi-definite part of the weighted Hessian of each pair's barrier.
 
     weight: (K,); a, b: (K, 2) ends of the edges. The Hessian is w (b'' ∂d ∂dᵀ + b' ∂²d) with b' < 0. Its parts are
-    projected one by one,
-    which needs no eigenvalues: b'' ∂d ∂dᵀ and the d q qᵀ of -∂²d are semi-definite as they are; c_t qᵀ + q c_tᵀ has, as
-    c_t ⊥ q, the eigenvalues ± |c_t| |q|, and the eigenvector (ĉ_t + q̂)/√2 of the positive one; next to an end point
-    -∂²d has no positive part.
+    projected one by one, which needs no eigenvalues: b'' ∂d ∂dᵀ and the d q qᵀ of -∂²d are semi-definite as they are;
+    c_t qᵀ + q c_tᵀ has, as c_t ⊥ q, the eigenvalues ± |c_t| |q|, and the eigenvector (ĉ_t + q̂)/√2 of the positive one;
+    next to an end point -∂²d has no positive part.
     """
     c = coefficients(pair)
     gradient = (c[:, :, None] * pair.normal[:, None, :]).reshape(-1, 6)

@@ -108,7 +108,7 @@ class CageAnswer:
         all_pairs = self.candidates.within(x, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
-        near = all_contacts.distance - farthest < _approach(all_pairs, able)
+        near = all_contacts.distance - farthest < all_pairs.approach(able)
         pairs, contacts = resolve_corners(self.bodies, all_pairs.subset(near), all_contacts.where(near), x, 0.0)
         motion = np.concatenate([np.zeros((m, 2)), fine_motion])
         able[m:] = 0.0
@@ -154,7 +154,7 @@ class CageAnswer:
         after = d + change(pairs, contacts, motion)
         kept = np.minimum(0.5 * (d + clearance), clearance + gap)
         larger = np.minimum(d + LARGER * gap, clearance + gap)
-        reachable = after - np.maximum(kept, larger) < _approach(pairs, able)
+        reachable = after - np.maximum(kept, larger) < pairs.approach(able)
         rows: list[Rows] = []
         rooms: list[FloatArray] = []
         softness: list[FloatArray] = []
@@ -171,9 +171,3 @@ class CageAnswer:
 def _reach(radius: Any) -> Any:
     """How much closer two cage vertices can come that move so far along two axes each."""
     return 2.0 * np.sqrt(2.0) * radius
-
-
-def _approach(pairs: Pairs, able: FloatArray) -> FloatArray:
-    """(K,) how much closer each pair can come when every vertex can move as far as ``able`` (m + n,)."""
-    approach: FloatArray = able.take(pairs.point) + np.maximum(able.take(pairs.start), able.take(pairs.end))
-    return approach

@@ -41,8 +41,7 @@ def impacts(
     their first impact.
     """
     speed = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1])
-    approach = speed.take(pairs.point) + np.maximum(speed.take(pairs.start), speed.take(pairs.end))
-    candidate = np.flatnonzero(approach >= REACH_MARGIN * distance)
+    candidate = np.flatnonzero(pairs.approach(speed) >= REACH_MARGIN * distance)
     if len(candidate) == 0:
         return candidate, np.zeros(0)
     p, a, b = pairs.point[candidate], pairs.start[candidate], pairs.end[candidate]

@@ -1,10 +1,9 @@
 """The point-edge pairs between fine and cage, kept while nothing has moved far.
 
 All positions of a contact problem stand in one array x = (C; F) of shape (m + n, 2): the m cage vertices first, then
-the n fine vertices. Pairs
-come in three families, in this order: F-C (a fine vertex and a cage edge), C-F (a cage vertex and a fine edge) and C-C
-(a cage vertex and a cage edge that does not end in it). F-F pairs do not exist: the fine mesh may cross itself on its
-way, it comes home to a shape that does not.
+the n fine vertices. Pairs come in three families, in this order: F-C (a fine vertex and a cage edge), C-F (a cage
+vertex and a fine edge) and C-C (a cage vertex and a cage edge that does not end in it). F-F pairs do not exist: the
+fine mesh may cross itself on its way, it comes home to a shape that does not.
 """
 
 from __future__ import annotations
@@ -109,6 +108,11 @@ class Pairs:
         """Distances of all pairs at the positions x (m + n, 2)."""
         return point_edge(x.take(self.point, axis=0), x.take(self.start, axis=0), x.take(self.end, axis=0))
 
+    def approach(self, reach: FloatArray) -> FloatArray:
+        """(K,) how much closer each pair can come when no vertex moves farther than ``reach`` (m + n,), lengths."""
+        closer: FloatArray = reach.take(self.point) + np.maximum(reach.take(self.start), reach.take(self.end))
+        return closer
+
     def subset(self, keep: BoolArray) -> Pairs:
         """The pairs where ``keep`` (K,) is true."""
         first = int(np.count_nonzero(keep[self.fine_cage]))
@@ -196,10 +200,6 @@ class CandidateList:
 
     def _covers(self, x: FloatArray, reach: float | FloatArray) -> bool:
         return float(np.min(self._radius - reach)) >= self._approach(x)
-
-    def forget(self) -> None:
-        """Build the list anew at the next use."""
-        self._pairs = None
 
     def _approach(self, x: FloatArray) -> float:
         """Upper bound of how much closer any pair has come since the list was built."""

@@ -13,15 +13,13 @@ import numpy as np
 
 from .._types import FloatArray
 from ..energies import CageEnergy
+from ..flow.paper_flow import PAPER_DIAGONAL
 from ..solver import Solver
 from .base import ContactOutcome
 from .pair_search import AllPairs, BroadPhase
 from .pairs import Bodies
 from .paper_potential import PaperPotential, PaperWeights
 from .step_filter import NoFilter, StepFilter
-
-PAPER_DIAGONAL = float(np.sqrt(8.0))
-"""Bounding-box diagonal of the annulus of the paper's Table 1, in whose units the program's lengths are given."""
 
 STIFFER = 4.0
 """Repair of the home-coming: factor on λ_R while the fine mesh rests short of home."""

@@ -48,8 +48,7 @@ class FeasibilityRule:
     def concerned(self, pairs: Pairs, contacts: Contacts, motion: FloatArray) -> tuple[Pairs, Contacts]:
         """Those that the motion (m + n, 2), or a part of it, can bring closer than the rule allows."""
         length = np.hypot(motion[:, 0], motion[:, 1])
-        approach = length.take(pairs.point) + np.maximum(length.take(pairs.start), length.take(pairs.end))
-        near = contacts.distance - approach <= self._least(contacts)
+        near = contacts.distance - pairs.approach(length) <= self._least(contacts)
         return pairs.subset(near), contacts.where(near)
 
     def _least(self, contacts: Contacts) -> FloatArray:

@@ -15,7 +15,7 @@ from .._types import FloatArray
 from ..errors import NestedCagesError
 from .curves import ellipse, line
 from .svg_path import Subpath, read_path
-from .transforms import moved, read_transform, scaling, translation
+from .transforms import NUMBER, moved, read_transform, scaling, translation
 
 NOT_DRAWN = frozenset(
     (
@@ -39,7 +39,6 @@ ACROSS, DOWN = ("x", "width", "cx", "rx"), ("y", "height", "cy", "ry")
 """Attributes whose per cent are of the width, and of the height."""
 
 LENGTH = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z%]*)\s*$")
-NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 

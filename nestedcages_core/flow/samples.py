@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._types import FloatArray, IntArray
-from ..broad_phase import near_pairs
+from ..broad_phase import near_pairs, position_in_group
 from ..distance import point_edge
 from ..mesh import Mesh
 
@@ -64,7 +64,7 @@ def _even_samples(mesh: Mesh, spacing: Spacing, limit: int) -> Samples:
     lengths = mesh.edge_lengths
     counts = np.clip(np.ceil(lengths / spacing.length), 1, limit).astype(np.int64)
     edge = np.repeat(np.arange(len(counts)), counts)
-    place = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+    place = position_in_group(counts)
     weight = np.clip(lengths / counts, FEWEST_WEIGHT * spacing.unit, spacing.unit)
     return Samples(edge, place / counts[edge], weight[edge])
 

@@ -88,8 +88,7 @@ def model_at(
 
     reach = np.zeros(len(x))
     reach[:m] = region.radius * np.sqrt(2.0)
-    approach = reach.take(pairs.point) + np.maximum(reach.take(pairs.start), reach.take(pairs.end))
-    near = contacts.distance - wanted.of(pairs) < approach
+    near = contacts.distance - wanted.of(pairs) < pairs.approach(reach)
     some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
     keep = not_implied(some, contact, room, THINNING * wanted.clearance)

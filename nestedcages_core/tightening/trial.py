@@ -60,8 +60,7 @@ class Surroundings:
     def within(self, able: FloatArray) -> Surroundings:
         """Those that can meet when no vertex moves farther than ``able`` (m + n,), which is less."""
         pairs = self.pairs
-        approach = able.take(pairs.point) + np.maximum(able.take(pairs.start), able.take(pairs.end))
-        near = self.contacts.distance - self.required <= approach
+        near = self.contacts.distance - self.required <= pairs.approach(able)
         return Surroundings(pairs.subset(near), self.contacts.where(near), self.required[near], able)
 
 

@@ -70,8 +70,7 @@ def verify_motion(cage: Mesh, fine: Mesh, cage_steps: FloatArray, fine_steps: Fl
         if reach == 0.0:
             continue
         pairs = candidates.within(before, reach, SKIN * bodies.cage_edge_length)
-        near = speed[pairs.point] + np.maximum(speed[pairs.start], speed[pairs.end])
-        pairs = pairs.subset(pairs.measure(before).distance <= near * (1.0 + ROUNDING))
+        pairs = pairs.subset(pairs.measure(before).distance <= pairs.approach(speed) * (1.0 + ROUNDING))
         certified = _never_meet(pairs, before, after)
         if not certified.all():
             return MotionCertificate(False, step, int(pairs.point[~certified][0]))
