@@ -39,7 +39,7 @@ def extension() -> ModuleType:
     return module
 
 
-def scene(fine: Any, cage: Any, following: ModuleType) -> tuple[Any, Any]:
+def scene(fine: Any, cage: Any) -> tuple[Any, Any]:
     """An empty scene with the drawing as a wire and its cage as filled faces."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     filling, core = import_module(f"{PACKAGE}.addon.filling"), import_module(f"{PACKAGE}.nestedcages_core")
@@ -74,7 +74,7 @@ def run(names: list[str], given: argparse.Namespace) -> None:
         fine = core.Mesh(fine.vertices, fine.edges)  # as the extension's own core knows it
         cage = core.nested_cages(fine, [given.vertices]).cages[0]
         for method, kind in following.NAMES.items():
-            drawing, control = scene(fine, cage, following)
+            drawing, control = scene(fine, cage)
             began = time.perf_counter()
             bound = following.attach(bpy.context, drawing, control, method)
             seconds = time.perf_counter() - began

@@ -4,7 +4,7 @@
 
 For every shape at 16, 32 and 64 vertices: our excess from outer-hull starts beside the record (the least excess of the
 methods ``best_known`` and ``prototype`` in peers.csv), that of our hull before it is tightened beside that of
-``prog_hull_strict`` there, and our time beside the recorded one of the prototype. Then, from resampled starts, the
+``prog_hull_strict`` there, and our time beside the recorded one of ``prototype``. Then, from resampled starts, the
 share of cage edges that show the sign of a local optimum of the area: flush with the fine mesh around their middle, or
 touched at it. Then five levels around each other. Last, what shapely's buffer + simplify and GEOS's polygon hull make
 of the same shapes in the same run. Exit status 1 when a cage is not certified, an excess is above the allowed multiple
@@ -73,7 +73,7 @@ class Record:
     excess: float = np.nan
     """Least one, in per cent."""
     seconds: float = np.nan
-    """Of the prototype."""
+    """CPU seconds of the method ``prototype``."""
     hull: float = np.nan
     """Excess of a strict progressive hull, in per cent."""
 

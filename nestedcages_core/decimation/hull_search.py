@@ -100,9 +100,8 @@ def search_hulls(
 ) -> list[Outline]:
     """Hulls of an outline with at most `count` vertices, least area first; the smallest first if none is small enough.
 
-    minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: what is done to an outline that
-    restarts begin at.
-    Deterministic for a seed.
+    minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: what is done to an outline
+    that restarts begin at. Deterministic for a seed.
     """
     both = len(outline.vertices) <= STAGE_TWICE
     stages = [prepare(stage) for stage in _stages(outline, count, minimum, (EVEN, ROUGH) if both else (ROUGH,))]

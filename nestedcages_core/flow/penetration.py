@@ -24,7 +24,6 @@ from .samples import Samples, Spacing, coarse_samples, fine_samples, local_margi
 COMFORT = 1.0 / 3.0
 """Share of the margin from which the flow is content."""
 
-
 WALL = 2.0
 """Thickness of a wall between coarse loops, in sample spacings, up to which each is kept off the other's partner."""
 

@@ -21,7 +21,6 @@ DEFAULT_CLEARANCE = 1e-5
 IPC_FIRST = 50_000
 """Product of the vertex counts up to which IPC is tried first: there it costs as little and leaves less to tighten."""
 
-
 CROWD = 10.0
 """Pairs per vertex at which it leaves them to the other one after all. Usual are 1 to 3; around cores of many needles,
 where each iteration costs fifty times as much as elsewhere, 20 to 140."""

@@ -52,7 +52,7 @@ class Samples(NamedTuple):
 
 
 def sample(mesh: Mesh, sampling: Sampling | None) -> Samples:
-    """The points; without a sampling the mesh's own vertices. Raises NestedCagesError unless the spacing is a length."""
+    """The points; without a sampling the mesh's own vertices. NestedCagesError unless the spacing is a length."""
     n = len(mesh.vertices)
     if sampling is None:
         return Samples(mesh.vertices, np.arange(n), np.zeros(n), np.stack((np.arange(n), mesh.successor), axis=1))
