@@ -20,6 +20,7 @@ import numpy as np
 
 from .._types import FloatArray
 from ..energies import Blocks
+from ..errors import NestedCagesError
 from .banded import BandedSystem, BandOrder, Rows
 
 START_MULTIPLIER, START_SLACK = 1.0, 0.1
@@ -42,11 +43,20 @@ MORE_DAMPING, LESS_DAMPING, SMALLEST_DAMPING = 3.0, 1.0 / 3.0, 1e-3
 """Factors of the further tries, and of the first try of the next system; fraction of the first damping below which none
 is tried."""
 
+MAX_DAMPINGS = 100
+"""Cap on the tries for one system: the last damping is 1e46 times the largest block of W."""
+
 DAMPING_MARGIN = 3.0
 """Factor of the damping that succeeded: a matrix that is hardly positive definite lets roundings decide the way."""
 
 TINY = float(np.finfo(float).tiny)
 """Guards divisions."""
+
+NOT_FINITE = (
+    "The energy of the cage has derivatives that are not finite numbers; write it so that they exist wherever the cage "
+    "may be, the coarse mesh included."
+)
+"""What is wrong with such a program, and where no damping makes a matrix positive definite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +117,10 @@ class InteriorPoint:
     """Longest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
 
     def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> Solution:
-        """Solve; ``absolute`` is a complementarity, in units of the energy, that is small enough in any case."""
+        """Solve; ``absolute`` is a complementarity, in units of the energy, that is small enough in any case.
+
+        Raises: NestedCagesError for an energy whose derivatives are not finite.
+        """
         return _Iteration(self, program).run(absolute)
 
 
@@ -134,6 +147,8 @@ class _Iteration:
         self.scale = program.scale or max(_longest(self.G), TINY)
         self.damping = 0.0
         self.first_damping = FIRST_DAMPING * block_scale(program.hessian) or FIRST_DAMPING
+        if not (np.isfinite(self.scale) and np.isfinite(self.first_damping)):
+            raise NestedCagesError(NOT_FINITE)
 
         # start: slacks at least a little inside, multipliers so that no product is larger than the others
         K = self.K
@@ -175,8 +190,12 @@ class _Iteration:
         self.h = self.z / self.denominator
         self.system.set_matrix(self.h)
         damping = least = LESS_DAMPING * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
-        while not self.system.factorise(self.shift + damping):
+        for _ in range(MAX_DAMPINGS):
+            if self.system.factorise(self.shift + damping):
+                break
             damping = max(MORE_DAMPING * damping, self.first_damping)
+        else:
+            raise NestedCagesError(NOT_FINITE)
         if damping > least:
             damping *= DAMPING_MARGIN
             self.system.factorise(self.shift + damping)

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._types import BoolArray, FloatArray
+from ..errors import NestedCagesError
 from .banded import BandedSystem, BandOrder
-from .quadratic_program import QuadraticProgram, block_scale
+from .quadratic_program import MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
 
 SPRING = 1e6
 """Stiffness of the springs, relative to the largest block of W: held to six digits."""
@@ -52,8 +53,12 @@ def softest_motion(program: QuadraticProgram, order: BandOrder, active: BoolArra
     if scale == 0.0 or system.factorise(0.0):
         return None
     shift = FIRST_SHIFT * scale
-    while not system.factorise(shift):
+    for _ in range(MAX_DAMPINGS):
+        if system.factorise(shift):
+            break
         shift *= SHIFT_GROWTH
+    else:
+        raise NestedCagesError(NOT_FINITE)
     v = np.cos(np.arange(size) ** 2)  # orthogonal to no eigenvector of a symmetric shape
     growth = 1.0
     for _ in range(ITERATIONS):

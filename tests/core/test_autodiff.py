@@ -15,9 +15,12 @@ from nestedcages_core import (
     InitialDisplacement,
     InteriorARAP,
     Mesh,
+    NestedCagesError,
+    Settings,
     ShapeKeeping,
     StepDisplacement,
     WeightedSum,
+    nested_cages,
 )
 from nestedcages_core.energies import Blocks, Energy, autodiff, element_energy
 from nestedcages_core.energies.assembly import blocks_of, positive_part
@@ -230,3 +233,12 @@ def test_a_formula_must_depend_on_the_corners_as_they_are(plate: Mesh) -> None:
     constant = ElementEnergy.per_vertex(lambda now, rest: rest[0].dot(rest[0])).at(plate)
     with pytest.raises(TypeError, match="must depend on the corners"):
         constant.gradient(plate.vertices, plate.successor)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("power", [1.0, 1.5], ids=["no slope", "no curvature"])
+def test_a_formula_must_have_derivatives_at_the_coarse_mesh(power: float) -> None:
+    """Powers of a length where the length is zero, as all are at the start."""
+    energy = ElementEnergy.per_vertex(lambda now, rest: (now[0] - rest[0]).length() ** power)
+    with pytest.raises(NestedCagesError, match="derivatives that are not finite numbers"):
+        nested_cages(Mesh.from_loops([ring(30)]), [8], Settings(energy=energy))

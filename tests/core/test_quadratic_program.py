@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize
 
+from nestedcages_core import NestedCagesError
 from nestedcages_core.energies import Blocks
 from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
@@ -255,3 +256,13 @@ def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() ->
     assert d @ hessian.dense(m) @ d == pytest.approx(softest.curvature, rel=1e-3)
     assert softest.curvature < -0.3
     assert softest_motion(program, order, np.ones(m, bool)) is None
+
+
+def test_matrices_that_no_damping_makes_definite_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As some libraries answer entries that are no numbers."""
+    program = random_program(1)
+    monkeypatch.setattr(BandedSystem, "factorise", lambda self, shift: False)
+    with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
+        InteriorPoint().solve(program)
+    with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
+        softest_motion(program, BandOrder.of(7, np.arange(7), np.arange(7)), np.zeros(20, bool))
