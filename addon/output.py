@@ -199,6 +199,13 @@ def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[st
     """What the panel and other programs can read from a cage; lengths are those of the scene."""
     certificate, report = level.certificate, level.report
     clearance = certificate.clearance * result.drawing.frame.scale
+    sentence = (
+        "Certified as stored: simple, all loops kept, strictly encloses level {inner}; clearance {clearance:.3g}, "
+        "excess {excess:.2f} %"
+        if certificate.loops_kept
+        else "Certified as stored: simple, with loops of its own, strictly encloses level {inner}; clearance "
+        "{clearance:.3g}, excess {excess:.2f} %"
+    )
     return {
         LEVEL: number,
         "nested_cages_vertices": len(level.cage),
@@ -213,11 +220,7 @@ def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[st
         "nested_cages_end": span.end,
         PHASES: [level.flow_end, level.tightening, level.last],
         "nested_cages_certificate": say(
-            "Certified as stored: simple, all loops kept, strictly encloses level {inner}; clearance {clearance:.3g}, "
-            "excess {excess:.2f} %",
-            inner=number - 1,
-            clearance=clearance,
-            excess=100.0 * certificate.excess,
+            sentence, inner=number - 1, clearance=clearance, excess=100.0 * certificate.excess
         ),
     }
 

@@ -196,6 +196,8 @@ def test_where_parts_merge_the_cage_says_so() -> None:
     bpy.ops.object.nested_cages_generate(levels="8", decimation="LEVEL_SET_MERGING")
     cage = bpy.data.objects["Drawing Cage 1"]
     assert "1 outer loop and no holes, but the mesh in it has 2 outer loops" in cage["nested_cages_notes"]
+    assert "loops kept" not in cage["nested_cages_certificate"]
+    assert cage["nested_cages_certificate"].startswith("Certified as stored: simple, with loops of its own, strictly")
 
 
 def test_presets_keep_the_methods(addon, tmp_path, monkeypatch) -> None:
