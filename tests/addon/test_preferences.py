@@ -48,7 +48,8 @@ def preferences(extension) -> Iterator[bpy.types.AddonPreferences]:
         ("bpy.types.OBJECT_OT_nested_cages_generate.contact", "methods"),
         ("bpy.types.NestedCagesSettings.thickness", "cages"),
         ("bpy.types.NestedCagesLevel.count", "levels"),
-        ("bpy.types.NestedCagesPreferences.category", "cages"),
+        ("bpy.types.NestedCagesPreferences.category", "install"),
+        ("bpy.ops.scene.nested_cages_store_defaults", "install"),
         ("bpy.types.OBJECT_OT_nested_cages_generate.resolution", "cages"),
     ],
 )
