@@ -207,7 +207,7 @@ def _connect(
     for obj in levels:
         _take_lines_out(obj, collection)
     sentence = originals.follow(context, collection, levels, links[0].method)
-    _remove_helpers(collection, [obj for obj in collection.objects if HELPER in obj and not _used(obj)])
+    _remove_helpers([obj for obj in collection.objects if HELPER in obj and not _used(obj)])
     return Binding(links, sentence)
 
 
@@ -223,7 +223,7 @@ def _disconnect(
         owner = helper.get("nested_cages_lines_of")
         if lines_back and owner is not None:
             looks.set_thickness(owner, owner[ownership.LEVEL], helper["nested_cages_thickness"])
-    _remove_helpers(collection, [obj for obj in collection.objects if HELPER in obj])
+    _remove_helpers([obj for obj in collection.objects if HELPER in obj])
 
 
 def _used(helper: bpy.types.Object) -> bool:
@@ -237,8 +237,8 @@ def _used(helper: bpy.types.Object) -> bool:
     return helper in targets or "nested_cages_lines_of" in helper
 
 
-def _remove_helpers(collection: bpy.types.Collection, helpers: Iterable[bpy.types.Object]) -> None:
-    for helper in list(helpers):
+def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
+    for helper in helpers:
         mesh = helper.data
         for modifier in list(helper.modifiers):
             looks.remove_modifier(helper, modifier)
