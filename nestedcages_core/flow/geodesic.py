@@ -33,6 +33,9 @@ ROUGHNESS = 1e-9
 INSETS = (1.0, 4.0)
 """Depths below the coarse edges where there are points, in margins of the edge."""
 
+TINY = float(np.finfo(float).tiny)
+"""Guards divisions: in units of the whole shape, edges of a tiny loop may have no length."""
+
 CORE_DEPTH = 0.5
 """Depth below the coarse boundary from which a point belongs to the core, in margins of the nearest edge."""
 
@@ -153,7 +156,7 @@ def _below(coarse: Mesh, margins: FloatArray, spacing: Spacing) -> list[FloatArr
     samples = coarse_samples(coarse, spacing)
     start = coarse.vertices[samples.edge]
     direction = coarse.vertices[coarse.successor[samples.edge]] - start
-    inwards = np.stack([-direction[:, 1], direction[:, 0]], axis=1) / np.hypot(*direction.T)[:, None]
+    inwards = np.stack([-direction[:, 1], direction[:, 0]], axis=1) / np.maximum(np.hypot(*direction.T), TINY)[:, None]
     on_edge = start + samples.parameter[:, None] * direction
     return [on_edge + depth * margins[samples.edge][:, None] * inwards for depth in INSETS]
 
@@ -189,7 +192,7 @@ def _depth(points: FloatArray, component: IntArray, matching: Matching, margins:
         start = np.concatenate([coarse.loops[loop] for loop in matching.coarse_loops_of(int(k))])
         here = inside == k
         sample = SignedDistance(coarse.vertices[start], coarse.vertices[coarse.successor[start]]).at(points[here])
-        depth[here] = -sample.distance / margins[start[sample.edge]]
+        depth[here] = -sample.distance / np.maximum(margins[start[sample.edge]], TINY)
     return depth
 
 

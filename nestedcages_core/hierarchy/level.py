@@ -103,6 +103,10 @@ class LevelBuilder:
                 return self._certified(attempt, notes)
             except NestingError as error:
                 errors.append(error)
+        for coarse in starts:
+            level = self._untightened(coarse, notes)
+            if level is not None:
+                return level
         raise errors[0]
 
     def _approach(self, coarse: Mesh, generated: bool, beat: float = np.inf) -> _Attempt:
@@ -183,18 +187,38 @@ class LevelBuilder:
         if not same_loops:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
             notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
-        nesting = NestingReport(
+        start = "outer hull" if attempt.generated and len(flow.steps) == 1 else "flow"
+        nesting = self._report(certificate, length, start, notes)
+        counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **attempt.counts}
+        return Level(self.fine, coarse, cage, flow, reinflation, replace(nesting, iterations=counts))
+
+    def _untightened(self, coarse: Mesh, notes: tuple[str, ...]) -> Level | None:
+        """The level of a coarse mesh that is a cage as it is; None if it is none.
+
+        Details that are tiny beside the whole may be told apart in the input's units only, near the origin.
+        """
+        certificate, wanted = verify(coarse, self.fine), self.clearance.length
+        length = min(wanted, certificate.clearance) if self.clearance.negotiable else wanted
+        if not certificate.holds or certificate.clearance < length:
+            return None
+        notes = (*notes, "The outer hull is not tightened: details of the fine mesh are too small beside the whole.")
+        flow = FlowResult(self.fine.vertices[None], 0, "inside")
+        stands = Reinflation(self.fine.vertices[None], coarse.vertices[None], 0, 0)
+        return Level(self.fine, coarse, coarse, flow, stands, self._report(certificate, length, "outer hull", notes))
+
+    def _report(self, certificate: Certificate, length: float, start: str, notes: tuple[str, ...]) -> NestingReport:
+        """What is certified, and how long it took."""
+        return NestingReport(
             strict=certificate.strict,
             simple=certificate.simple,
             clearance=certificate.clearance,
             wanted_clearance=length,
             excess=certificate.excess,
-            start="outer hull" if attempt.generated and len(flow.steps) == 1 else "flow",
-            iterations={"flow": flow.iterations, "reinflation": reinflation.iterations, **attempt.counts},
-            seconds=dict(report.seconds),
+            start=start,
+            iterations={"flow": 0, "reinflation": 0},
+            seconds=dict(self.report.seconds),
             notes=notes,
         )
-        return Level(self.fine, coarse, cage, flow, reinflation, nesting)
 
     def _flow(self, unit_coarse: Mesh) -> FlowResult:
         try:

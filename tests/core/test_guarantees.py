@@ -302,3 +302,16 @@ def test_hard_inputs_get_certified_cages(fine: Mesh, levels: list[int | Mesh]) -
         assert verify(level.cage, inner, level.report.wanted_clearance)
         assert verify_motion(level.cage, inner, level.reinflation.cage_steps, level.reinflation.fine_steps)
         inner = level.cage
+
+
+def test_a_hole_too_small_beside_the_whole_gets_its_cage() -> None:
+    """Its corners differ in the input's units only; a union of shapes that nearly fit leaves such holes."""
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    hole = np.array([[0.0, 0.0], [4e-20, 1.4e-19], [2.5e-17, -2.7e-18]])
+    level = nested_cages(Mesh.from_loops([square, hole]), [7]).levels[0]
+    assert_nested(level.cage, level.fine)
+    assert level.report.strict
+    assert "not tightened" in level.report.notes[0]
+    assert (level.reinflation.fine_steps[-1] == level.fine.vertices).all()
+    with pytest.raises(NestingError, match="a hole"):
+        nested_cages(level.fine, [7], Settings(clearance=1e-3))
