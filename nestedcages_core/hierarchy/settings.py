@@ -62,8 +62,14 @@ class Settings:
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
                 f"default."
             )
-        if self.starts < 1:
-            raise NestedCagesError(f"The number of starts must be at least 1, not {self.starts!r}.")
+        if not isinstance(self.starts, int | np.integer) or self.starts < 1:
+            raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
+        contact: object = self.contact
+        if isinstance(contact, str) or (isinstance(contact, Sequence) and not contact):
+            raise NestedCagesError(
+                f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
+                "out for the default."
+            )
 
     def contacts(self, cage_vertices: int, fine_vertices: int) -> tuple[Contact, ...]:
         """The contacts to try, in turn, for meshes of that many vertices."""

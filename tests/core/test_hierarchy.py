@@ -209,6 +209,18 @@ def test_impossible_clearances_are_refused(clearance: object) -> None:
         Settings(clearance=clearance)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("starts", [0, 2.5, "3"])
+def test_impossible_numbers_of_starts_are_refused(starts: object) -> None:
+    with pytest.raises(NestedCagesError, match="starts must be a whole number of at least 1"):
+        Settings(starts=starts)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("contact", [[], "IPC"])
+def test_contacts_that_are_none_are_refused(contact: object) -> None:
+    with pytest.raises(NestedCagesError, match="contact must be an object such as IPC"):
+        Settings(contact=contact)  # type: ignore[arg-type]
+
+
 def test_moved_meshes_are_validated_at_the_door() -> None:
     fine = Mesh.from_loops([ring(50)])
     with pytest.raises(InvalidMeshError, match="crosses itself near"):

@@ -15,7 +15,6 @@ SHOWN = ("glyph_g", "blob_500", "comb")
 """Shapes in the picture."""
 
 
-
 def run(inputs: Inputs) -> Results:
     """Every decimation of every shape of the folder."""
     chosen = {name: methods.with_decimation(name) for name in methods.DECIMATIONS}
