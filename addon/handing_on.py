@@ -38,7 +38,6 @@ SHAPES: dict[str, Callable[[str, filling.Points, Any, float, ModuleType], bpy.ty
     "FILLED": as_faces,
     "PRISM": as_prism,
 }
-WRITERS = ("SVG", "GEOJSON", "ENGINE")
 
 
 def make(
@@ -136,27 +135,46 @@ def _seen(drawing: convert.Drawing) -> list[int]:
     return [axis for axis in range(3) if axis != away]
 
 
-def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, flip_y: bool, triangles: bool) -> None:
-    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`. Raises: Refusal.
+def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, flip_y: bool, triangles: bool) -> int:
+    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; how many it holds. Raises: Refusal.
 
-    flip_y: y pointing down as in pictures; only the last mesh, the coarsest, goes to the JSON of engines.
+    flip_y: y pointing down as in pictures.
     """
-    exchange = core.exchange
     try:
-        if kind == "ENGINE":
-            outermost = list(shapes.values())[-1]
-            text = exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles)
-        else:
-            turned = {name: _upside_down(mesh, core) if flip_y else mesh for name, mesh in shapes.items()}
-            if kind == "SVG":
-                text = exchange.to_svg(turned)
-            else:
-                down = {Y_DOWN: True} if flip_y else {}
-                features = [exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
-                text = exchange.to_geojson(features)
+        text, count = WRITERS[kind](shapes, core, flip_y, triangles)
         path.write_text(text, encoding="utf-8")
     except (core.NestedCagesError, OSError) as error:
         raise Refusal("'{path}' cannot be written: {problem}", path=path.name, problem=error) from error
+    return count
+
+
+def _svg(shapes: dict[str, Any], core: ModuleType, flip_y: bool, _triangles: bool) -> tuple[str, int]:
+    return core.exchange.to_svg(_turned(shapes, core, flip_y)), len(shapes)
+
+
+def _geojson(shapes: dict[str, Any], core: ModuleType, flip_y: bool, _triangles: bool) -> tuple[str, int]:
+    down = {Y_DOWN: True} if flip_y else {}
+    turned = _turned(shapes, core, flip_y)
+    features = [core.exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
+    return core.exchange.to_geojson(features), len(shapes)
+
+
+def _engine(shapes: dict[str, Any], core: ModuleType, flip_y: bool, triangles: bool) -> tuple[str, int]:
+    """Of the last mesh alone, the outermost."""
+    outermost = list(shapes.values())[-1]
+    return core.exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles), 1
+
+
+WRITERS: dict[str, Callable[[dict[str, Any], ModuleType, bool, bool], tuple[str, int]]] = {
+    "SVG": _svg,
+    "GEOJSON": _geojson,
+    "ENGINE": _engine,
+}
+"""Text of a file and the number of outlines in it, by kind."""
+
+
+def _turned(shapes: dict[str, Any], core: ModuleType, flip_y: bool) -> dict[str, Any]:
+    return {name: _upside_down(mesh, core) for name, mesh in shapes.items()} if flip_y else shapes
 
 
 def _upside_down(mesh: Any, core: ModuleType) -> Any:

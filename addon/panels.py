@@ -11,6 +11,7 @@ from .job import running
 from .presets import NESTEDCAGES_PT_presets
 from .properties import copy_values, timing
 from .refusal import say
+from .selection import collection_of_active
 
 CATEGORY = "Nested Cages"
 # Letters in a line of a note: what fits into the sidebar as wide as Blender opens it.
@@ -94,10 +95,10 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _shown_collection(context) is not None
+        return collection_of_active(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        collection = _shown_collection(context)
+        collection = collection_of_active(context)
         layout = self.layout
         layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
         for obj in ownership.members(collection):
@@ -124,11 +125,11 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _shown_collection(context) is not None
+        return collection_of_active(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        if binding.is_bound(_shown_collection(context)):
+        if binding.is_bound(collection_of_active(context)):
             row = layout.row(align=True)
             row.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
             row.operator("object.nested_cages_unbind", icon="UNLINKED")
@@ -158,7 +159,7 @@ def _draw_list(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) ->
 
 def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """How long the animation will be with these settings, known from the steps that the cages were made of before."""
-    collection, scene = _shown_collection(context), context.scene
+    collection, scene = collection_of_active(context), context.scene
     frames = output.length(collection, timing(scene.nested_cages)) if collection is not None else None
     if frames is not None:
         seconds = frames * scene.render.fps_base / scene.render.fps
@@ -195,12 +196,6 @@ def _notes(obj: bpy.types.Object) -> list[str]:
     sentences = [say("Follows by {link}", link=obj["nested_cages_link"])] if "nested_cages_link" in obj else []
     sentences.append(obj.get("nested_cages_notes", ""))
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
-
-
-def _shown_collection(context: bpy.types.Context) -> bpy.types.Collection | None:
-    """The output that the active object belongs to or is the source of."""
-    obj = context.active_object
-    return ownership.collection_about(context.scene, obj) if obj is not None else None
 
 
 CLASSES = (

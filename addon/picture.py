@@ -72,11 +72,3 @@ def image_of(context: bpy.types.Context) -> bpy.types.Image | None:
     if obj is not None and obj.type == "EMPTY" and obj.empty_display_type == "IMAGE":
         return obj.data
     return getattr(context.space_data, "image", None)
-
-
-def select(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Makes the object the only selected one and the active one."""
-    for other in context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    context.view_layer.objects.active = obj

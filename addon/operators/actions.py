@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from .. import actions, binding, ownership
+from .. import actions, binding
 from ..refusal import Refusal, say
+from ..selection import collection_of_active
 
 
 class OnAnimation:
@@ -13,7 +14,7 @@ class OnAnimation:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        collection = _collection(context)
+        collection = collection_of_active(context)
         if context.mode != "OBJECT":
             cls.poll_message_set("Switch to Object Mode")
         elif collection is None:
@@ -44,7 +45,7 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            action = actions.bake(_collection(context))
+            action = actions.bake(collection_of_active(context))
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
@@ -62,16 +63,11 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            actions.remove(context.scene, _collection(context))
+            actions.remove(context.scene, collection_of_active(context))
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         return {"FINISHED"}
-
-
-def _collection(context: bpy.types.Context) -> bpy.types.Collection | None:
-    active = context.active_object
-    return ownership.collection_about(context.scene, active) if active is not None else None
 
 
 CLASSES = (OBJECT_OT_nested_cages_bake_action, OBJECT_OT_nested_cages_remove_animation)

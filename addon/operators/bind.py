@@ -8,6 +8,7 @@ from bpy.props import EnumProperty
 from .. import binding, ownership
 from ..following import NAMES, PRISM, SURFACE
 from ..refusal import Refusal, say
+from ..selection import collection_of_active, select
 from ..weights import HARMONIC, LINEAR
 
 METHOD_ITEMS = (
@@ -31,7 +32,7 @@ class Bindable:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        collection = about(context)
+        collection = collection_of_active(context)
         if context.mode != "OBJECT":
             cls.poll_message_set("Switch to Object Mode")
         elif collection is None:
@@ -55,17 +56,14 @@ class Binding(Bindable):
     )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        collection = about(context)
+        collection = collection_of_active(context)
         try:
             made = (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         cage = ownership.members(collection)[-1]
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        cage.select_set(True)
-        context.view_layer.objects.active = cage
+        select(context, cage)
         worst = max(made.links, key=lambda link: link.affine)
         self.report(
             {"INFO"},
@@ -109,14 +107,8 @@ class OBJECT_OT_nested_cages_unbind(Bindable, bpy.types.Operator):
     bl_description = "Put cages and drawing back to what they were before they were bound, with their animation"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        binding.unbind(about(context))
+        binding.unbind(collection_of_active(context))
         return {"FINISHED"}
-
-
-def about(context: bpy.types.Context) -> bpy.types.Collection | None:
-    """The output that the active object belongs to or is the source of."""
-    obj = context.view_layer.objects.active
-    return ownership.collection_about(context.scene, obj) if obj is not None else None
 
 
 CLASSES = (OBJECT_OT_nested_cages_bind, OBJECT_OT_nested_cages_rebind, OBJECT_OT_nested_cages_unbind)

@@ -8,8 +8,8 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from .. import bringing_in
-from ..picture import select
-from ..refusal import Refusal, load_core, say
+from ..refusal import Refusal, load_core, say_count
+from ..selection import select
 
 Y_ITEMS = (
     ("AUTO", "As Usual", "Down in SVG and collision outlines, up in maps"),
@@ -64,11 +64,10 @@ class OBJECT_OT_nested_cages_import(bpy.types.Operator):
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        select(context, made[-1])
-        for obj in made:
-            obj.select_set(True)
+        select(context, *made)
         count = sum(len(obj.data.vertices) for obj in made)
-        self.report({"INFO"}, say("{count} outlines, {vertices} vertices", count=len(made), vertices=count))
+        sentences = "{count} outline, {vertices} vertices", "{count} outlines, {vertices} vertices"
+        self.report({"INFO"}, say_count(len(made), *sentences, vertices=count))
         return {"FINISHED"}
 
 

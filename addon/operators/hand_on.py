@@ -8,8 +8,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 from .. import convert, handing_on, ownership
-from ..picture import select
 from ..refusal import Refusal, load_core, say_count
+from ..selection import select
 
 SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
@@ -69,9 +69,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        select(context, made[-1])
-        for obj in made:
-            obj.select_set(True)
+        select(context, *made)
         return {"FINISHED"}
 
 
@@ -137,12 +135,12 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
             core = load_core()
             path = Path(bpy.path.abspath(self.filepath))
             shapes = handing_on.meshes(context, chosen(context), core, world=self.world, scale=self.scale)
-            handing_on.write(path, self.kind, shapes, core, flip_y=self.flip_y, triangles=self.triangles)
+            count = handing_on.write(path, self.kind, shapes, core, flip_y=self.flip_y, triangles=self.triangles)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         sentences = "{count} outline written to {path}", "{count} outlines written to {path}"
-        self.report({"INFO"}, say_count(len(shapes), *sentences, path=path.name))
+        self.report({"INFO"}, say_count(count, *sentences, path=path.name))
         return {"FINISHED"}
 
 

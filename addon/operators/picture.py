@@ -7,6 +7,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from .. import picture
 from ..refusal import Refusal, load_core, say
+from ..selection import select
 
 # Properties that the core takes by the same names.
 OPTIONS = ("padding", "threshold", "holes")
@@ -82,7 +83,7 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
         active = context.view_layer.objects.active
         shows_it = active is not None and active.type == "EMPTY" and active.data == image
         obj = picture.place(context, image, mesh, active if shows_it else None)
-        picture.select(context, obj)
+        select(context, obj)
         self.report(
             {"INFO"},
             say("{count} vertices around all opaque pixels of '{name}'", count=len(mesh.vertices), name=image.name),

@@ -12,6 +12,7 @@ from bpy.props import BoolProperty
 from .. import actions, binding, convert, ownership
 from ..checking import Finding, check, check_animation, same_frame, select_points
 from ..refusal import Refusal, load_core, say
+from ..selection import collection_of_active, select
 
 
 class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
@@ -67,11 +68,7 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
             # The status bar shows the last one: what does not hold.
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault:
-            for obj in context.selected_objects:
-                obj.select_set(False)
-            for obj in at_fault:
-                obj.select_set(True)
-            context.view_layer.objects.active = at_fault[0]
+            select(context, *reversed(at_fault))
         return {"FINISHED"}
 
 
@@ -111,7 +108,6 @@ def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:
         return sorted(chosen, key=lambda obj: (obj.get(ownership.LEVEL, 0), obj.dimensions.length))
-    active = context.view_layer.objects.active
-    collection = ownership.collection_about(context.scene, active) if active is not None else None
+    collection = collection_of_active(context)
     members = ownership.members(collection) if collection is not None else []
     return [obj for obj in members if hidden or not obj.hide_viewport]

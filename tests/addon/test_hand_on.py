@@ -74,6 +74,13 @@ def test_curves_have_the_cage_s_points(cages) -> None:
     )
 
 
+@pytest.mark.parametrize(("kind", "told"), [("SVG", "3 outlines"), ("GEOJSON", "3 outlines"), ("ENGINE", "1 outline")])
+def test_it_says_how_many_outlines_were_written(cages, tmp_path, capfd, kind, told) -> None:
+    choose(cages[0])
+    bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "file"), kind=kind)
+    assert f"{told} written to file" in capfd.readouterr().out
+
+
 def test_a_drawing_goes_to_svg_with_all_its_cages(cages, core, tmp_path) -> None:
     source, fine, both = cages
     choose(source)
@@ -214,10 +221,11 @@ def test_an_outline_that_stands_up_is_written_as_seen_from_the_front(core, tmp_p
         bpy.ops.object.nested_cages_export(filepath=path, **options)
 
 
-def test_drawings_are_read_from_files_and_caged(core, tmp_path) -> None:
+def test_drawings_are_read_from_files_and_caged(core, tmp_path, capfd) -> None:
     overlapping = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="50"/><rect width="80" height="80"/></svg>'
     (tmp_path / "logo.svg").write_text(overlapping)
     assert bpy.ops.object.nested_cages_import(filepath=str(tmp_path / "logo.svg")) == {"FINISHED"}
+    assert "1 outline, " in capfd.readouterr().out
     logo = bpy.context.active_object
     assert logo.name == "logo"
     assert logo.location.y < 0.0  # the square goes down to the right
