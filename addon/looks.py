@@ -63,10 +63,7 @@ def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None
 
 def set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
     """Sets an input of a Geometry Nodes modifier by the name of its socket."""
-    sockets = modifier.node_group.interface.items_tree
-    identifier = next(
-        s.identifier for s in sockets if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name
-    )
+    identifier = _identifier(modifier, name)
     # Blender 5.2 made properties of what were custom properties of the modifier.
     if hasattr(modifier, "properties"):
         getattr(modifier.properties.inputs, identifier).value = value
@@ -76,13 +73,16 @@ def set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
 
 def get_input(modifier: bpy.types.Modifier, name: str) -> object:
     """An input of a Geometry Nodes modifier by the name of its socket."""
-    sockets = modifier.node_group.interface.items_tree
-    identifier = next(
-        s.identifier for s in sockets if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name
-    )
+    identifier = _identifier(modifier, name)
     if hasattr(modifier, "properties"):
         return getattr(modifier.properties.inputs, identifier).value
     return modifier[identifier]
+
+
+def _identifier(modifier: bpy.types.Modifier, name: str) -> str:
+    """What Blender calls the input of that name."""
+    sockets = modifier.node_group.interface.items_tree
+    return next(s.identifier for s in sockets if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name)
 
 
 def _thickness_nodes() -> bpy.types.NodeTree:
