@@ -28,8 +28,8 @@ from ..pictures import picture_cages, read_png
 from .options import INPUTS, OUTPUTS, parser
 from .progress import ProgressLine
 
-DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
-"""Exit statuses; the last is that of a program ended by Ctrl-C."""
+DONE, FAILED, INTERRUPTED = 0, 1, 130
+"""Exit statuses; the last is that of a program ended by Ctrl-C. Wrong use ends with 2, by argparse."""
 
 
 @dataclass(frozen=True, eq=False)

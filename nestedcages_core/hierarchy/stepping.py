@@ -84,16 +84,16 @@ class Stepwise(Generic[Report, Result]):
         raise StopIteration
 
     @property
-    def finished(self) -> bool:
-        """Whether the work has returned."""
-        return bool(self._exchange.results)
-
-    @property
     def result(self) -> Result:
-        """What the work returned; RuntimeError while it has not."""
-        if not self._exchange.results:
+        """What the work returned; RuntimeError while it has not, or if it never will."""
+        exchange = self._exchange
+        if exchange.error is not None:
+            raise RuntimeError(f"the run has no result: it ended with the error '{exchange.error}'")
+        if exchange.abandoned and not exchange.results:
+            raise RuntimeError("the run has no result: it was cancelled")
+        if not exchange.results:
             raise RuntimeError("the run has no result yet: iterate over it to its end first")
-        return self._exchange.results[0]
+        return exchange.results[0]
 
     def close(self) -> None:
         """End the work at its next report; nothing happens when it is over."""

@@ -22,7 +22,8 @@ CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
 """Bits per sample that each colour type allows."""
 
-PALETTE, GREY, RGB = 3, 0, 2
+PALETTE = 3
+"""The colour type whose samples are numbers of colours in a table."""
 
 GREATEST_PIXELS = 2**28
 """Pixels of a picture, at the most: one gigabyte as 8-bit RGBA."""

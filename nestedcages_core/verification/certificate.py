@@ -71,7 +71,7 @@ def verify(cage: Mesh, fine: Mesh, clearance: float = 0.0, *, same_loops: bool =
         if same_loops and strict:
             problems += misplaced
     measured = 0.0 if contact else pair.gap()
-    if not contact and measured < clearance * (1.0 - CLEARANCE_TOLERANCE):
+    if not contact and not measured >= clearance * (1.0 - CLEARANCE_TOLERANCE):  # nor is a clearance of nan kept
         problems.append(f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for.")
     excess = judged.area / judged_fine.area - 1.0
     return Certificate(True, loops_kept, strict, measured, excess, tuple(problems))

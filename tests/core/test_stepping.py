@@ -19,9 +19,7 @@ def counting(report: Callable[[int], None]) -> str:
 
 def test_reports_come_in_order_and_the_result_at_the_end() -> None:
     run: Stepwise[int, str] = Stepwise(counting)
-    assert not run.finished
     assert list(run) == [0, 1, 2]
-    assert run.finished
     assert run.result == "counted"
     assert list(run) == []
 
@@ -60,6 +58,8 @@ def test_errors_reach_the_reader() -> None:
         next(run)
     with pytest.raises(StopIteration):
         next(run)
+    with pytest.raises(RuntimeError, match="it ended with the error 'broken'"):
+        _ = run.result
 
 
 @pytest.mark.parametrize("how", ["close", "drop"])
@@ -78,6 +78,8 @@ def test_leaving_early_ends_the_work(how: str) -> None:
     if how == "close":
         run.close()
         assert list(run) == []
+        with pytest.raises(RuntimeError, match="it was cancelled"):
+            _ = run.result
     else:
         del run
         gc.collect()

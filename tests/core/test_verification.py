@@ -203,6 +203,7 @@ def test_clearance_is_asked_for_to_a_billionth() -> None:
     certificate = verify(cage, fine, 1.0 + 2e-9)
     expect(certificate, "The cage comes as near as 1 to the fine mesh; 1 is asked for.", simple=True, strict=True)
     assert certificate.loops_kept
+    expect(verify(cage, fine, float("nan")), "The cage comes as near as 1 to the fine mesh; nan is asked for.")
 
 
 @pytest.mark.parametrize("seed", range(12))
