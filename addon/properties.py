@@ -111,9 +111,7 @@ class GenerationProperties:
     )
     ease: BoolProperty(  # type: ignore[valid-type]
         name="Ease",
-        description=(
-            "Begin and end shrinking, growing back and tightening slowly, on the same way and as free of collisions"
-        ),
+        description="Let shrinking, growing back and tightening begin and end slowly, on the same certified way",
         default=False,
     )
     loop_back: BoolProperty(  # type: ignore[valid-type]
@@ -160,7 +158,7 @@ class GenerationProperties:
     contact: _choice("contact")  # type: ignore[valid-type]
     repairs: EnumProperty(  # type: ignore[valid-type]
         name="Repairs",
-        description="Which faults of the paper's program are mended in what is chosen of it",
+        description="Faults of the paper's program to be mended, in those parts of it that are chosen",
         items=REPAIRS,
         default=set(Methods.repairs),
         options={"ENUM_FLAG"},
@@ -173,14 +171,14 @@ class GenerationProperties:
     quadrature: _choice("quadrature")  # type: ignore[valid-type]
     starts: IntProperty(  # type: ignore[valid-type]
         name="Starts",
-        description="From how many coarse meshes to go, to keep the tightest cage, where there are several",
+        description="How many coarse meshes to start from, where there are several; the tightest cage is kept",
         default=Methods.starts,
         min=1,
         soft_max=12,
     )
     tighten: BoolProperty(  # type: ignore[valid-type]
         name="Tighten",
-        description="Bring the cage to its optimum once the drawing is home, which the paper does not",
+        description="Bring the cage to its optimum once the drawing is home, which the paper does not do",
         default=Methods.tighten,
     )
     fall_back: BoolProperty(  # type: ignore[valid-type]

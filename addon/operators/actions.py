@@ -18,7 +18,7 @@ class OnAnimation:
         if context.mode != "OBJECT":
             cls.poll_message_set("Switch to Object Mode")
         elif collection is None:
-            cls.poll_message_set("Select a drawing that has cages, or one of these")
+            cls.poll_message_set("Select a drawing that has cages, or one of its cages")
         elif binding.is_bound(collection):
             cls.poll_message_set("Unbind the drawing from its cages first: its animation is put aside")
         elif not actions.is_animated(collection):

@@ -12,7 +12,7 @@ from ..selection import collection_of_active, select
 from ..weights import HARMONIC, LINEAR
 
 METHOD_ITEMS = (
-    ("AUTO", "Automatic", "What is exact at rest and under affine poses, by measurement"),
+    ("AUTO", "Automatic", "The first method that measures as exact at rest and under affine poses"),
     (HARMONIC, NAMES[HARMONIC], "By weights in a node group: exact and smooth, also in concave cages and around holes"),
     (
         LINEAR,

@@ -94,12 +94,12 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
     )
     world: BoolProperty(  # type: ignore[valid-type]
         name="World",
-        description="Write places in the world as seen from the top, front or right, not those in the first object",
+        description="Write coordinates of the world, seen from the top, front or right, not those of the first object",
         default=False,
     )
     scale: FloatProperty(  # type: ignore[valid-type]
         name="Scale",
-        description="What is written for one unit, such as the pixels of a metre",
+        description="Units in the file for one unit of the scene, such as pixels per metre",
         default=1.0,
         min=1e-9,
         soft_max=1000.0,

@@ -45,7 +45,7 @@ class SCENE_OT_nested_cages_level_remove(OnLevels, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if len(context.scene.nested_cages.level_list) < 2:
-            cls.poll_message_set("One level is needed at least")
+            cls.poll_message_set("At least one level is needed")
             return False
         return super().poll(context)
 
