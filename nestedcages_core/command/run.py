@@ -116,6 +116,11 @@ def _make_map(given: argparse.Namespace, settings: Settings, line: ProgressLine)
     records = records_from_geojson(text)
     if not records:
         raise NestedCagesError(f"{given.input.name} has no polygons; give a map with Polygon or MultiPolygon features.")
+    if len(records) > 1 and any(path.suffix.lower() == ".json" for path in given.output):
+        raise NestedCagesError(
+            f"A collision outline is made of one feature, but {given.input.name} has {len(records)}; write .geojson or "
+            ".svg instead."
+        )
     meshes: dict[int, Mesh] = {}
     failures = []
     for k, record in enumerate(records):
@@ -178,8 +183,6 @@ def _written(kind: str, made: Sequence[Made], given: argparse.Namespace) -> str:
             [_feature(each, k, level) for each in made for k, level in enumerate(each.hierarchy.levels)], indent=1
         )
     outline = made[0].hierarchy.cages[-1]
-    if len(made) > 1:
-        raise NestedCagesError("A collision outline is made of one feature; write .geojson or .svg instead.")
     flip = made[0].height if given.flip_y else None
     return to_engine_json(outline, flip_y=flip, triangles=given.triangles, indent=1)
 

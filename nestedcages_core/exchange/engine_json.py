@@ -16,6 +16,7 @@ from ..triangulation import triangulate
 
 FORMAT = "nested-cages outline"
 VERSION = 1
+"""What the documents call themselves; the version counts changes that readers have to know of."""
 
 
 def to_engine_json(

@@ -18,6 +18,7 @@ from ..mesh.geo_interface import rings_of
 from .fill import Painted, solid
 
 POLYGONAL = ("Polygon", "MultiPolygon", "GeometryCollection")
+"""Types of geometries that may have an inside."""
 
 TOUCHING = 1e-4
 """Share of the area by which polygons that only touch in points may differ once they are joined there."""

@@ -26,8 +26,10 @@ NOT_DRAWN = frozenset(
 """Elements that draw nothing where they stand."""
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
+"""Elements that draw what is in them."""
 
 INHERITED = ("fill", "fill-rule", "fill-opacity", "stroke", "visibility")
+"""Properties that an element has from those around it."""
 
 NOT_INHERITED = ("display", "opacity")
 """Properties that hide an element with all that is in it."""

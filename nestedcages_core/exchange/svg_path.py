@@ -18,6 +18,7 @@ COMMAND = re.compile(r"[\s,]*([MmLlHhVvCcSsQqTtAaZz])")
 BLANK = re.compile(r"[\s,]*")
 
 ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+"""How many numbers each command takes."""
 FLAGS_OF_ARC = (3, 4)
 """Arguments of A that are one digit each and need no separator."""
 

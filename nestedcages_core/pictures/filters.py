@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SUB, UP, AVERAGE, PAETH = 1, 2, 3, 4
+"""Filter types other than none (section 9.2)."""
 
 
 def unfiltered(lines: NDArray[np.uint8], pixel: int) -> NDArray[np.uint8]:

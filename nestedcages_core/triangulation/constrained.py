@@ -21,6 +21,7 @@ FAR = 4.0
 """Distance of the auxiliary corners from the centre, in extents of the points; they keep the points off the hull."""
 
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+"""Directions of the auxiliary corners, counter-clockwise."""
 
 DOUBTFUL_ANGLE = 1e-13
 """Radians by which opposite angles exceed π, from which on an edge is handed to the exact in-circle test."""
