@@ -51,6 +51,9 @@ def check_animation(scene: bpy.types.Scene) -> Outcome:
     poses = 0
     before = scene.frame_current
     for collection in collections:
+        if any("nested_cages_flow_start" not in cage for cage in collection.objects if cage.get(LEVEL)):
+            problems.append(f"{collection.name}: its animation was removed")
+            continue
         for name, found in checked_poses(scene, collection):
             poses += 1
             problems += [f"{name}: {problem}" for problem in found]

@@ -113,3 +113,8 @@ def test_another_place_is_found(scene: bpy.types.Scene, cages: tuple[bpy.types.O
 
 def test_an_empty_scene_is_no_success(scene: bpy.types.Scene) -> None:
     assert check_animation(scene).problems == ("there are no cages in the scene",)
+
+
+def test_an_animation_that_was_removed(scene: bpy.types.Scene, cages: tuple[bpy.types.Object, ...]) -> None:
+    del cages[2]["nested_cages_flow_start"]
+    assert check_animation(scene).problems == ("Source Cages: its animation was removed",)
