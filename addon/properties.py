@@ -265,7 +265,9 @@ def copy_values(source: GenerationProperties, target: GenerationProperties) -> N
 def register() -> None:
     bpy.utils.register_class(level_list.NestedCagesLevel)
     bpy.utils.register_class(NestedCagesSettings)
-    bpy.types.Scene.nested_cages = PointerProperty(type=NestedCagesSettings, name="Nested Cages")
+    bpy.types.Scene.nested_cages = PointerProperty(
+        type=NestedCagesSettings, name="Nested Cages", description="Settings of the next cages"
+    )
 
 
 def unregister() -> None:
