@@ -72,7 +72,7 @@ def plot(rows: np.ndarray, start: int, clearance: float, path: Path) -> None:
     for axes in (area, lengths):
         axes.axvline(start, color="0.6")
         axes.grid(alpha=0.3)
-    beside = dict(xytext=(6, 0), textcoords="offset points", va="top", color="0.4")
+    beside = {"xytext": (6, 0), "textcoords": "offset points", "va": "top", "color": "0.4"}
     area.annotate("fine mesh is home", (start, 0.98), xycoords=area.get_xaxis_transform(), **beside)
     figure.tight_layout()
     figure.savefig(path, dpi=110)
