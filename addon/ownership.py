@@ -33,5 +33,9 @@ def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | N
 
 
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """All output objects of a collection, the fine mesh first."""
-    return sorted((o for o in collection.objects if LEVEL in o), key=lambda o: o[LEVEL])
+    """All output objects of a collection, the fine mesh first; copies that the user made of them do not count."""
+    found: dict[int, bpy.types.Object] = {}
+    for obj in collection.objects:
+        if LEVEL in obj:
+            found.setdefault(obj[LEVEL], obj)
+    return [found[level] for level in sorted(found)]

@@ -74,6 +74,29 @@ def test_any_two_objects_can_be_checked(addon) -> None:
     assert not selected(inner) and not selected(outer)
 
 
+def test_a_copy_of_a_cage_is_none_of_the_levels(cages) -> None:
+    """Blender copies our marks with the object."""
+    _, inner, outer = cages
+    drawing = bpy.data.objects["Drawing"]
+    for obj in bpy.data.objects:
+        obj.select_set(obj == inner)
+    bpy.context.view_layer.objects.active = inner
+    bpy.ops.object.duplicate()
+    copy = bpy.context.view_layer.objects.active
+    assert copy != inner and copy.users_collection == inner.users_collection
+    copy.location.x = 9.0
+    copy.select_set(False)
+    bpy.context.view_layer.objects.active = drawing
+    bpy.ops.object.nested_cages_verify()
+    assert all(cage["nested_cages_check"].startswith("Holds") for cage in (inner, outer))
+    assert "nested_cages_check" not in copy
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    drawing.select_set(True)
+    assert bpy.ops.object.nested_cages_generate(levels="16, 8") == {"FINISHED"}
+    assert [len(obj.data.vertices) for obj in (inner, outer, copy)] == [16, 8, 20]
+
+
 def test_it_says_what_to_select(addon) -> None:
     poly_curve("Drawing", [star()])
     with pytest.raises(RuntimeError, match="Select a drawing with its cages"):
