@@ -25,6 +25,20 @@ CROWD = 10.0
 """Pairs per vertex at which it leaves them to the other one after all. Usual are 1 to 3; around cores of many needles,
 where each iteration costs fifty times as much as elsewhere, 20 to 140."""
 
+METHODS = {
+    "decimation": ("decimate", "OuterHull()"),
+    "fallback": ("decimate", "OuterHull()"),
+    "flow": ("run", "TwoSidedFlow()"),
+    "energy": ("at", "Area()"),
+    "expansion_energy": ("at", "Area()"),
+    "solver": ("minimise", "ProjectedNewton()"),
+    "tightening": ("run", "Tightening()"),
+}
+"""What each choice must be able to do, and an example of it."""
+
+OPTIONAL = ("fallback", "expansion_energy")
+"""Choices that may be None."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -55,17 +69,21 @@ class Settings:
     """How the cage is brought to its optimum once the fine mesh is home."""
 
     def __post_init__(self) -> None:
-        length = self.clearance
-        known = length is None or isinstance(length, int | float | np.number)
-        if not known or (length is not None and not (np.isfinite(length) and length >= 0.0)):
+        if self.clearance is not None and not _is_length(self.clearance):
             raise NestedCagesError(
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
                 f"default."
             )
         if not isinstance(self.starts, int | np.integer) or self.starts < 1:
             raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
+        for name, (method, example) in METHODS.items():
+            chosen = getattr(self, name)
+            if not _can(chosen, method) and not (chosen is None and name in OPTIONAL):
+                what = name.replace("_", " ")
+                raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
         contact: object = self.contact
-        if isinstance(contact, str) or (isinstance(contact, Sequence) and not contact):
+        several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
+        if contact is not None and not (several and all(_can(each, "reinflate") for each in several)):
             raise NestedCagesError(
                 f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
                 "out for the default."
@@ -77,3 +95,16 @@ class Settings:
             small = cage_vertices * fine_vertices <= IPC_FIRST
             return (IPC(crowd=CROWD), SequentialQP()) if small else (SequentialQP(), IPC())
         return tuple(self.contact) if isinstance(self.contact, Sequence) else (self.contact,)
+
+
+def _is_length(value: object) -> bool:
+    """Whether a value is a finite number of at least 0."""
+    try:
+        return isinstance(value, int | float | np.number) and 0.0 <= float(value) < np.inf
+    except OverflowError:
+        return False
+
+
+def _can(chosen: object, method: str) -> bool:
+    """Whether something is an object, not a class, with a method of that name."""
+    return not isinstance(chosen, type) and callable(getattr(chosen, method, None))

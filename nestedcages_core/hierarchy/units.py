@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._types import FloatArray
+from ..errors import NestingError
 from ..mesh import Mesh
 from .settings import DEFAULT_CLEARANCE
 
@@ -20,6 +21,9 @@ ROUNDING_ULPS = 8.0
 
 SMALLER_CLEARANCE = 0.1
 """Factor on the default clearance where the gaps of the fine mesh leave no room for it."""
+
+LARGEST_CLEARANCE = 1e6
+"""Diagonals of the fine mesh beyond which a clearance leaves nothing of its shape to floating-point numbers."""
 
 SMALLEST_DEFAULT_CLEARANCE = 1e-12
 """Fraction of the diagonal below which the default clearance is not lowered any more."""
@@ -65,6 +69,11 @@ class Clearance:
     def of(cls, wanted: float | None, fine: Mesh) -> Clearance:
         if wanted is None:
             return cls(DEFAULT_CLEARANCE * fine.diagonal, True, fine.diagonal)
+        if wanted > LARGEST_CLEARANCE * fine.diagonal:
+            raise NestingError(
+                f"The clearance {wanted:.6g} is more than {LARGEST_CLEARANCE:.0g} times as long as the diagonal of the "
+                f"fine mesh, {fine.diagonal:.6g}; ask for less."
+            )
         return cls(wanted, False, fine.diagonal)
 
     def options(self) -> Iterator[float]:

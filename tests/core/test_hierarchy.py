@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import logging
+import re
 
 import numpy as np
 import pytest
 
 from nestedcages_core import (
+    IPC,
     ArcLength,
+    Area,
     FlowError,
     Hierarchy,
     InvalidMeshError,
@@ -201,6 +204,30 @@ def test_levels_that_make_no_sense_are_refused(levels: object, sentence: str) ->
 def test_a_fine_mesh_must_be_a_mesh() -> None:
     with pytest.raises(NestingError, match=r"must be a Mesh, not ndarray"):
         nested_cages(ring(20), [5])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("choice", "example"),
+    [
+        ({"energy": "area"}, "Area()"),
+        ({"energy": Area}, "Area()"),
+        ({"expansion_energy": 1}, "Area()"),
+        ({"decimation": "hull"}, "OuterHull()"),
+        ({"fallback": 7}, "OuterHull()"),
+        ({"flow": None}, "TwoSidedFlow()"),
+        ({"solver": "newton"}, "ProjectedNewton()"),
+        ({"tightening": False}, "Tightening()"),
+        ({"contact": IPC}, "IPC()"),
+    ],
+)
+def test_choices_that_are_no_objects_are_refused_with_an_example(choice: dict[str, object], example: str) -> None:
+    with pytest.raises(NestedCagesError, match=f"must be an object such as {re.escape(example)}"):
+        Settings(**choice)  # type: ignore[arg-type]
+
+
+def test_clearances_beyond_all_measure_are_refused() -> None:
+    with pytest.raises(NestedCagesError, match="times as long as the diagonal"):
+        nested_cages(star(), [12], Settings(clearance=1e200))
 
 
 @pytest.mark.parametrize("clearance", [-1.0, float("nan"), float("inf"), "1 mm", [0.1]])
