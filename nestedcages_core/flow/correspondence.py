@@ -22,7 +22,7 @@ MOST_PAIRS = 50_000_000
 """Pairs of a fine and a coarse vertex of one loop up to which corners are assigned: bounds the memory to 200 MB."""
 
 FACING_WEIGHT = 1e-3
-"""Weight of 1 - n · n' beside squared distances in bounding-box diagonals: tells the two sides of a slit apart."""
+"""Weight of 1 - n · n' beside squared distances in extents of the fine mesh: tells the two sides of a slit apart."""
 
 
 def lay_along(matching: Matching, distance: float) -> FloatArray | None:
@@ -41,9 +41,9 @@ def lay_along(matching: Matching, distance: float) -> FloatArray | None:
     laid = np.empty_like(fine.vertices)
     for loop, corners in pairs:
         cost = _Cost(
-            fine.vertices[loop] / fine.diagonal,
+            fine.vertices[loop] / fine.extent,
             fine_normals[loop],
-            coarse.vertices[corners] / fine.diagonal,
+            coarse.vertices[corners] / fine.extent,
             coarse_normals[corners],
         )
         first, begin = cost.best_pair()
@@ -54,7 +54,7 @@ def lay_along(matching: Matching, distance: float) -> FloatArray | None:
 
 
 class _Cost(NamedTuple):
-    """Cost of laying N vertices of a fine loop on M corners of its coarse loop; lengths in bounding-box diagonals."""
+    """Cost of laying N vertices of a fine loop on M corners of its coarse loop; lengths in extents of the fine mesh."""
 
     points: FloatArray
     normals: FloatArray

@@ -28,7 +28,7 @@ PLASTIC = 1.324717957244746
 """The root of x³ = x + 1: multiples of its powers -1 and -2, modulo one, fill a square evenly (Roberts 2018)."""
 
 ROUGHNESS = 1e-9
-"""Noise on the points while they are triangulated, in bounding-box diagonals: rows on one line are slow without."""
+"""Noise on the points while they are triangulated, in extents: rows on one line are slow without."""
 
 INSETS = (1.0, 4.0)
 """Depths below the coarse edges where there are points, in margins of the edge."""
@@ -105,7 +105,7 @@ def retract(matching: Matching, graph: SolidGraph, longest_step: float, *, whole
     if not whole:
         core = _largest_pieces(graph, core, pieces)
     edges = graph.edges
-    lengths = np.hypot(*(graph.points[edges[:, 0]] - graph.points[edges[:, 1]]).T) + SPREAD * END_SHARE * fine.diagonal
+    lengths = np.hypot(*(graph.points[edges[:, 0]] - graph.points[edges[:, 1]]).T) + SPREAD * END_SHARE * fine.extent
     size = len(graph.points)
     network = csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(size, size))
     if not core.any():
@@ -172,7 +172,7 @@ def _component_of(points: FloatArray, fine: Mesh) -> IntArray:
 def _inside_edges(points: FloatArray, fine: Mesh) -> IntArray:
     """(K, 2) edges of the Delaunay triangulation of the points that lie inside the solid."""
     noise = np.random.default_rng(0).uniform(-ROUGHNESS, ROUGHNESS, points.shape)
-    triangles = Delaunay(points + fine.diagonal * noise).simplices
+    triangles = Delaunay(points + fine.extent * noise).simplices
     edges = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0).astype(np.int64)
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     inside = _component_of(0.5 * (a + b), fine) >= 0

@@ -32,7 +32,7 @@ FINE_LIMIT, COARSE_LIMIT = 16, 64
 """Most samples on a fine and on a coarse edge."""
 
 TOUCHING = 1e-9
-"""Overlap up to which meshes are taken to touch only, in bounding-box diagonals: round-off of whatever made them."""
+"""Overlap up to which meshes are taken to touch only, in extents of the fine mesh: round-off of whatever made them."""
 
 GRAPH_SPACING = 2.0
 """Spacing of the points that paths run over, in spacings of the samples."""
@@ -43,7 +43,7 @@ NARROW = 0.1
 
 @dataclass(frozen=True)
 class TwoSidedFlow:
-    """Descent of the penetration measured from both boundaries, loop by loop; lengths in diagonals of fine's box."""
+    """Descent of the penetration measured from both boundaries, loop by loop; lengths in extents of the fine mesh."""
 
     margin: float = 3e-3
     """Distance kept from the coarse mesh where there is room."""
@@ -82,7 +82,7 @@ class _Run:
         self.settings = settings
         self.matching = matching
         self.fine = matching.fine
-        self.unit = matching.fine.diagonal
+        self.unit = matching.fine.extent
         self.containment = Containment(matching)
         self.iterations = 0
 
@@ -153,9 +153,9 @@ class _Run:
         return FlowResult(np.array([self.fine.vertices, *steps]), self.iterations, stage, obstacle)
 
     def density(self, spacing: float) -> Spacing:
-        """Sample density for a spacing in bounding-box diagonals."""
+        """Sample density for a spacing in extents."""
         return Spacing(spacing * self.unit, self.settings.spacing * self.unit, FINE_LIMIT, COARSE_LIMIT)
 
     def energy(self, spacing: float, share: float = 1.0) -> PenetrationEnergy:
-        """Penetration energy for a spacing in bounding-box diagonals and a share of the margin."""
+        """Penetration energy for a spacing in extents and a share of the margin."""
         return PenetrationEnergy(self.matching, share * self.settings.margin * self.unit, self.density(spacing))

@@ -18,6 +18,9 @@ from .validation import as_edges, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
 
+EXTENT = 2.4
+"""The extent of a mesh in units of the largest distance of a vertex from their mean."""
+
 TOPOLOGY = frozenset(
     ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop", "loop_order")
 )
@@ -192,6 +195,14 @@ class Mesh:
     def diagonal(self) -> float:
         """Diagonal of the bounding box."""
         return float(np.hypot(*np.ptp(self.vertices, axis=0)))
+
+    @cached_property
+    def extent(self) -> float:
+        """Size that does not depend on how the mesh is turned, near the bounding box's diagonal in the mean over turns.
+
+        2.4 times the largest distance of a vertex from the mean of all: 0.85 diagonals for a disc, 1.2 for a line.
+        """
+        return EXTENT * float(np.hypot(*(self.vertices - self.vertices.mean(axis=0)).T).max())
 
     @property
     def loop_areas(self) -> FloatArray:

@@ -99,19 +99,16 @@ def lopsided() -> Mesh:
     return Mesh.from_loops([radius[:, None] * around, (hole[:, None] * around)[::3] + np.array([0.1, 0.05])])
 
 
-STRAIGHT = {
+MOTIONS = {
     "moved": (1.0, lambda points: points + np.array([30.0, -70.0])),
     "tiny": (1e-6, lambda points: 1e-6 * points),
     "huge": (1e6, lambda points: 1e6 * points),
     "squared areas are infinite": (2.0**400, lambda points: 2.0**400 * points),
-}
-MOTIONS = {
-    **STRAIGHT,
     "turned": (1.0, turned(0.7)),
     "all": (1e3, lambda points: 1e3 * turned(2.0)(points) + np.array([3e3, 1e3])),
 }
-ROUND_OFF = 1e-10
-"""Distances in diagonals; coordinates of 70 alone are rounded by 1e-14."""
+ROUND_OFF, AFTER_A_WAY = 1e-10, 1e-8
+"""Distances in diagonals; coordinates of 70 alone are rounded by 1e-14, and the way home makes more of that."""
 
 
 @pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
@@ -124,16 +121,16 @@ def test_the_cage_moves_with_the_shape(scale: float, motion: Callable[[np.ndarra
     assert polygon(cage_moved).hausdorff_distance(expected) < ROUND_OFF * moved.diagonal
 
 
-@pytest.mark.parametrize(("scale", "motion"), STRAIGHT.values(), ids=STRAIGHT.keys())
+@pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
 def test_the_way_from_an_own_coarse_mesh_moves_too(
     scale: float, motion: Callable[[np.ndarray], np.ndarray]
 ) -> None:
-    fine, coarse = lopsided(), resampled(lopsided(), 30)
+    fine, coarse, clearance = lopsided(), resampled(lopsided(), 30), 1e-4
     moved, coarse_moved = (mesh.moved(motion(mesh.vertices)).validated() for mesh in (fine, coarse))
-    cage = nested_cages(fine, [coarse]).cages[0]
-    cage_moved = nested_cages(moved, [coarse_moved]).cages[0]
+    cage = nested_cages(fine, [coarse], Settings(clearance=clearance)).cages[0]
+    cage_moved = nested_cages(moved, [coarse_moved], Settings(clearance=scale * clearance)).cages[0]
     expected = polygon(cage.moved(motion(cage.vertices)))
-    assert polygon(cage_moved).hausdorff_distance(expected) < ROUND_OFF * moved.diagonal
+    assert polygon(cage_moved).hausdorff_distance(expected) < AFTER_A_WAY * moved.diagonal
 
 
 @pytest.mark.parametrize("distance", [1e3, 1e6, 1e9])

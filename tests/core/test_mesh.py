@@ -451,3 +451,11 @@ def test_crowded_shapes_are_no_trouble(shape: str) -> None:
             Mesh.from_loops([random.uniform(size=(count, 2))])
         return
     assert Mesh.from_loops([loop]).area == pytest.approx(shapely.Polygon(loop).area, rel=1e-11)
+
+
+def test_the_extent_stays_when_a_mesh_is_turned_and_moved() -> None:
+    angle = 0.8
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    assert Mesh.from_loops([square]).extent == pytest.approx(2.4 * np.sqrt(2.0))
+    assert Mesh.from_loops([square @ turn + 5.0]).extent == pytest.approx(2.4 * np.sqrt(2.0))
