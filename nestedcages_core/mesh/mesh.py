@@ -116,7 +116,12 @@ class Mesh:
         starts = np.arange(sizes.sum())
         ends = starts + 1
         ends[begins + sizes - 1] = begins
-        return cls(np.concatenate(rings), np.stack((starts, ends), axis=1))
+        try:
+            together = np.concatenate(rings)
+        except TypeError as error:
+            kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
+            raise InvalidMeshError(f"The loops hold different kinds of values ({kinds}); give numbers.") from error
+        return cls(together, np.stack((starts, ends), axis=1))
 
     @classmethod
     def from_geometry(cls, geometry: Any) -> Mesh:

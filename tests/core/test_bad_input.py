@@ -212,6 +212,11 @@ def test_arrays_of_any_kind(data: st.DataObject) -> None:
     check(lambda: Mesh.from_loops(vertices))
 
 
+def test_loops_of_different_kinds_are_named() -> None:
+    with pytest.raises(InvalidMeshError, match=r"different kinds of values \(float64, datetime64\[s\]\); give numbers"):
+        Mesh.from_loops([np.array(SQUARE), np.array(SQUARE).astype("M8[s]")])
+
+
 @given(st.recursive(st.none() | numbers | st.text(max_size=3) | st.integers(), st.lists, max_leaves=20))
 @settings(max_examples=200, deadline=None)
 def test_lists_of_anything(garbage: Any) -> None:
