@@ -48,19 +48,20 @@ class LevelBuilder:
     def build(self, wanted: int | Mesh) -> Level:
         """The level for a vertex count or a coarse mesh, by the flow or, where that fails, from the fallback."""
         settings = self.settings
-        generated = not isinstance(wanted, Mesh)
+        same = not isinstance(wanted, Mesh) and settings.fallback == settings.decimation
+        fallback = None if same else settings.fallback
         self.report.begin("decimation")
         try:
             if isinstance(wanted, Mesh):
                 return self._certified(self._approach(wanted, False), ())
-            return self._best(self._starts(settings.decimation, wanted), ())
+            return self._best(self._starts(settings.decimation, wanted), (), last=fallback is None)
         except (FlowError, ReinflationError, NestingError) as error:
-            if settings.fallback is None or (generated and settings.fallback == settings.decimation):
+            if fallback is None:
                 raise
             note = f"Started from the outer hull instead of the coarse mesh: {error}"
             logger.debug("fallback: %s", error)
         self.report.begin("decimation")
-        return self._best(self._starts(settings.fallback, self._counts(wanted)), (note,))
+        return self._best(self._starts(fallback, self._counts(wanted)), (note,), last=True)
 
     def _starts(self, decimation: Decimation, count: Count) -> list[Mesh]:
         """Coarse meshes to begin with: several where the decimation offers them, since they end in different optima."""
@@ -81,8 +82,11 @@ class LevelBuilder:
         except FlowError:
             return total
 
-    def _best(self, starts: list[Mesh], notes: tuple[str, ...]) -> Level:
-        """The tightest certified cage from any of the starts; the first error when there is none."""
+    def _best(self, starts: list[Mesh], notes: tuple[str, ...], *, last: bool) -> Level:
+        """The tightest certified cage from any of the starts; the first error when there is none.
+
+        last: whether nothing else will be tried, so that a start which is a cage itself is better than none.
+        """
         attempts: list[_Attempt] = []
         errors: list[NestedCagesError] = []
         for number, coarse in enumerate(starts):
@@ -103,7 +107,7 @@ class LevelBuilder:
                 return self._certified(attempt, notes)
             except NestingError as error:
                 errors.append(error)
-        for coarse in starts:
+        for coarse in starts if last else ():
             level = self._untightened(coarse, notes)
             if level is not None:
                 return level
@@ -188,9 +192,9 @@ class LevelBuilder:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
             notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
         start = "outer hull" if attempt.generated and len(flow.steps) == 1 else "flow"
-        nesting = self._report(certificate, length, start, notes)
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **attempt.counts}
-        return Level(self.fine, coarse, cage, flow, reinflation, replace(nesting, iterations=counts))
+        nesting = self._report(certificate, length, start=start, iterations=counts, notes=notes)
+        return Level(self.fine, coarse, cage, flow, reinflation, nesting)
 
     def _untightened(self, coarse: Mesh, notes: tuple[str, ...]) -> Level | None:
         """The level of a coarse mesh that is a cage as it is; None if it is none.
@@ -201,12 +205,22 @@ class LevelBuilder:
         length = min(wanted, certificate.clearance) if self.clearance.negotiable else wanted
         if not certificate.holds or certificate.clearance < length:
             return None
-        notes = (*notes, "The outer hull is not tightened: details of the fine mesh are too small beside the whole.")
+        notes = (*notes, "The coarse mesh is not tightened: details of the fine mesh are too small beside the whole.")
+        counts = {"flow": 0, "reinflation": 0}
+        nesting = self._report(certificate, length, start="outer hull", iterations=counts, notes=notes)
         flow = FlowResult(self.fine.vertices[None], 0, "inside")
         stands = Reinflation(self.fine.vertices[None], coarse.vertices[None], 0, 0)
-        return Level(self.fine, coarse, coarse, flow, stands, self._report(certificate, length, "outer hull", notes))
+        return Level(self.fine, coarse, coarse, flow, stands, nesting)
 
-    def _report(self, certificate: Certificate, length: float, start: str, notes: tuple[str, ...]) -> NestingReport:
+    def _report(
+        self,
+        certificate: Certificate,
+        length: float,
+        *,
+        start: str,
+        iterations: Mapping[str, int],
+        notes: tuple[str, ...],
+    ) -> NestingReport:
         """What is certified, and how long it took."""
         return NestingReport(
             strict=certificate.strict,
@@ -215,7 +229,7 @@ class LevelBuilder:
             wanted_clearance=length,
             excess=certificate.excess,
             start=start,
-            iterations={"flow": 0, "reinflation": 0},
+            iterations=iterations,
             seconds=dict(self.report.seconds),
             notes=notes,
         )
