@@ -6,26 +6,17 @@ import bpy
 
 from .. import actions, binding
 from ..refusal import Refusal, say
-from ..selection import collection_of_active
+from ..selection import OnOutput, collection_of_active
 
 
-class OnAnimation:
+class OnAnimation(OnOutput):
     """What both operators share: they work on the animated cages of the active object."""
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        collection = collection_of_active(context)
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-        elif collection is None:
-            cls.poll_message_set("Select a drawing that has cages, or one of its cages")
-        elif binding.is_bound(collection):
-            cls.poll_message_set("Unbind the drawing from its cages first: its animation is put aside")
-        elif not actions.is_animated(collection):
-            cls.poll_message_set("The cages have no animation")
-        else:
-            return True
-        return False
+    def obstacle(cls, collection: bpy.types.Collection) -> str:
+        if binding.is_bound(collection):
+            return "Unbind the drawing from its cages first: its animation is put aside"
+        return "" if actions.is_animated(collection) else "The cages have no animation"
 
 
 class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):

@@ -8,7 +8,7 @@ from bpy.props import EnumProperty
 from .. import binding, ownership
 from ..following import NAMES, PRISM, SURFACE
 from ..refusal import Refusal, say
-from ..selection import collection_of_active, select
+from ..selection import OnOutput, collection_of_active, select
 from ..weights import HARMONIC, LINEAR
 
 METHOD_ITEMS = (
@@ -24,25 +24,17 @@ METHOD_ITEMS = (
 )
 
 
-class Bindable:
+class Bindable(OnOutput):
     """What the three operators share: the output that the active object belongs to."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs_bound = True
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        collection = collection_of_active(context)
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-        elif collection is None:
-            cls.poll_message_set("Select a drawing that has cages, or one of its cages")
-        elif binding.is_bound(collection) != cls.needs_bound:
-            sentence = "Nothing is bound to these cages" if cls.needs_bound else "These cages are bound already"
-            cls.poll_message_set(sentence)
-        else:
-            return True
-        return False
+    def obstacle(cls, collection: bpy.types.Collection) -> str:
+        if binding.is_bound(collection) == cls.needs_bound:
+            return ""
+        return "Nothing is bound to these cages" if cls.needs_bound else "These cages are bound already"
 
 
 class Binding(Bindable):
