@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import bpy
 
-from . import manual, operators, panels, preferences, presets, properties
-from .properties import copy_values
+from . import operators, presets
+from .properties import preferences, settings
+from .properties.settings import copy_values
+from .ui import manual, panels
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (properties, operators, presets, panels, preferences, manual)
+_ROOMS = (settings, operators, presets, panels, preferences, manual)
 
 
 def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -38,7 +38,7 @@ def bend(mesh: Any, about: np.ndarray) -> np.ndarray:
 
 def left_outside(drawing: Any, cage: Any) -> int:
     """How many vertices of a drawing are not in the solid of its cage; the posed cage may cross itself."""
-    from nestedcages_core.predicates import winding_number
+    from nestedcages_core.geometry.predicates import winding_number
 
     around = winding_number(drawing.vertices, cage.vertices, cage.vertices[cage.successor])
     return int((around == 0).sum())

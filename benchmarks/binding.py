@@ -42,7 +42,7 @@ def extension() -> ModuleType:
 def scene(fine: Any, cage: Any) -> tuple[Any, Any]:
     """An empty scene with the drawing as a wire and its cage as filled faces."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    filling, core = import_module(f"{PACKAGE}.addon.filling"), import_module(f"{PACKAGE}.nestedcages_core")
+    filling, core = import_module(f"{PACKAGE}.addon.scene.filling"), import_module(f"{PACKAGE}.nestedcages_core")
     wire = bpy.data.meshes.new("Fine")
     wire.from_pydata([(*point, 0.0) for point in fine.vertices.tolist()], fine.edges.tolist(), [])
     corners = np.column_stack([cage.vertices, np.zeros(len(cage.vertices))])
@@ -66,7 +66,7 @@ def main() -> None:
 
 def run(names: list[str], given: argparse.Namespace) -> None:
     core = import_module(f"{PACKAGE}.nestedcages_core")
-    following = import_module(f"{PACKAGE}.addon.following")
+    following = import_module(f"{PACKAGE}.addon.binding.deform_modifiers")
     print(f"{'shape':12s} {'bound by':20s} {'at rest':>9s} {'affine':>9s} {'seconds':>8s}")
     bent = {}
     for name in names:

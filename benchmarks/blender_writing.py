@@ -5,7 +5,7 @@
 Needs Blender as a Python module (bpy). Three ways to the same shape keys and keyframes, each in an empty file and each
 the fastest of `--repeats`:
 
-* ours: `addon.animation.add_steps`, as the operator calls it;
+* ours: `addon.animation.shape_keys.add_steps`, as the operator calls it;
 * ours, recorded: the same with every call that goes to Blender timed, whose sum is Blender's part;
 * Blender alone: a bare loop over ready-made arrays with the calls that `add_steps` makes.
 
@@ -172,7 +172,7 @@ def main() -> None:
     package = extension()
     package.register()
     atexit.register(package.unregister)
-    animation = import_module(f"{PACKAGE}.addon.animation")
+    animation = import_module(f"{PACKAGE}.addon.animation.shape_keys")
     steps = steps_of(arguments.vertices, arguments.steps)
     frames = 1 + np.arange(arguments.steps) * FRAMES_PER_STEP
     whole = min(ours(animation, steps, frames) for _ in range(arguments.repeats))

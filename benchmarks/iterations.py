@@ -15,8 +15,8 @@ import numpy as np
 from data import read_shape
 from nestedcages_core import Level, Mesh, OnCurve, Settings, nested_cages
 from nestedcages_core.energies import signed_area
-from nestedcages_core.predicates import BoxTree
-from nestedcages_core.smallest_gap import smallest_gap
+from nestedcages_core.geometry.predicates import BoxTree
+from nestedcages_core.geometry.smallest_gap import smallest_gap
 
 
 def flower() -> Mesh:

@@ -25,8 +25,8 @@ import numpy as np
 
 from data import read_shape
 from nestedcages_core import ArcLength, Level, Mesh, NestedCagesError, OuterHull, Settings, nested_cages, verify
-from nestedcages_core.broad_phase import near_pairs
-from nestedcages_core.distance import point_edge
+from nestedcages_core.geometry.broad_phase import near_pairs
+from nestedcages_core.geometry.distance import point_edge
 from peers import buffer_and_simplify, polygon_hull
 
 COUNTS = (16, 32, 64)

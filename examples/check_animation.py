@@ -18,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from nestedcages_core.predicates import BoxTree, crossing_pairs, segments_intersect, winding_number
+from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs, segments_intersect, winding_number
 
 SOURCE, LEVEL = "nested_cages_source", "nested_cages_level"  # the add-on's marks on collections and objects
 DOUBLED = 1e-6  # of the drawing's size: points of a curve that are closer are one point, where two pieces meet

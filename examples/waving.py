@@ -179,7 +179,7 @@ def main() -> None:
 
 def left_outside(points: np.ndarray, loops: list[np.ndarray]) -> int:
     """How many points (n, 2) are not inside loops (k, 2)."""
-    winding_number = import_module(f"{PACKAGE}.nestedcages_core.predicates").winding_number
+    winding_number = import_module(f"{PACKAGE}.nestedcages_core.geometry.predicates").winding_number
     following = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
     return int((winding_number(points, np.concatenate(loops), following) == 0).sum())
 

@@ -6,29 +6,10 @@ Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. 
 from __future__ import annotations
 
 from .batch import BatchProgress, Outcome, nested_cages_many
-from .contact import (
-    IPC,
-    AllPairs,
-    Cells,
-    NoFilter,
-    PaperContact,
-    Repairs,
-    SequentialQP,
-    SmallestDistance,
-    TimeOfImpact,
-    VelocityFilter,
-)
+from .contact import IPC, AllPairs, Cells, NoFilter, SequentialQP, SmallestDistance, TimeOfImpact
+from .contact.reinflation import Reinflation
 from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
-from .decimation import (
-    ArcLength,
-    DouglasPeucker,
-    EdgeCollapse,
-    LevelSet,
-    OnCurve,
-    OuterHull,
-    OwnDecimation,
-    Visvalingam,
-)
+from .decimation import ArcLength, DouglasPeucker, EdgeCollapse, OnCurve, OuterHull, OwnDecimation, Visvalingam
 from .energies import (
     Area,
     BoundaryARAP,
@@ -57,13 +38,15 @@ from .exchange import (
     write_geojson,
     write_svg,
 )
-from .flow import FlowResult, PaperFlow, SignedDistanceFlow, TwoSidedFlow
+from .exchange.pictures import alpha_channel, boundary_of_pixels, collision_outline, read_png
+from .flow import FlowResult, TwoSidedFlow
+from .geometry.mesh import Mesh
+from .geometry.quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
-from .mesh import Mesh
-from .pictures import alpha_channel, boundary_of_pixels, collision_outline, read_png
-from .quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff
-from .reinflation import Reinflation
-from .solver import GradientDescent, ProjectedNewton
+from .published.gurditta_jacobson_2022 import GradientDescent, PaperContact, PaperFlow, Repairs, SignedDistanceFlow
+from .published.sacht_2015 import VelocityFilter
+from .published.sellan_2022 import LevelSet
+from .solver import ProjectedNewton
 from .tightening import Tightening
 from .verification import Certificate, MotionCertificate, verify, verify_motion
 

@@ -11,8 +11,8 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from .errors import NestedCagesError
+from .geometry.mesh import Mesh
 from .hierarchy import Hierarchy, Settings, nested_cages
-from .mesh import Mesh
 
 IN_FLIGHT = 2
 """Shapes handed out per worker and not yet back: enough to keep all busy, few to look through when a worker dies."""

@@ -27,9 +27,7 @@ def test_a_story_runs_and_draws_its_picture(story: str, tmp_path: Path) -> None:
         pytest.importorskip("bpy")
     command = [sys.executable, f"examples/{story}.py", "--small", "--output", str(tmp_path)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "MPLCONFIGDIR": str(tmp_path / "matplotlib")}
-    done = subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=170, check=False
-    )
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=170, check=False)
     assert done.returncode == 0, done.stderr
     picture = tmp_path / f"{story}.png"
     assert f"Wrote {picture}" in done.stdout

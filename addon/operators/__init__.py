@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..job import running
-from . import actions, bind, bring_in, hand_on, levels, picture
+from ..generation.job import running
+from . import bake, bind, exporters, image_outline, importers, levels
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -13,12 +13,12 @@ CLASSES = (
     OBJECT_OT_nested_cages_generate,
     OBJECT_OT_nested_cages_cancel,
     OBJECT_OT_nested_cages_verify,
-    *actions.CLASSES,
+    *bake.CLASSES,
     *bind.CLASSES,
-    *bring_in.CLASSES,
-    *hand_on.CLASSES,
+    *importers.CLASSES,
+    *exporters.CLASSES,
     *levels.CLASSES,
-    *picture.CLASSES,
+    *image_outline.CLASSES,
 )
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty
 
-from .. import binding, ownership
-from ..following import NAMES, PRISM, SURFACE
-from ..refusal import Refusal, say
-from ..selection import OnOutput, collection_of_active, select
-from ..weights import HARMONIC, LINEAR
+from ..binding import binding
+from ..binding.deform_modifiers import NAMES, PRISM, SURFACE
+from ..binding.weights import HARMONIC, LINEAR
+from ..errors import Refusal, say
+from ..scene import ownership
+from ..scene.selection import OnOutput, collection_of_active, select
 
 METHOD_ITEMS = (
     ("AUTO", "Automatic", "The first method that measures as exact at rest and under affine poses"),

@@ -6,11 +6,13 @@ from typing import Any
 
 import bpy
 
-from .. import binding, convert, originals, output, ownership, properties
-from ..generate import OWN, Generation, Request
-from ..job import TICK, Job, running
-from ..properties import GenerationProperties
-from ..refusal import Refusal, say, say_count
+from ..binding import binding, originals
+from ..errors import Refusal, say, say_count
+from ..generation.generate import OWN, Generation, Request
+from ..generation.job import TICK, Job, running
+from ..properties import settings as properties
+from ..properties.settings import GenerationProperties
+from ..scene import convert, output, ownership
 
 
 class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.props import IntProperty
 
-from .. import level_list
+from ..properties import level_list
 
 
 class OnLevels:

@@ -9,10 +9,12 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
-from .. import actions, binding, convert, ownership
-from ..checking import Finding, check, check_animation, same_frame, select_points
-from ..refusal import Refusal, load_core, say
-from ..selection import collection_of_active, select
+from ..animation import bake
+from ..binding import binding
+from ..errors import Refusal, load_core, say
+from ..generation.checking import Finding, check, check_animation, same_frame, select_points
+from ..scene import convert, ownership
+from ..scene.selection import collection_of_active, select
 
 
 class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
@@ -76,7 +78,7 @@ def _refuse_steps(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -
     """Raises: Refusal if cages play how they came about, in which what is inside comes through them on purpose."""
     for obj in objects:
         collection = ownership.collection_about(scene, obj) if ownership.LEVEL in obj else None
-        if collection is not None and not binding.is_bound(collection) and actions.is_animated(collection):
+        if collection is not None and not binding.is_bound(collection) and bake.is_animated(collection):
             raise Refusal(
                 "'{name}' plays how its cages came about, and there they are crossed on purpose: bind the drawing or "
                 "remove the animation first, or check single frames",

@@ -8,7 +8,7 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
-from ..properties import NAMES
+from ..properties.settings import NAMES
 
 SUBDIRECTORY = "nested_cages"
 # Blender looks for presets/<subdirectory> below this folder.

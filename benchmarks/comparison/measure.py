@@ -13,10 +13,10 @@ import numpy as np
 from nestedcages_core import Mesh, NestedCagesError, Settings, nested_cages, verify, verify_motion
 from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
+from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies import CageEnergy
 from nestedcages_core.energies.containment import Containment
 from nestedcages_core.hierarchy.units import Frame
-from nestedcages_core.reinflation import Reinflation, reinflate
 from nestedcages_core.solver import Solver
 
 DEFAULT = "nested_cages"

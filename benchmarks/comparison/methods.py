@@ -48,7 +48,7 @@ from nestedcages_core import (
 from nestedcages_core.contact import AllPairs, Contact
 from nestedcages_core.decimation import Decimation
 from nestedcages_core.energies import Energy
-from nestedcages_core.quadrature import Quadrature
+from nestedcages_core.geometry.quadrature import Quadrature
 
 
 class Method(NamedTuple):

@@ -49,22 +49,35 @@ def parser() -> argparse.ArgumentParser:
     )
     options.add_argument("input", type=Path, help="the file to read: .svg, .geojson or .png")
     options.add_argument(
-        "--levels", type=_count, nargs="+", required=True, metavar="N",
+        "--levels",
+        type=_count,
+        nargs="+",
+        required=True,
+        metavar="N",
         help="vertices of each cage, from the finest to the coarsest",
     )
     options.add_argument(
-        "-o", "--output", type=Path, action="append", default=[], metavar="FILE",
+        "-o",
+        "--output",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
         help="file to write: .svg, .geojson or .json; may be given several times; without it the cages are only made "
         "and certified",
     )
     options.add_argument(
-        "--clearance", type=_length, metavar="LENGTH",
+        "--clearance",
+        type=_length,
+        metavar="LENGTH",
         help="smallest distance between a cage and what it encloses (default: 1e-5 of the drawing's diagonal)",
     )
     options.add_argument("--quiet", action="store_true", help="no progress")
     drawings = options.add_argument_group("drawings (.svg)")
     drawings.add_argument(
-        "--tolerance", type=_length, metavar="LENGTH",
+        "--tolerance",
+        type=_length,
+        metavar="LENGTH",
         help="greatest distance between a curve and its chords (default: 1/2000 of the drawing's diagonal); a "
         "clearance of at least as much encloses the curves themselves",
     )
@@ -74,7 +87,10 @@ def parser() -> argparse.ArgumentParser:
     sprites = options.add_argument_group("pictures (.png)")
     sprites.add_argument("--padding", type=_length, metavar="PIXELS", help="the clearance; parts closer are joined")
     sprites.add_argument(
-        "--threshold", type=_share, default=0.0, metavar="ALPHA",
+        "--threshold",
+        type=_share,
+        default=0.0,
+        metavar="ALPHA",
         help="opacity from 0 to 1 above which a pixel counts as opaque (default: 0)",
     )
     sprites.add_argument("--holes", action="store_true", help="keep holes open (default: closed)")

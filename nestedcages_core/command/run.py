@@ -22,9 +22,9 @@ from ..exchange import (
     to_geojson,
     to_svg,
 )
+from ..exchange.pictures import picture_cages, read_png
+from ..geometry.mesh import Mesh
 from ..hierarchy import Hierarchy, Level, Settings, nested_cages
-from ..mesh import Mesh
-from ..pictures import picture_cages, read_png
 from .options import INPUTS, OUTPUTS, parser
 from .progress import ProgressLine
 

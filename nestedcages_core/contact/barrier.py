@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray
-from ..distance import PointEdge, bending, coefficients, interior, tangents
+from ..geometry.arrays import FloatArray
+from ..geometry.distance import PointEdge, bending, coefficients, interior, tangents
 
 
 class BarrierTerms(NamedTuple):

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..broad_phase import near_pairs
-from ..distance import point_edge
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import point_edge
 from .pairs import Bodies, Pairs
 
 

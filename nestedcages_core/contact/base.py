@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from .._types import FloatArray
 from ..energies import CageEnergy
+from ..geometry.arrays import FloatArray
 from ..solver import Solver
 from .pairs import Bodies
 

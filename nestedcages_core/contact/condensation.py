@@ -14,8 +14,8 @@ import scipy.linalg.lapack
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
-from .._types import FloatArray, IntArray
 from ..energies import Blocks
+from ..geometry.arrays import FloatArray, IntArray
 
 DENSE_LIMIT = 150
 """Number of cage vertices up to which a dense Cholesky factorisation is faster than a sparse one (measured)."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
-from ..distance import PointEdge, distance_gradient
 from ..energies import Blocks, CageEnergy
 from ..energies.containment import Containment
 from ..energies.restoring import Restoring
+from ..geometry.arrays import FloatArray
+from ..geometry.distance import PointEdge, distance_gradient
 from ..solver import Model
 from .barrier import BarrierTerms, barrier, barrier_hessian_factors
 from .barrier_ranges import BarrierRanges
@@ -64,7 +64,7 @@ class IncrementalPotential:
         weights: Weights,
         ranges: BarrierRanges,
         candidates: Candidates,
-        step_filter: StepFilter = EXACT
+        step_filter: StepFilter = EXACT,
     ) -> None:
         self.bodies = bodies
         self.energy = energy

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .._types import FloatArray
 from ..energies import CageEnergy
 from ..energies.restoring import Restoring
+from ..geometry.arrays import FloatArray
 from ..solver import Solver
 from .barrier_ranges import BarrierRanges
 from .base import ContactOutcome

@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
-from ..distance import SMALLEST_LENGTH
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.distance import SMALLEST_LENGTH
 from ..solver.banded import Rows
 from .pairs import Bodies, Pairs
 

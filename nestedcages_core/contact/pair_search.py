@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import NestedCagesError
+from ..geometry.arrays import FloatArray
 from .pairs import Bodies, CandidateList, Pairs, find_pairs
 
 MOST_PAIRS = 20_000_000

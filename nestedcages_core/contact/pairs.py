@@ -13,10 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
-from ..broad_phase import near_pairs
-from ..distance import PointEdge, point_edge
-from ..mesh import Mesh
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import PointEdge, point_edge
+from ..geometry.mesh import Mesh
 from ..solver.banded import BandOrder
 
 TOO_WIDE = 8.0

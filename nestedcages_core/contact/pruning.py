@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from .linearisation import Contacts
 from .pairs import Pairs
 

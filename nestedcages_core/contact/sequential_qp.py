@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .._types import FloatArray
 from ..energies import CageEnergy
+from ..geometry.arrays import FloatArray
 from ..solver import Solver
 from ..solver.quadratic_program import InteriorPoint
 from .base import ContactOutcome
-from .cage_answer import CageAnswer, Distances
+from .contact_response import CageAnswer, Distances
+from .feasibility_rule import FeasibilityRule
 from .pairs import Bodies
-from .safe_motion import FeasibilityRule
 
 logger = logging.getLogger(__name__)
 

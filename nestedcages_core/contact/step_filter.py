@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 from .ccd import SAFETY, largest_safe_step
 from .pairs import Pairs
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from .._types import FloatArray
 from ..errors import NestedCagesError
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
 from .harmonic import Harmonic
 
 Weights: TypeAlias = FloatArray | csr_array

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
-from .._types import FloatArray
-from ..mesh import Mesh
-from ..triangulation import Sampling, Triangulation, triangulate
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.triangulation import Sampling, Triangulation, triangulate
 from .inside import require_inside
 from .precision import corrected
 

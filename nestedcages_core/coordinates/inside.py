@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import NestedCagesError
-from ..mesh import Mesh
-from ..mesh.validation import place
-from ..predicates import winding_number
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.validation import place
+from ..geometry.predicates import winding_number
 
 
 def require_inside(points: FloatArray, cage: Mesh) -> None:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
 from .precision import corrected
 
 ENTRIES_AT_ONCE = 1_000_000

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from .._types import FloatArray
-from ..mesh import Mesh
-from ..triangulation import triangulate
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.triangulation import triangulate
 from .inside import require_inside
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 
 PASSES = 2
 """Corrections; the first takes what the method left over, the second its rounding."""

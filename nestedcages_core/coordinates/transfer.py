@@ -9,9 +9,9 @@ from itertools import pairwise
 from scipy.sparse import csr_array, eye_array
 
 from ..errors import NestedCagesError
+from ..geometry.mesh import Mesh
+from ..geometry.triangulation import Sampling, Triangulation, triangulate
 from ..hierarchy import Hierarchy
-from ..mesh import Mesh
-from ..triangulation import Sampling, Triangulation, triangulate
 
 COARSENING = 2.0
 """Spacing of each grid by that of the one before, when no other spacings are given: usual for multigrid."""

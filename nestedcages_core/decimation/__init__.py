@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from .arc_length import ArcLength
 from .base import Candidates, Count, Decimation
 from .douglas_peucker import DouglasPeucker
 from .edge_collapse import EdgeCollapse
-from .level_set import LevelSet
 from .on_curve import OnCurve
 from .outer_hull import OuterHull
-from .resample import ArcLength
-from .user import OwnDecimation
+from .own_decimation import OwnDecimation
 from .visvalingam import Visvalingam
 
 __all__ = [
@@ -19,7 +18,6 @@ __all__ = [
     "Decimation",
     "DouglasPeucker",
     "EdgeCollapse",
-    "LevelSet",
     "OnCurve",
     "OuterHull",
     "OwnDecimation",

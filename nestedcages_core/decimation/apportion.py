@@ -6,7 +6,7 @@ from heapq import heapify, heapreplace
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
+from ..geometry.arrays import FloatArray, IntArray
 from .outline import Outline
 
 

@@ -10,7 +10,7 @@ from typing import Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from ..errors import NestingError
-from ..mesh import Mesh
+from ..geometry.mesh import Mesh
 
 Count: TypeAlias = int | Sequence[int]
 """Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""
@@ -64,9 +64,7 @@ def checked_budget(fine: Mesh, count: Count) -> Budget:
             per_loop = None
             total = operator.index(count)
     except TypeError:
-        raise NestingError(
-            f"A level needs a whole number of vertices, or one per loop, not {count!r}."
-        ) from None
+        raise NestingError(f"A level needs a whole number of vertices, or one per loop, not {count!r}.") from None
     if per_loop is not None:
         if len(per_loop) != loops:
             raise NestingError(

@@ -6,9 +6,9 @@ from collections import deque
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
-from ..broad_phase import near_pairs
-from ..distance import point_edge
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import point_edge
 from .base import LEAST_PER_LOOP
 from .enclosure import Enclosure
 from .linked_loops import LinkedLoops

@@ -8,15 +8,15 @@ from heapq import heappop, heappush
 
 import numpy as np
 
-from .._types import FloatArray
-from ..distance import point_edge
 from ..errors import NestingError
-from ..mesh import Mesh
-from ..predicates import crossing_pairs
+from ..geometry.arrays import FloatArray
+from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import crossing_pairs
 from .base import LEAST_PER_LOOP, Count, checked_budget
+from .canonical_order import unroll
 from .outline import Outline
 from .simplification import followed
-from .unrolled import unroll
 
 REPAIRS = 100
 """Most rounds of repair; each divides all chords that cross before any other is."""

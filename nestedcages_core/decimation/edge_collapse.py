@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import Mesh
-from ..predicates import orientation_sign
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import orientation_sign
 from .base import Count
 from .outline import Outline
 from .simplification import REACH, Simplification, simplified

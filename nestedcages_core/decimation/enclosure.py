@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray
-from ..broad_phase import near_pairs
-from ..distance import point_edge
-from ..mesh import Mesh
-from ..predicates import BoxTree, crossing_pairs, winding_number
+from ..geometry.arrays import FloatArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import BoxTree, crossing_pairs, winding_number
 from .outline import Outline
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..predicates import orientation_sign
+from ..geometry.predicates import orientation_sign
 from .edge_grid import EdgeGrid
 from .outline import Outline
 

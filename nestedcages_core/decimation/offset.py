@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
-from ..broad_phase import near_pairs
-from ..distance import point_edge
-from ..predicates import BoxTree, orientation, segments_intersect
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import point_edge
+from ..geometry.predicates import BoxTree, orientation, segments_intersect
 from .outline import Outline
 
 MITRE_LIMIT = 2.5

@@ -6,16 +6,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..distance import point_edge
 from ..errors import InvalidMeshError
-from ..mesh import Mesh
+from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
 from .apportion import padded
+from .arc_length import ArcLength, same_loops
 from .base import Count, checked_budget
+from .canonical_order import unroll
 from .hull_search import search_hulls
 from .outer_hull import OuterHull
 from .outline import Outline
-from .resample import ArcLength, same_loops
-from .unrolled import unroll
 
 
 @dataclass(frozen=True)

@@ -8,21 +8,21 @@ from itertools import islice
 
 import numpy as np
 
-from .._types import FloatArray
-from ..broad_phase import near_pairs
-from ..distance import point_edge
 from ..errors import InvalidMeshError, NestingError
-from ..mesh import Mesh
-from ..mesh.validation import place as in_words
+from ..geometry.arrays import FloatArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.validation import place as in_words
 from .apportion import padded
 from .base import Budget, Count, checked_budget
+from .canonical_order import unroll
 from .clearing import RESERVE, cleared, without_gaps, without_trifles
 from .enclosure import Enclosure
 from .hull_search import search_hulls
 from .offset import strict_offset
 from .outline import Outline
 from .small_holes import with_room
-from .unrolled import unroll
 
 OFFSET = 5e-5
 """Distance, in diameters, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""

@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..predicates import BoxTree
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.predicates import BoxTree
 
 
 @dataclass(frozen=True, eq=False)

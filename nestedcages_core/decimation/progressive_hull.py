@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, hypot, inf
 
-from ..predicates import orientation_sign
+from ..geometry.predicates import orientation_sign
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue
 from .outline import Outline

@@ -10,15 +10,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from ..errors import InvalidMeshError, NestingError
-from ..mesh import Mesh
-from ..predicates import orientation_sign
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import orientation_sign
 from .apportion import padded
+from .arc_length import same_loops
 from .base import Budget, Count, checked_budget
+from .canonical_order import Unrolled, unroll
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue
 from .outline import Outline
-from .resample import same_loops
-from .unrolled import Unrolled, unroll
 
 REACH = 1.5
 """Largest distance of new vertices from the centre, in diameters; moves that go farther are not made."""

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray
-from ..mesh import Mesh
-from ..predicates import winding_number
-from ..signed_distance import SignedDistance
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import winding_number
+from ..geometry.signed_distance import SignedDistance
 from .enclosure import Enclosure
 from .outline import Outline
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..mesh import Mesh
-from ..predicates import orientation_sign
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import orientation_sign
 from .base import Count
 from .simplification import Simplification, simplified
 

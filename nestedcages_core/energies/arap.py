@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..mesh import Mesh
-from ..triangulation import triangulate
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.triangulation import triangulate
 from .rigidity import Cells, Freedom, Turning, stiffness_of
 
 CELL = np.array([0, 1, 2, 3])

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
 from .base import Blocks
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
+from ..geometry.arrays import FloatArray, IntArray
 from .base import Blocks
 
 

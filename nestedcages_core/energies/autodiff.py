@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 
 Number: TypeAlias = "Jet | FloatArray"
 """One number per element: a jet where derivatives are wanted, else an array (E,)."""

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from .._types import FloatArray, IntArray
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..predicates import BoxTree, crossing_pairs, segments_intersect
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.predicates import BoxTree, crossing_pairs, segments_intersect
 
 ALL_PAIRS_LIMIT = 6000
 """Number of pairs of edges up to which testing all of them is faster than trees (measured)."""

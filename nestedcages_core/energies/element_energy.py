@@ -22,8 +22,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
 from .assembly import add_up, blocks_of, positive_part
 from .autodiff import Jet, Number, Point, plain_points_of, points_of
 from .base import Blocks

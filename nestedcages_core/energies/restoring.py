@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

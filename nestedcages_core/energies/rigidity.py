@@ -23,7 +23,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from .._types import FloatArray, IntArray
+from ..geometry.arrays import FloatArray, IntArray
 from .assembly import add_up, blocks_of
 from .base import Blocks
 

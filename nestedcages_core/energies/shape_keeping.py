@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..mesh import Mesh
+from ..geometry.mesh import Mesh
 from .arap import boundary_cells
 from .area import Area
 from .rigidity import Growing

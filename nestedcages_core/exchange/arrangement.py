@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .._types import BoolArray, FloatArray, IntArray
 from ..errors import InvalidMeshError
-from ..mesh import Mesh
-from ..mesh.validation import place
-from ..predicates import ON_BOUNDARY, BoxTree, crossing_pairs, orientation, winding_number
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.validation import place
+from ..geometry.predicates import ON_BOUNDARY, BoxTree, crossing_pairs, orientation, winding_number
 
 SNAP = 1e-12
 """Distance, in diagonals, within which places where edges meet are one: some thousand roundings."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 
 GREATEST_ARC = math.pi / 6.0
 """Radians that one cubic may stand for; its distance from the true arc is then below 4e-7 of the radius."""

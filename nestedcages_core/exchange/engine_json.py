@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import InvalidMeshError, NestedCagesError
-from ..mesh import Mesh
-from ..triangulation import triangulate
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.triangulation import triangulate
 
 FORMAT = "nested-cages outline"
 VERSION = 1

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
 from ..errors import InvalidMeshError
-from ..mesh import Mesh
-from ..predicates import winding_number
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import winding_number
 from .arrangement import arranged
 
 

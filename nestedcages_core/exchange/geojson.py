@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import InvalidMeshError, NestedCagesError
-from ..mesh import Mesh
-from ..mesh.geo_interface import rings_of
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.geo_interface import rings_of
 from .fill import Painted, solid
 
 POLYGONAL = ("Polygon", "MultiPolygon", "GeometryCollection")

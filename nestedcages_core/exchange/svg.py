@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import NestedCagesError
-from ..mesh import Mesh
+from ..geometry.mesh import Mesh
 from .curves import flattened
 from .fill import Painted, solid
 from .svg_elements import SvgReader

@@ -11,8 +11,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import NestedCagesError
+from ..geometry.arrays import FloatArray
 from .curves import ellipse, line
 from .svg_path import Subpath, read_path
 from .transforms import NUMBER, moved, read_transform, scaling, translation
@@ -210,9 +210,7 @@ def _rectangle(item: ET.Element) -> list[Subpath]:
     return [Subpath([*curves, line(curves[-1][-1], curves[0][0])], True)]
 
 
-def _viewport(
-    item: ET.Element, x: float, y: float, size: Mapping[str, str | None] | None = None
-) -> FloatArray:
+def _viewport(item: ET.Element, x: float, y: float, size: Mapping[str, str | None] | None = None) -> FloatArray:
     """The matrix from inside a nested `svg` or `symbol` to outside: its view box fitted into its size."""
     box = [float(number) for number in NUMBER.findall(item.get("viewBox", ""))]
     given = size if size is not None else {key: item.get(key) for key in ("width", "height")}

@@ -7,8 +7,8 @@ import re
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import NestedCagesError
+from ..geometry.arrays import FloatArray
 
 CALL = re.compile(r"[\s,]*([A-Za-z]+)\s*\(([^)]*)\)[\s,]*")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from .base import FlowMethod, FlowResult, Obstacle
-from .paper_flow import PaperFlow
-from .signed_distance_flow import SignedDistanceFlow
 from .two_sided import TwoSidedFlow
 
-__all__ = ["FlowMethod", "FlowResult", "Obstacle", "PaperFlow", "SignedDistanceFlow", "TwoSidedFlow"]
+__all__ = ["FlowMethod", "FlowResult", "Obstacle", "TwoSidedFlow"]

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
-from .._types import FloatArray
 from ..errors import FlowError
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
 
 ProgressCallback: TypeAlias = Callable[[float, str], None]
 """Called with the fraction of the flow in [0, 1] and a sentence."""

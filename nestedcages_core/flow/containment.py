@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray, IntArray
-from ..predicates import crossing_pairs
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.predicates import crossing_pairs
 from .base import Obstacle
-from .matching import Matching, loop_tree, windings
+from .loop_matching import Matching, loop_tree, windings
 
 
 class Containment:

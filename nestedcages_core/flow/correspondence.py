@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..distance import SMALLEST_LENGTH
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.distance import SMALLEST_LENGTH
+from ..geometry.mesh import Mesh
 from .containment import Containment
 from .erosion import erode
-from .matching import Matching
+from .loop_matching import Matching
 
 MOST_PAIRS = 50_000_000
 """Pairs of a fine and a coarse vertex of one loop up to which corners are assigned: bounds the memory to 200 MB."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 from .base import Obstacle
 from .containment import Containment
 from .penetration import Penetration, PenetrationEnergy

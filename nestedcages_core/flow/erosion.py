@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray
-from ..distance import SMALLEST_LENGTH
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray
+from ..geometry.distance import SMALLEST_LENGTH
+from ..geometry.mesh import Mesh
 from .containment import Containment
 from .samples import local_margins
 

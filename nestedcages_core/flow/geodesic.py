@@ -13,12 +13,12 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import Delaunay
 
-from .._types import BoolArray, FloatArray, IntArray
-from ..mesh import Mesh
-from ..predicates import BoxTree, crossing_pairs
-from ..signed_distance import SignedDistance
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import BoxTree, crossing_pairs
+from ..geometry.signed_distance import SignedDistance
 from .base import Obstacle
-from .matching import Matching, loop_tree, windings
+from .loop_matching import Matching, loop_tree, windings
 from .samples import Spacing, coarse_samples, fine_samples
 
 SCATTERED = 2000

@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..broad_phase import near_pairs
-from ..signed_distance import SignedDistance
-from .matching import Matching
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
+from ..geometry.signed_distance import SignedDistance
+from .loop_matching import Matching
 from .samples import Samples, Spacing, coarse_samples, fine_samples, local_margins
 
 COMFORT = 1.0 / 3.0

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..broad_phase import near_pairs, position_in_group
-from ..distance import point_edge
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs, position_in_group
+from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
 
 SLIT_SHARE = 0.25
 """Largest margin as a share of the distance between coarse edges that are no neighbours: leaves half of a slit free."""

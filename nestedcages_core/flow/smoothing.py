@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from .._types import FloatArray, IntArray
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
 from .penetration import Penetration
 
 BAND = 5

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
 from .base import FlowResult, Obstacle, ProgressCallback, stuck
 from .containment import Containment
 from .correspondence import lay_along
 from .energy_flow import Descent, EnergyFlow
 from .erosion import erode
 from .geodesic import retract, solid_graph
-from .matching import Matching, match_loops
+from .loop_matching import Matching, match_loops
 from .penetration import PenetrationEnergy
 from .samples import Spacing
 from .smoothing import StepSystem

@@ -8,20 +8,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
 from ..contact.pairs import Bodies
+from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Candidates, Count, Decimation
 from ..energies import CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
-from ..flow.matching import match_loops
-from ..mesh import Mesh
-from ..reinflation import Reinflation, reinflate
+from ..flow.loop_matching import match_loops
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
 from ..verification import Certificate, verify, verify_motion
 from ..verification.certificate import loops_in_words
+from .clearance_bounds import no_room
 from .reporting import Reporter
 from .results import Level, NestingReport
-from .room import no_room
 from .settings import Settings
 from .units import Clearance, Frame
 

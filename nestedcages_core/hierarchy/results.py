@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..contact.reinflation import Reinflation
 from ..flow import FlowResult
-from ..mesh import Mesh
-from ..reinflation import Reinflation
+from ..geometry.mesh import Mesh
 
 
 @dataclass(frozen=True)

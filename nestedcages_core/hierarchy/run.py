@@ -9,7 +9,7 @@ import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
-from ..mesh import Mesh
+from ..geometry.mesh import Mesh
 from .level import LevelBuilder
 from .reporting import Reporter
 from .results import Hierarchy, Level, Progress

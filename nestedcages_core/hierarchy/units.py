@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
 from ..errors import NestingError
-from ..mesh import Mesh
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
 from .settings import DEFAULT_CLEARANCE
 
 ROUNDING_ALLOWANCE = 1e-7

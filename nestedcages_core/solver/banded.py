@@ -18,8 +18,8 @@ from scipy.linalg.lapack import dpbtrf, dpbtrs
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .._types import FloatArray, IntArray
 from ..energies import Blocks
+from ..geometry.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

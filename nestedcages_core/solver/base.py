@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 
 
 class Model(NamedTuple):

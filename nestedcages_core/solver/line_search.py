@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 from .base import Model, Objective
 
 SUFFICIENT_DECREASE = 1e-4

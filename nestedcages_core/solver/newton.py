@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 from .base import Objective, Solution
 from .line_search import backtrack
 

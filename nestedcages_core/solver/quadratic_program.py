@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
 from ..energies import Blocks
 from ..errors import NestedCagesError
+from ..geometry.arrays import FloatArray
 from .banded import BandedSystem, BandOrder, Rows
 
 START_MULTIPLIER, START_SLACK = 1.0, 0.1

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
 from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import Blocks
+from ..geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .._types import FloatArray
 from ..contact.linearisation import Contacts, constraint_rows, local_axes, measure, resolve_corners
 from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy
+from ..geometry.arrays import FloatArray
 from ..solver.quadratic_program import QuadraticProgram, Solution
 from .curvature import EdgeLoads, contact_curvature
 from .trial import Surroundings

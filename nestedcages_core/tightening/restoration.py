@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._types import FloatArray
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, Pairs
+from ..geometry.arrays import FloatArray
 
 PASSES = 10
 """Number of rounds: a shift of one edge can bring its neighbour too close, by far less each time."""
@@ -51,9 +51,7 @@ def restore(
     return x, contacts
 
 
-def _correction(
-    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray
-) -> FloatArray:
+def _correction(bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray) -> FloatArray:
     """(m, 2) motion of the cage that makes up for the missing distances (K,)."""
     m = bodies.m
     cage = x[:m]

@@ -19,11 +19,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .._types import FloatArray
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
+from ..geometry.arrays import FloatArray
+from ..solver.negative_curvature import softest_motion
 from ..solver.quadratic_program import InteriorPoint, Solution
-from ..solver.softest_motion import softest_motion
 from .curvature import EdgeLoads
 from .model import Model, Wanted, model_at
 from .trial import Trial, find_trial

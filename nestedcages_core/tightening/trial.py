@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray
 from ..contact.ccd import impacts
 from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
+from ..geometry.arrays import FloatArray
 from .restoration import restore
 
 ATTEMPTS = 10

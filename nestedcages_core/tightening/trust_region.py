@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._types import FloatArray
+from ..geometry.arrays import FloatArray
 from ..solver.quadratic_program import Solution
 from .trial import Trial
 

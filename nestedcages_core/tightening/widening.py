@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import FloatArray, IntArray
-from ..contact.cage_answer import CageAnswer, Distances
 from ..contact.ccd import impacts
+from ..contact.contact_response import CageAnswer, Distances
+from ..contact.feasibility_rule import FeasibilityRule
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, CandidateList, Pairs
-from ..contact.safe_motion import FeasibilityRule
+from ..geometry.arrays import FloatArray, IntArray
 from ..solver.quadratic_program import InteriorPoint
 from .restoration import restore
 

@@ -7,13 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from .._types import IntArray
 from ..errors import InvalidMeshError
-from ..mesh import Mesh
-from ..mesh.loops import enclosing_pairs, extreme_places, parents
-from ..mesh.validation import crossing_point, place
-from ..predicates import BoxTree, segments_intersect
-from ..smallest_gap import smallest_gap
+from ..geometry.arrays import IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.loops import enclosing_pairs, extreme_places, parents
+from ..geometry.mesh.validation import crossing_point, place
+from ..geometry.predicates import BoxTree, segments_intersect
+from ..geometry.smallest_gap import smallest_gap
 
 CLEARANCE_TOLERANCE = 1e-9
 """Relative shortfall of the measured clearance that still counts as reached; above the rounding of a distance."""

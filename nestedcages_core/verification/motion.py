@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._types import BoolArray, FloatArray
 from ..contact.pairs import Bodies, CandidateList, Pairs
-from ..mesh import Mesh
+from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.mesh import Mesh
 
 MAX_HALVINGS = 40
 """Cap: a piece of the way is then below the spacing of float64."""

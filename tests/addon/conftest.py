@@ -7,7 +7,9 @@ import importlib.util
 import os
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from pkgutil import walk_packages
 from types import ModuleType
 
 import pytest
@@ -67,18 +69,15 @@ def empty_scene(extension: ModuleType) -> None:
 
 @pytest.fixture
 def addon(extension: ModuleType) -> ModuleType:
-    """The package `addon`, with all rooms that the tests use as attributes."""
-    from importlib import import_module
-
-    rooms = "animation checking choices convert generate hiding job looks methods output plane properties refusal"
-    for room in rooms.split():
-        import_module(f"{PACKAGE}.addon.{room}")
-    return import_module(f"{PACKAGE}.addon")
+    """The package `addon`, with its rooms and their files as attributes."""
+    package = import_module(f"{PACKAGE}.addon")
+    for module in walk_packages(package.__path__, f"{package.__name__}."):
+        if ".presets." not in module.name:
+            import_module(module.name)
+    return package
 
 
 @pytest.fixture
 def core(extension: ModuleType) -> ModuleType:
     """The core as the add-on sees it."""
-    from importlib import import_module
-
     return import_module(f"{PACKAGE}.nestedcages_core")

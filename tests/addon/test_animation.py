@@ -22,7 +22,7 @@ def level(addon):
     shrink = np.array([1.0, 0.9, 0.8, 0.7, 0.75, 0.8, 0.9, 1.0, 1.0])
     grow = np.array([0.8, 0.8, 0.8, 0.8, 0.85, 0.9, 1.0, 1.1, 1.0])
     ring = np.column_stack([np.arange(20), np.roll(np.arange(20), -1)])
-    return addon.generate.CageLevel(
+    return addon.generation.generate.CageLevel(
         fine_edges=ring,
         cage_edges=np.column_stack([np.arange(8), np.roll(np.arange(8), -1)]),
         fine_steps=(fine[None] * shrink[:, None, None]).astype(np.float32),
@@ -35,15 +35,15 @@ def level(addon):
 
 
 def test_levels_play_one_after_the_other(addon, level) -> None:
-    timing = addon.animation.Timing(start_frame=10, frames_per_step=PER_STEP)
-    first, second = addon.animation.spans([level, level], timing)
+    timing = addon.animation.shape_keys.Timing(start_frame=10, frames_per_step=PER_STEP)
+    first, second = addon.animation.shape_keys.spans([level, level], timing)
     assert (first.flow, first.reinflation, first.tightening, first.end) == (10, 22, 38, 42)
     assert second.flow == first.end + PER_STEP
     assert second.end - second.flow == first.end - first.flow
 
 
 def test_without_the_flow_the_animation_starts_at_the_reinflation(addon, level) -> None:
-    (span,) = addon.animation.spans([level], addon.animation.Timing(5, PER_STEP, show_flow=False))
+    (span,) = addon.animation.shape_keys.spans([level], addon.animation.shape_keys.Timing(5, PER_STEP, show_flow=False))
     assert (span.flow, span.reinflation, span.end) == (5, 5, 5 + (STEPS - 1 - FLOW_END) * PER_STEP)
 
 
@@ -52,7 +52,7 @@ def test_each_step_is_on_its_frame_and_the_motion_is_linear(addon, level, which)
     steps = getattr(level, which)
     obj = wire("Object", [steps[-1]])
     frames = 1 + np.arange(STEPS) * PER_STEP
-    addon.animation.add_steps(obj, steps, frames, "Level 1")
+    addon.animation.shape_keys.add_steps(obj, steps, frames, "Level 1")
     rounding = 4.0 * np.finfo(np.float32).eps * np.abs(steps).max()
     for step, frame in enumerate(frames):
         found = evaluated(obj, at_frame(frame))[:, :2]
@@ -69,16 +69,16 @@ def test_each_step_is_on_its_frame_and_the_motion_is_linear(addon, level, which)
 
 def test_a_mesh_that_stands_still_has_one_key_for_it(addon, level) -> None:
     obj = wire("Object", [level.cage_steps[-1]])
-    addon.animation.add_steps(obj, level.cage_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
+    addon.animation.shape_keys.add_steps(obj, level.cage_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
     # The Basis, the coarse mesh during the flow, and four steps; step 6 and the last one are the Basis themselves.
     assert len(obj.data.shape_keys.key_blocks) == 1 + 1 + 3
 
 
 def test_without_its_animation_an_object_shows_the_result(addon, level) -> None:
     obj = wire("Object", [level.fine_steps[-1]])
-    addon.animation.add_steps(obj, level.fine_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
+    addon.animation.shape_keys.add_steps(obj, level.fine_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
     at_frame(13)
-    addon.animation.remove_animation(obj.data.shape_keys)
+    addon.animation.shape_keys.remove_animation(obj.data.shape_keys)
     for key in obj.data.shape_keys.key_blocks:
         key.value = 0.0
     np.testing.assert_array_equal(evaluated(obj)[:, :2], level.fine_steps[-1])
@@ -87,8 +87,8 @@ def test_without_its_animation_an_object_shows_the_result(addon, level) -> None:
 
 def test_two_levels_on_one_object_do_not_mix(addon, level) -> None:
     obj = wire("Object", [level.fine_steps[-1]])
-    addon.animation.add_steps(obj, level.fine_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
-    addon.animation.add_steps(obj, level.fine_steps, 101 + np.arange(STEPS) * PER_STEP, "Level 2")
+    addon.animation.shape_keys.add_steps(obj, level.fine_steps, 1 + np.arange(STEPS) * PER_STEP, "Level 1")
+    addon.animation.shape_keys.add_steps(obj, level.fine_steps, 101 + np.arange(STEPS) * PER_STEP, "Level 2")
     for step in range(STEPS):
         first = evaluated(obj, at_frame(1 + step * PER_STEP))
         second = evaluated(obj, at_frame(101 + step * PER_STEP))
@@ -97,7 +97,7 @@ def test_two_levels_on_one_object_do_not_mix(addon, level) -> None:
 
 def test_an_object_is_hidden_until_its_frame(addon) -> None:
     obj = wire("Object", [circle(5)])
-    addon.hiding.hide_until(obj, 20)
+    addon.animation.visibility.hide_until(obj, 20)
     for frame, hidden in ((1, True), (19, True), (19.5, True), (20, False), (300, False)):
         at_frame(frame)
         assert obj.hide_viewport is hidden and obj.hide_render is hidden
@@ -105,11 +105,11 @@ def test_an_object_is_hidden_until_its_frame(addon) -> None:
 
 def test_markers_are_taken_back_once_each(addon, level) -> None:
     scene = bpy.context.scene
-    timing = addon.animation.Timing(1, PER_STEP)
-    mine = addon.animation.add_markers(scene, addon.animation.spans([level], timing))
-    addon.animation.add_markers(scene, addon.animation.spans([level], timing))
+    timing = addon.animation.shape_keys.Timing(1, PER_STEP)
+    mine = addon.animation.shape_keys.add_markers(scene, addon.animation.shape_keys.spans([level], timing))
+    addon.animation.shape_keys.add_markers(scene, addon.animation.shape_keys.spans([level], timing))
     assert [name for name, _ in mine] == ["Flow 1", "Reinflation 1", "Tightening 1"]
-    addon.animation.remove_markers(scene, mine)
+    addon.animation.shape_keys.remove_markers(scene, mine)
     assert sorted((marker.name, marker.frame) for marker in scene.timeline_markers) == sorted(mine)
 
 
@@ -118,7 +118,7 @@ def test_many_keys_are_written_in_bulk(addon) -> None:
     rng = np.random.default_rng(1)
     steps = (circle(2000)[None] * (1.0 - 0.5 * rng.random((200, 1, 1)))).astype(np.float32)
     obj = wire("Object", [steps[-1]])
-    addon.animation.add_steps(obj, steps, 1 + np.arange(200), "Level 1")
+    addon.animation.shape_keys.add_steps(obj, steps, 1 + np.arange(200), "Level 1")
     keys = obj.data.shape_keys
     assert len(keys.key_blocks) == 200
     curves = (

@@ -89,7 +89,7 @@ def test_a_moved_cage_object_takes_the_drawing_along(method, error) -> None:
 
 
 def following_of(extension):
-    return sys.modules[f"{extension.__name__}.addon.following"]
+    return sys.modules[f"{extension.__name__}.addon.binding.deform_modifiers"]
 
 
 def made_by(fine):
@@ -97,7 +97,7 @@ def made_by(fine):
 
 
 def test_the_method_chosen_is_exact_where_triangles_are_thin(extension, core) -> None:
-    following, filling = following_of(extension), sys.modules[f"{extension.__name__}.addon.filling"]
+    following, filling = following_of(extension), sys.modules[f"{extension.__name__}.addon.scene.filling"]
     inner = wire("Inner", [circle(90)])
     tips = circle(5, 3.0, (0.3, 0.1))
     beside = tips + 3e-5 * (np.roll(tips, -1, axis=0) - tips)
@@ -112,7 +112,7 @@ def test_the_method_chosen_is_exact_where_triangles_are_thin(extension, core) ->
 
 
 def test_large_drawings_take_surface_deform(extension, monkeypatch) -> None:
-    weights = sys.modules[f"{extension.__name__}.addon.weights"]
+    weights = sys.modules[f"{extension.__name__}.addon.binding.weights"]
     monkeypatch.setattr(weights, "MOST_WEIGHTS", 60 * 12 - 1)
     poly_curve("Drawing", [star() * 2.0])
     bpy.ops.object.nested_cages_generate(levels="12")
@@ -123,7 +123,7 @@ def test_large_drawings_take_surface_deform(extension, monkeypatch) -> None:
 
 
 def test_mesh_deform_steps_in_where_surface_deform_refuses(extension, monkeypatch) -> None:
-    following, weights = following_of(extension), sys.modules[f"{extension.__name__}.addon.weights"]
+    following, weights = following_of(extension), sys.modules[f"{extension.__name__}.addon.binding.weights"]
     monkeypatch.setattr(weights, "MOST_WEIGHTS", 0)
 
     def without_faces(follower, cage):
@@ -315,12 +315,12 @@ def test_a_cage_that_no_longer_encloses_is_refused() -> None:
 def test_a_binding_that_fails_half_way_changes_nothing(extension, addon, monkeypatch) -> None:
     poly_curve("Drawing", [star() * 2.0])
     assert bpy.ops.object.nested_cages_generate(levels="24, 12", thickness=0.02) == {"FINISHED"}
-    following = sys.modules[f"{extension.__name__}.addon.following"]
+    following = sys.modules[f"{extension.__name__}.addon.binding.deform_modifiers"]
     made = following.link
 
     def second_fails(context, inner, cage, method):
         if cage.name.endswith("2"):
-            raise addon.refusal.Refusal("It does not hold")
+            raise addon.errors.Refusal("It does not hold")
         return made(context, inner, cage, method)
 
     monkeypatch.setattr(following, "link", second_fails)
@@ -371,10 +371,10 @@ def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> No
     for obj in bpy.data.objects:
         obj.select_set(obj == source)
     bpy.context.view_layer.objects.active = source
-    binding = sys.modules[f"{extension.__name__}.addon.binding"]
+    binding = sys.modules[f"{extension.__name__}.addon.binding.binding"]
 
     def refused(*_) -> None:
-        raise addon.refusal.Refusal("It does not hold")
+        raise addon.errors.Refusal("It does not hold")
 
     monkeypatch.setattr(binding, "bind", refused)
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}

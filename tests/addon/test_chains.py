@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 @given(sizes=st.lists(st.integers(2, 7), min_size=1, max_size=5), closed=st.integers(0, 31), seed=st.integers(0, 2**16))
 def test_shuffled_edges_come_back_as_lines(sizes, closed, seed) -> None:
-    from nested_cages_extension.addon.chains import chains
+    from nested_cages_extension.addon.scene.chains import chains
 
     rng = np.random.default_rng(seed)
     count = sum(sizes)
@@ -34,5 +34,5 @@ def test_shuffled_edges_come_back_as_lines(sizes, closed, seed) -> None:
 
 
 def test_a_branch_is_found(addon) -> None:
-    found = addon.chains.chains(np.array([[0, 1], [1, 2], [1, 3]]), 4)
+    found = addon.scene.chains.chains(np.array([[0, 1], [1, 2], [1, 3]]), 4)
     assert found.branching.tolist() == [1]

@@ -23,17 +23,19 @@ from drawings import circle, poly_curve, star
     ],
 )
 def test_levels_are_counts_or_percentages(addon, text, levels) -> None:
-    assert addon.generate.parse_levels(text) == levels
+    assert addon.generation.generate.parse_levels(text) == levels
 
 
 @pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3"])
 def test_other_texts_are_refused(addon, text) -> None:
-    with pytest.raises(addon.refusal.Refusal, match="Levels are vertex counts such as 64, 24"):
-        addon.generate.parse_levels(text)
+    with pytest.raises(addon.errors.Refusal, match="Levels are vertex counts such as 64, 24"):
+        addon.generation.generate.parse_levels(text)
 
 
 def request(addon, loops, name="Drawing"):
-    return addon.generate.Request(addon.convert.fine_drawing(addon.convert.read(bpy.context, poly_curve(name, loops))))
+    return addon.generation.generate.Request(
+        addon.scene.convert.fine_drawing(addon.scene.convert.read(bpy.context, poly_curve(name, loops)))
+    )
 
 
 @pytest.mark.parametrize(
@@ -41,8 +43,8 @@ def request(addon, loops, name="Drawing"):
     [((24, 9), (24, 9)), ((50.0, 10.0), (30, 6)), ((1.0,), (6,)), ((100.0, 60), (60, 60))],
 )
 def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon, levels, counts) -> None:
-    fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh(addon.refusal.load_core())
-    assert addon.generate.counts(levels, fine, "Drawing") == counts
+    fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh(addon.errors.load_core())
+    assert addon.generation.generate.counts(levels, fine, "Drawing") == counts
 
 
 @pytest.mark.parametrize(
@@ -54,25 +56,27 @@ def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon,
     ],
 )
 def test_levels_go_down_but_not_below_three_per_loop(addon, levels, sentence) -> None:
-    options = addon.generate.Options(levels=levels)
-    with pytest.raises(addon.refusal.Refusal, match="^'Drawing': " + sentence):
-        addon.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
+    options = addon.generation.generate.Options(levels=levels)
+    with pytest.raises(addon.errors.Refusal, match="^'Drawing': " + sentence):
+        addon.generation.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
 
 
 def test_a_drawing_that_crosses_itself_is_refused_by_name(addon) -> None:
     eight = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
-    with pytest.raises(addon.refusal.Refusal, match=r"^'Eight': "):
-        addon.generate.Generation([request(addon, [eight], "Eight")], addon.generate.Options(levels=(3,)))
+    with pytest.raises(addon.errors.Refusal, match=r"^'Eight': "):
+        addon.generation.generate.Generation(
+            [request(addon, [eight], "Eight")], addon.generation.generate.Options(levels=(3,))
+        )
 
 
 def test_without_levels_there_is_nothing_to_do(addon) -> None:
-    with pytest.raises(addon.refusal.Refusal, match="vertex count for at least one level"):
-        addon.generate.Generation([request(addon, [circle(48)])], addon.generate.Options())
+    with pytest.raises(addon.errors.Refusal, match="vertex count for at least one level"):
+        addon.generation.generate.Generation([request(addon, [circle(48)])], addon.generation.generate.Options())
 
 
 def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
     requests = [request(addon, [circle(24)], "One"), request(addon, [circle(30)], "Two")]
-    generation = addon.generate.Generation(requests, addon.generate.Options(levels=(8, 4)))
+    generation = addon.generation.generate.Generation(requests, addon.generation.generate.Options(levels=(8, 4)))
     fractions, messages = zip(*((p.fraction, p.message) for p in generation), strict=True)
     assert list(fractions) == sorted(fractions)
     assert fractions[0] >= 0.0
@@ -88,8 +92,10 @@ def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
 
 @pytest.mark.parametrize("decimation", ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"])
 def test_every_way_to_make_coarse_meshes_is_certified_as_stored(addon, core, decimation) -> None:
-    options = addon.generate.Options(levels=(20, 10), methods=addon.methods.Methods(decimation=decimation))
-    generation = addon.generate.Generation([request(addon, [star()])], options)
+    options = addon.generation.generate.Options(
+        levels=(20, 10), methods=addon.properties.methods.Methods(decimation=decimation)
+    )
+    generation = addon.generation.generate.Generation([request(addon, [star()])], options)
     for _ in generation:
         pass
     (result,) = generation.results
@@ -103,7 +109,9 @@ def test_every_way_to_make_coarse_meshes_is_certified_as_stored(addon, core, dec
 
 def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> None:
     """At a thousand times its size away, float32 leaves some 1e-4 of the size between two numbers."""
-    generation = addon.generate.Generation([request(addon, [star() + 2000.0])], addon.generate.Options(levels=(16,)))
+    generation = addon.generation.generate.Generation(
+        [request(addon, [star() + 2000.0])], addon.generation.generate.Options(levels=(16,))
+    )
     for _ in generation:
         pass
     (level,) = generation.results[0].levels
@@ -113,7 +121,9 @@ def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> No
 
 def test_steps_that_rounding_spoils_count_as_flow(addon, core) -> None:
     """In the first two steps the circle is a hair too large for the octagon; from the third step on there is room."""
-    generation = addon.generate.Generation([request(addon, [circle(48)])], addon.generate.Options(levels=(8,)))
+    generation = addon.generation.generate.Generation(
+        [request(addon, [circle(48)])], addon.generation.generate.Options(levels=(8,))
+    )
     fine, cage = core.Mesh.from_loops([circle(48)]), core.Mesh.from_loops([circle(8)])
     sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
     fine_steps = (circle(48)[None] * sizes[:, None, None]).astype(np.float32)

@@ -230,6 +230,7 @@ def test_drawings_are_read_from_files_and_caged(core, tmp_path, capfd) -> None:
     assert logo.name == "logo"
     assert logo.location.y < 0.0  # the square goes down to the right
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+
     def region(name, x):
         square = shapely.geometry.mapping(shapely.box(x, 6e6, x + 9, 6e6 + 9))
         return {"type": "Feature", "properties": {"name": name}, "geometry": square}

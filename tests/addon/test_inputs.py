@@ -158,7 +158,7 @@ def test_the_operator_gives_the_core_s_cages(addon, core, tmp_path, name) -> Non
     assert count is None or len(points) == count
 
     mesh = core.Mesh(points.astype(float), edges_of(fine).astype(int))
-    margin = addon.generate.MARGIN * addon.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
+    margin = addon.generation.generate.MARGIN * addon.generation.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
     wanted = max(3 * len(mesh.loops), round(0.4 * len(points)))
     (level,) = core.nested_cages(mesh, [wanted], core.Settings(clearance=1e-5 * mesh.diagonal + margin)).levels
     np.testing.assert_array_equal(corners, level.cage.vertices.astype(np.float32))

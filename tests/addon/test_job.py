@@ -12,9 +12,11 @@ from drawings import poly_curve, snapshot, star
 
 
 def job(addon):
-    drawing = addon.convert.fine_drawing(addon.convert.read(bpy.context, poly_curve("Drawing", [star()])))
-    options = addon.generate.Options(levels=(20, 10))
-    return addon.job.Job(addon.generate.Generation([addon.generate.Request(drawing)], options))
+    drawing = addon.scene.convert.fine_drawing(addon.scene.convert.read(bpy.context, poly_curve("Drawing", [star()])))
+    options = addon.generation.generate.Options(levels=(20, 10))
+    return addon.generation.job.Job(
+        addon.generation.generate.Generation([addon.generation.generate.Request(drawing)], options)
+    )
 
 
 def test_slices_reach_the_same_end_as_one_go(addon) -> None:
@@ -29,12 +31,12 @@ def test_slices_reach_the_same_end_as_one_go(addon) -> None:
 
 
 def test_the_running_job_is_known_while_it_runs(addon) -> None:
-    assert addon.job.running() is None
+    assert addon.generation.job.running() is None
     work = job(addon)
     work.start()
-    assert addon.job.running() is work
+    assert addon.generation.job.running() is work
     work.stop()
-    assert addon.job.running() is None
+    assert addon.generation.job.running() is None
     assert work.advance()
 
 
@@ -62,11 +64,11 @@ def test_disabling_the_add_on_ends_the_job(extension, addon) -> None:
     extension.unregister()
     extension.register()
     assert ended == [bpy.context.window_manager]
-    assert addon.job.running() is None
+    assert addon.generation.job.running() is None
     job(addon).start()
     extension.unregister()
     extension.register()
-    assert addon.job.running() is None
+    assert addon.generation.job.running() is None
     assert bpy.ops.object.nested_cages_generate.poll()
 
 
@@ -80,7 +82,7 @@ def test_a_job_that_is_dropped_at_any_stage_leaves_the_scene(addon, stage, level
     bpy.context.view_layer.update()
     before = snapshot()
     work.start()
-    wanted = f"Drawing, level {level}: {addon.generate.STAGES[stage]}"
+    wanted = f"Drawing, level {level}: {addon.generation.generate.STAGES[stage]}"
     while work.message != wanted:
         assert not work.advance(0.0), "the stage was never shown"
     work.stop()
@@ -96,7 +98,7 @@ def test_what_is_shown_is_what_is_done_next(addon) -> None:
     while not work.advance(1e9):
         shown.append(work.message)
     for stage in STAGES:
-        assert f"Drawing, level 1: {addon.generate.STAGES[stage]}" in shown
+        assert f"Drawing, level 1: {addon.generation.generate.STAGES[stage]}" in shown
 
 
 class Event(SimpleNamespace):
@@ -128,7 +130,7 @@ def modal(addon, monkeypatch):
     blender = SimpleNamespace(app=SimpleNamespace(background=False), data=bpy.data, ops=bpy.ops, context=bpy.context)
     monkeypatch.setattr(addon.operators.generate, "bpy", blender)
     monkeypatch.setattr(addon.operators.generate, "sources", lambda _context: list(bpy.context.selected_objects))
-    values = {name: getattr(bpy.context.scene.nested_cages, name) for name in addon.properties.NAMES}
+    values = {name: getattr(bpy.context.scene.nested_cages, name) for name in addon.properties.settings.NAMES}
     operator = SimpleNamespace(**values | {"levels": "20, 10"}, _job=None, _timer=None, _scene_name="")
     for name in ("_prepare", "_write", "_bind_again", "_refuse", "_show", "invoke", "modal", "cancel"):
         setattr(operator, name, getattr(kind, name).__get__(operator))
@@ -148,10 +150,10 @@ def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, moda
     assert operator.modal(context, OTHER) == {"PASS_THROUGH"}
     outcome = {"PASS_THROUGH"}
     while outcome == {"PASS_THROUGH"}:
-        assert addon.job.running() is operator._job
+        assert addon.generation.job.running() is operator._job
         outcome = operator.modal(context, TIMER)
     assert outcome == {"FINISHED"}
-    assert addon.job.running() is None
+    assert addon.generation.job.running() is None
     assert "timer" in modal.log and None in modal.log  # the timer and the status text are gone
     assert len(bpy.data.collections["Drawing Cages"].objects) == 3
 
@@ -173,7 +175,7 @@ def test_in_a_window_cancelling_leaves_the_scene(addon, modal, ticks, how) -> No
             bpy.ops.object.nested_cages_cancel()
         assert operator.modal(context, ESCAPE if how == "escape" else TIMER) == {"CANCELLED"}
         assert modal.log[-1] == ("INFO", "Nested Cages: cancelled, nothing was changed")
-    assert "timer" in modal.log and addon.job.running() is None
+    assert "timer" in modal.log and addon.generation.job.running() is None
     assert snapshot() == before
 
 
@@ -187,7 +189,7 @@ def test_a_drawing_that_is_deleted_meanwhile_ends_in_a_sentence(addon, modal) ->
         outcome = operator.modal(context, TIMER)
     assert outcome == {"CANCELLED"}
     assert modal.log[-1] == ("ERROR", "'Drawing' was deleted meanwhile, so its cages were dropped")
-    assert not bpy.data.objects and addon.job.running() is None
+    assert not bpy.data.objects and addon.generation.job.running() is None
 
 
 @pytest.mark.parametrize("change", [{"levels": "12"}, {"frames_per_step": 9}, {"energy": "SHAPE_KEEPING"}])

@@ -33,7 +33,7 @@ def result(addon):
     shrink = 1.0 - 0.4 * np.sin(np.pi * np.minimum(steps, TIGHTENING) / TIGHTENING)
     shrink[TIGHTENING:] = 1.0
     grow = 1.0 + 0.1 * np.maximum(steps - FLOW_END, 0) / (STEPS - FLOW_END)
-    level = addon.generate.CageLevel(
+    level = addon.generation.generate.CageLevel(
         fine_edges=ring(FINE),
         cage_edges=ring(CAGE),
         fine_steps=(fine[None] * shrink[:, None, None]).astype(np.float32),
@@ -43,15 +43,15 @@ def result(addon):
         certificate=Certificate,
         report=Report,
     )
-    frame = addon.plane.Frame(np.eye(4), 0.0, 1.0, True)
-    return addon.generate.Result(addon.convert.Drawing("Large", frame, (fine,)), (level,))
+    frame = addon.scene.plane.Frame(np.eye(4), 0.0, 1.0, True)
+    return addon.generation.generate.Result(addon.scene.convert.Drawing("Large", frame, (fine,)), (level,))
 
 
 def test_a_large_drawing_is_written_saved_and_loaded(addon, tmp_path) -> None:
     made = result(addon)
     (level,) = made.levels
-    timing = addon.animation.Timing(1, 2)
-    (collection,) = addon.output.write(bpy.context.scene, [made], timing)
+    timing = addon.animation.shape_keys.Timing(1, 2)
+    (collection,) = addon.scene.output.write(bpy.context.scene, [made], timing)
     end = collection["nested_cages_end"]
     assert end == 1 + 2 * (STEPS - 1)
     path = str(tmp_path / "large.blend")

@@ -62,7 +62,7 @@ def test_the_list_follows_objects_that_are_renamed(addon, settings) -> None:
     settings.level_objects, settings.levels = "Own", "*"
     own.name = "Another"
     copy = bpy.data.scenes.new("Copy").nested_cages
-    addon.properties.copy_values(settings, copy)
+    addon.properties.settings.copy_values(settings, copy)
     assert (copy.levels, copy.level_objects) == ("*", "Another")
 
 

@@ -60,13 +60,13 @@ PRESETS = ROOT / "addon" / "presets" / "nested_cages"
 
 
 def choices(addon):
-    return [(name, key) for name, setting in addon.choices.SETTINGS.items() for key in setting.choices]
+    return [(name, key) for name, setting in addon.properties.choices.SETTINGS.items() for key in setting.choices]
 
 
 def test_the_table_is_complete(addon) -> None:
     expansion = {("expansion_energy", key) for name, key in EXPECTED if name == "energy"}
     assert set(choices(addon)) == set(EXPECTED) | expansion | {("expansion_energy", "SAME")}
-    for setting in addon.choices.SETTINGS.values():
+    for setting in addon.properties.choices.SETTINGS.values():
         for key, name, description in setting.items:
             assert key.isupper() and name and len(description) > 15, (key, name)
             assert not description.endswith("."), key  # Blender adds it
@@ -74,7 +74,7 @@ def test_the_table_is_complete(addon) -> None:
 
 @pytest.mark.parametrize(("name", "key"), EXPECTED)
 def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, key) -> None:
-    methods = addon.methods.Methods(**WITH.get(name, {}) | {name: key})
+    methods = addon.properties.methods.Methods(**WITH.get(name, {}) | {name: key})
     methods.check()
     settings = methods.settings(core, 1)
     owner = {"quadrature": settings.flow, "step_filter": settings.contact, "broad_phase": settings.contact}
@@ -82,14 +82,16 @@ def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, ke
 
 
 def test_untouched_they_are_the_core_s_own(addon, core) -> None:
-    assert addon.methods.Methods(decimation="OUTER_HULL").settings(core, 1) == core.Settings()
-    assert addon.methods.Methods().settings(core, 2) == core.Settings()
+    assert addon.properties.methods.Methods(decimation="OUTER_HULL").settings(core, 1) == core.Settings()
+    assert addon.properties.methods.Methods().settings(core, 2) == core.Settings()
     assert bpy.context.scene.nested_cages.contact == "AUTOMATIC"
-    assert addon.properties.methods(bpy.context.scene.nested_cages) == addon.methods.Methods()
+    assert addon.properties.settings.methods(bpy.context.scene.nested_cages) == addon.properties.methods.Methods()
 
 
 def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon, core) -> None:
-    paper = addon.methods.Methods(contact="PAPER", repairs=frozenset(), tighten=False, fall_back=False, starts=1)
+    paper = addon.properties.methods.Methods(
+        contact="PAPER", repairs=frozenset(), tighten=False, fall_back=False, starts=1
+    )
     plain = core.Settings(
         decimation=core.OnCurve(),
         fallback=None,
@@ -120,10 +122,10 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
 
 
 def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:
-    methods = addon.methods.Methods(contact="VELOCITY_FILTER")
+    methods = addon.properties.methods.Methods(contact="VELOCITY_FILTER")
     assert methods.settings(core, 1).expansion_energy == core.NoEnergy()
     assert replace(methods, expansion_energy="SAME").settings(core, 1).expansion_energy is None
-    assert addon.methods.Methods().settings(core, 1).expansion_energy is None
+    assert addon.properties.methods.Methods().settings(core, 1).expansion_energy is None
 
 
 @pytest.mark.parametrize(
@@ -142,12 +144,12 @@ def test_what_nothing_would_use_is_refused(addon, chosen, sentence) -> None:
     with pytest.raises(RuntimeError, match=sentence):
         bpy.ops.object.nested_cages_generate(levels="12", **chosen)
     assert [obj.name for obj in bpy.data.objects] == ["Drawing"]
-    dimmed = addon.methods.Methods(**chosen)
+    dimmed = addon.properties.methods.Methods(**chosen)
     assert not all(dimmed.has_use_for(name) for name in chosen)
 
 
 def test_what_is_dimmed_follows_the_contact(addon) -> None:
-    methods = addon.methods.Methods
+    methods = addon.properties.methods.Methods
     dependent = ("repairs", "solver", "step_filter", "broad_phase", "expansion_energy", "quadrature")
 
     def used(**chosen):
@@ -175,7 +177,7 @@ def test_each_choice_makes_a_certified_cage(addon, name, key) -> None:
 
 @pytest.mark.parametrize("option", [{"tighten": False}, {"starts": 1}, {"fall_back": False}])
 def test_other_advanced_settings_reach_the_core(addon, core, option) -> None:
-    settings = addon.methods.Methods(**option).settings(core, 1)
+    settings = addon.properties.methods.Methods(**option).settings(core, 1)
     assert (settings.tightening.iterations == 0) == ("tighten" in option)
     assert (settings.starts == 1) == ("starts" in option)
     assert (settings.fallback is None) == ("fall_back" in option)
@@ -201,7 +203,7 @@ def test_where_parts_merge_the_cage_says_so() -> None:
 
 
 def test_presets_keep_the_methods(addon, tmp_path, monkeypatch) -> None:
-    assert {f"settings.{name}" for name in addon.properties.NAMES} == set(
+    assert {f"settings.{name}" for name in addon.properties.settings.NAMES} == set(
         bpy.types.SCENE_OT_nested_cages_preset_add.preset_values
     )
     monkeypatch.setattr(bpy.utils, "user_resource", lambda *_, **__: str(tmp_path))
@@ -228,6 +230,6 @@ def test_presets_that_come_along_set_all_that_makes_a_cage(addon, path) -> None:
         if isinstance(target, ast.Attribute)
     }
     expected = {"levels", "use_selected_as_levels", "together", "clearance", "show_flow"} | set(
-        addon.methods.Methods.__dataclass_fields__
+        addon.properties.methods.Methods.__dataclass_fields__
     )
     assert assigned == expected

@@ -57,7 +57,7 @@ def test_the_operator_gives_what_the_core_gives(addon, core) -> None:
     assert generate(levels="20", decimation="OUTER_HULL") == {"FINISHED"}
     _, fine, (cage,) = output()
     mesh = core.Mesh.from_loops([star().astype(np.float32).astype(float)])
-    margin = addon.generate.MARGIN * addon.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
+    margin = addon.generation.generate.MARGIN * addon.generation.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
     settings = core.Settings(clearance=1e-5 * mesh.diagonal + margin)
     (level,) = core.nested_cages(mesh, [20], settings).levels
     np.testing.assert_array_equal(evaluated(cage, at_frame(5000))[:, :2], level.cage.vertices.astype(np.float32))
@@ -324,11 +324,11 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
         bpy.context.scene.timeline_markers.new("Mine", frame=3)
     once = everything()
     room, name, calls = {
-        "first level": (addon.animation, "add_steps", 1),
-        "second level": (addon.hiding, "hide_until", 2),
-        "second drawing": (addon.animation, "add_steps", 4),
-        "markers": (addon.animation, "add_markers", 2),
-        "thickness": (addon.looks, "set_thickness", 4),
+        "first level": (addon.animation.shape_keys, "add_steps", 1),
+        "second level": (addon.animation.visibility, "hide_until", 2),
+        "second drawing": (addon.animation.shape_keys, "add_steps", 4),
+        "markers": (addon.animation.shape_keys, "add_markers", 2),
+        "thickness": (addon.scene.display, "set_thickness", 4),
     }[place]
     real, countdown = getattr(room, name), itertools.count(1)
 
@@ -380,7 +380,7 @@ def test_the_user_s_own_animation_of_a_cage_stays(addon) -> None:
 
 def test_a_drawing_that_is_deleted_meanwhile_is_refused(addon) -> None:
     source = poly_curve("Drawing", [star()])
-    drawing = addon.convert.fine_drawing(addon.convert.read(bpy.context, source))
+    drawing = addon.scene.convert.fine_drawing(addon.scene.convert.read(bpy.context, source))
     assert drawing.source == source
     bpy.ops.ed.undo_push(message="read")
     source.name = "Other"
@@ -523,7 +523,7 @@ def test_a_fault_while_writing_leaves_nothing_behind(addon, monkeypatch) -> None
     def fault(*_):
         raise MemoryError("no room")
 
-    monkeypatch.setattr(addon.animation, "add_markers", fault)
+    monkeypatch.setattr(addon.animation.shape_keys, "add_markers", fault)
     with pytest.raises(RuntimeError, match="no room"):
         generate()
     assert snapshot() == before

@@ -53,7 +53,7 @@ class Layout:
 @pytest.fixture
 def draw(extension):
     """Draws the panel of a name; what it drew."""
-    panels = sys.modules[f"{extension.__name__}.addon.panels"]
+    panels = sys.modules[f"{extension.__name__}.addon.ui.panels"]
 
     def drawn_by(name: str) -> list[str]:
         drawn: list[str] = []
@@ -74,7 +74,7 @@ def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> No
 
 
 def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon) -> None:
-    names = sorted(set(addon.properties.NAMES) - {"level_objects"})
+    names = sorted(set(addon.properties.settings.NAMES) - {"level_objects"})
     parts = ("", "_reading", "_advanced")
     drawn = [name for part in parts for name in draw(f"VIEW3D_PT_nested_cages{part}")]
     assert sorted(name for name in drawn if name in names) == names
@@ -113,6 +113,6 @@ def test_each_level_is_a_line(extension, kind) -> None:
     settings = bpy.context.scene.nested_cages
     settings.level_list[0].kind = kind
     drawn: list[str] = []
-    levels = sys.modules[f"{extension.__name__}.addon.panels"].NESTEDCAGES_UL_levels
+    levels = sys.modules[f"{extension.__name__}.addon.ui.panels"].NESTEDCAGES_UL_levels
     levels.draw_item(None, None, Layout(drawn), settings, settings.level_list[0], 0, settings, "level_index")
     assert drawn == ["kind", {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}[kind]]

@@ -51,7 +51,7 @@ def test_everything_has_a_description(extension) -> None:
 
 def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> None:
     operator = bpy.ops.object.nested_cages_generate.get_rna_type().properties
-    for name in addon.properties.NAMES:
+    for name in addon.properties.settings.NAMES:
         mine, scenes = operator[name], bpy.context.scene.nested_cages.bl_rna.properties[name]
         assert mine.description == scenes.description
         assert mine.default == scenes.default
@@ -64,12 +64,12 @@ def test_presets_that_come_with_the_add_on_work(addon, name) -> None:
     bpy.ops.script.execute_preset(filepath=path, menu_idname="NESTEDCAGES_PT_presets")
     settings = bpy.context.scene.nested_cages
     poly_curve("Drawing", [star(100)])
-    values = {key: getattr(settings, key) for key in addon.properties.NAMES}
+    values = {key: getattr(settings, key) for key in addon.properties.settings.NAMES}
     assert bpy.ops.object.nested_cages_generate(**values) == {"FINISHED"}
 
 
 def test_the_panels_move_to_another_tab(extension) -> None:
-    panels = sys.modules[f"{extension.__name__}.addon.panels"]
+    panels = sys.modules[f"{extension.__name__}.addon.ui.panels"]
     panels.move_to("Animation")
     assert bpy.types.VIEW3D_PT_nested_cages.bl_category == "Animation"
     panels.move_to(panels.CATEGORY)

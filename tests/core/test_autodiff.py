@@ -25,7 +25,7 @@ from nestedcages_core import (
 from nestedcages_core.energies import Blocks, Energy, autodiff, element_energy
 from nestedcages_core.energies.assembly import blocks_of, positive_part
 from nestedcages_core.energies.autodiff import Jet, plain_points_of, points_of
-from nestedcages_core.triangulation import triangulate
+from nestedcages_core.geometry.triangulation import triangulate
 from shapes import ring
 
 STEP = 1e-5  # of central differences; coordinates are of order 1

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from nestedcages_core.errors import InvalidMeshError
-from nestedcages_core.mesh import Mesh
+from nestedcages_core.geometry.mesh import Mesh
 
 SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
 AROUND = [[0, 1], [1, 2], [2, 3], [3, 0]]

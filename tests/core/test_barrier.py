@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core.contact.barrier import barrier, barrier_hessian_factors
-from nestedcages_core.distance import PointEdge, distance_gradient, distance_hessian, point_edge
+from nestedcages_core.geometry.distance import PointEdge, distance_gradient, distance_hessian, point_edge
 
 D_HAT = 0.3
 

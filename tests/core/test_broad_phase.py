@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nestedcages_core import broad_phase
-from nestedcages_core.broad_phase import near_pairs
-from nestedcages_core.distance import point_edge
+from nestedcages_core.geometry import broad_phase
+from nestedcages_core.geometry.broad_phase import near_pairs
+from nestedcages_core.geometry.distance import point_edge
 
 
 def scene(seed: int, long_share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

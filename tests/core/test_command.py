@@ -190,7 +190,11 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
     ],
 )
 def test_what_goes_wrong_is_said(
-    drawing: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, options: list[str], status: int,
+    drawing: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+    options: list[str],
+    status: int,
     sentence: str,
 ) -> None:
     monkeypatch.chdir(drawing.parent)

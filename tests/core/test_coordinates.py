@@ -20,7 +20,7 @@ from nestedcages_core import (
     grids,
     nested_cages,
 )
-from nestedcages_core.triangulation import triangulate
+from nestedcages_core.geometry.triangulation import triangulate
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
 KINDS = [MeanValue(), Harmonic(), PiecewiseLinear()]

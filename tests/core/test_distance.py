@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core.distance import PointEdge, distance_gradient, distance_hessian, point_edge
+from nestedcages_core.geometry.distance import PointEdge, distance_gradient, distance_hessian, point_edge
 
 STEP = 1e-6  # of central differences; coordinates are of order 1
 

@@ -48,6 +48,7 @@ def area_of(body: str, **options: float) -> float:
 
 def same(one: Mesh, other: Mesh) -> bool:
     """Whether both have the same loops, as closed sequences of the very same points."""
+
     def canonical(mesh: Mesh) -> list[tuple]:
         loops = []
         for loop in mesh.loops:

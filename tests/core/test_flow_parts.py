@@ -15,7 +15,7 @@ from nestedcages_core.flow.containment import Containment
 from nestedcages_core.flow.correspondence import _Cost, _in_order, lay_along
 from nestedcages_core.flow.erosion import erode
 from nestedcages_core.flow.geodesic import Retraction, retract, solid_graph
-from nestedcages_core.flow.matching import match_loops
+from nestedcages_core.flow.loop_matching import match_loops
 from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
 from nestedcages_core.flow.samples import Spacing, local_margins
 from nestedcages_core.flow.smoothing import StepSystem

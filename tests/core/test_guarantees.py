@@ -122,9 +122,7 @@ def test_the_cage_moves_with_the_shape(scale: float, motion: Callable[[np.ndarra
 
 
 @pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
-def test_the_way_from_an_own_coarse_mesh_moves_too(
-    scale: float, motion: Callable[[np.ndarray], np.ndarray]
-) -> None:
+def test_the_way_from_an_own_coarse_mesh_moves_too(scale: float, motion: Callable[[np.ndarray], np.ndarray]) -> None:
     fine, coarse, clearance = lopsided(), resampled(lopsided(), 30), 1e-4
     moved, coarse_moved = (mesh.moved(motion(mesh.vertices)).validated() for mesh in (fine, coarse))
     cage = nested_cages(fine, [coarse], Settings(clearance=clearance)).cages[0]

@@ -12,8 +12,8 @@ from nestedcages_core import IPC, Area, Mesh, OnCurve, ProjectedNewton, Reinflat
 from nestedcages_core.contact.barrier_ranges import BarrierRanges, facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, Weights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
+from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.restoring import Restoring
-from nestedcages_core.reinflation import Reinflation, reinflate
 from nestedcages_core.solver import Model
 from nestedcages_core.solver.newton import STALLED_AFTER
 from shapes import assert_nested, ring

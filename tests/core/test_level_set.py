@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from nestedcages_core import LevelSet, Mesh, NestingError, Settings, Visvalingam, nested_cages
-from nestedcages_core.decimation.contour import Field
-from nestedcages_core.decimation.loops_of_level_set import encloses, loops_around, without_pockets
+from nestedcages_core.published.sellan_2022.contour import Field
+from nestedcages_core.published.sellan_2022.level_set_loops import encloses, loops_around, without_pockets
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 COARSE_GRID = LevelSet(cells=80)

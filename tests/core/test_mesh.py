@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core.errors import InvalidMeshError
-from nestedcages_core.mesh import Mesh
+from nestedcages_core.geometry.mesh import Mesh
 
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
 

@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core import ArcLength, Mesh, OnCurve, Settings, nested_cages, verify_motion
 from nestedcages_core.contact.pairs import Pairs
-from nestedcages_core.predicates import BoxTree, crossing_pairs
+from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs
 from nestedcages_core.verification.motion import _never_meet
 from shapes import annulus, letter_a, letter_a_coarse, ring, star
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from nestedcages_core import Mesh, NestingError, OuterHull, verify
 from nestedcages_core.decimation import OnCurve
 from nestedcages_core.decimation.apportion import padded, shares
+from nestedcages_core.decimation.canonical_order import unroll
 from nestedcages_core.decimation.clearing import cleared, without_gaps
 from nestedcages_core.decimation.edge_grid import EdgeGrid
 from nestedcages_core.decimation.enclosure import Enclosure
@@ -21,7 +22,6 @@ from nestedcages_core.decimation.move_queue import MoveQueue
 from nestedcages_core.decimation.offset import strict_offset
 from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.progressive_hull import ProgressiveHull, Weights
-from nestedcages_core.decimation.unrolled import unroll
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull(restarts=4)

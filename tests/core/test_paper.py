@@ -6,26 +6,16 @@ import numpy as np
 import pytest
 
 from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError, Settings, nested_cages, verify_motion
-from nestedcages_core.contact import (
-    AllPairs,
-    BroadPhase,
-    Cells,
-    NoFilter,
-    PaperContact,
-    Repairs,
-    SmallestDistance,
-    StepFilter,
-    TimeOfImpact,
-)
+from nestedcages_core.contact import AllPairs, BroadPhase, Cells, NoFilter, SmallestDistance, StepFilter, TimeOfImpact
 from nestedcages_core.contact.pairs import Bodies, find_pairs
-from nestedcages_core.contact.paper_potential import PaperPotential, PaperWeights
+from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies import NoEnergy
 from nestedcages_core.energies.area import signed_area
 from nestedcages_core.energies.autodiff import points_of
-from nestedcages_core.flow import PaperFlow
-from nestedcages_core.predicates.ray_parity import edges_meet, inside_by_parity
-from nestedcages_core.reinflation import Reinflation, reinflate
-from nestedcages_core.solver import GradientDescent, Solver
+from nestedcages_core.published.gurditta_jacobson_2022 import GradientDescent, PaperContact, PaperFlow, Repairs
+from nestedcages_core.published.gurditta_jacobson_2022.paper_potential import PaperPotential, PaperWeights
+from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
+from nestedcages_core.solver import Solver
 from shapes import annulus, assert_nested, ring
 
 STEP = 1e-7  # of central differences

@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.ndimage import distance_transform_edt, label
 
 from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, Settings, collision_outline
-from nestedcages_core.pictures import alpha_channel, boundary_of_pixels, decode_png, read_png
+from nestedcages_core.exchange.pictures import alpha_channel, boundary_of_pixels, decode_png, read_png
 from shapes import polygon
 
 # PNG: an encoder that filters pixel by pixel, as the standard words it
@@ -67,8 +67,12 @@ def encoded(
     middle = zlib.compress(data)
     split = len(middle) // 2
     return (
-        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + extra
-        + chunk(b"IDAT", middle[:split]) + chunk(b"IDAT", middle[split:]) + chunk(b"IEND", b"")
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + extra
+        + chunk(b"IDAT", middle[:split])
+        + chunk(b"IDAT", middle[split:])
+        + chunk(b"IEND", b"")
     )
 
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from nestedcages_core.predicates import (
+from nestedcages_core.geometry.predicates import (
     ON_BOUNDARY,
     BoxTree,
     as_integers,
@@ -25,7 +25,7 @@ from nestedcages_core.predicates import (
     segments_intersect,
     winding_number,
 )
-from nestedcages_core.predicates.oriented_boxes import OrientedBoxes
+from nestedcages_core.geometry.predicates.oriented_boxes import OrientedBoxes
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -127,7 +127,7 @@ def test_orientation_of_any_doubles(rows: np.ndarray) -> None:
 
 
 def test_unbounded_integers_are_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("nestedcages_core.predicates.orientation")
+    module = importlib.import_module("nestedcages_core.geometry.predicates.orientation")
     handed_on: list[int] = []
     exact = module._sign_by_integers
 

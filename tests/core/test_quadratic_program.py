@@ -11,8 +11,8 @@ from scipy.optimize import linprog, minimize
 from nestedcages_core import NestedCagesError
 from nestedcages_core.energies import Blocks
 from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
+from nestedcages_core.solver.negative_curvature import softest_motion
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
-from nestedcages_core.solver.softest_motion import softest_motion
 
 EXACT = InteriorPoint(iterations=80, complementarity=1e-10, primal=1e-10, dual=1e-10)
 

@@ -19,7 +19,7 @@ from nestedcages_core import (
     SignedDistanceFlow,
     nested_cages,
 )
-from nestedcages_core.quadrature import Quadrature, vertex_samples
+from nestedcages_core.geometry.quadrature import Quadrature, vertex_samples
 from shapes import annulus, assert_nested, octagon_with_hole, polygon, square_with_hole, star
 
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))

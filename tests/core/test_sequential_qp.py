@@ -10,10 +10,10 @@ import shapely
 
 from nestedcages_core import ArcLength, Area, Mesh, ProjectedNewton, SequentialQP, TwoSidedFlow
 from nestedcages_core.contact import ContactOutcome
-from nestedcages_core.contact.cage_answer import CageAnswer, Distances
+from nestedcages_core.contact.contact_response import CageAnswer, Distances
+from nestedcages_core.contact.feasibility_rule import FeasibilityRule
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, find_pairs
-from nestedcages_core.contact.safe_motion import FeasibilityRule
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 from shapes import annulus, assert_nested, letter_a, ring, star
 

@@ -8,8 +8,9 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import Mesh, signed_distance
-from nestedcages_core.signed_distance import SignedDistance
+from nestedcages_core import Mesh
+from nestedcages_core.geometry import signed_distance
+from nestedcages_core.geometry.signed_distance import SignedDistance
 from shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
 
 MESHES = {

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import smallest_gap as room
-from nestedcages_core.predicates import BoxTree
-from nestedcages_core.smallest_gap import smallest_gap
+from nestedcages_core.geometry import smallest_gap as room
+from nestedcages_core.geometry.predicates import BoxTree
+from nestedcages_core.geometry.smallest_gap import smallest_gap
 
 
 def star(random: np.random.Generator, count: int) -> np.ndarray:

@@ -12,8 +12,8 @@ from nestedcages_core import Mesh
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.energies import Area, InitialDisplacement
-from nestedcages_core.predicates import BoxTree
-from nestedcages_core.smallest_gap import smallest_gap
+from nestedcages_core.geometry.predicates import BoxTree
+from nestedcages_core.geometry.smallest_gap import smallest_gap
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 from nestedcages_core.tightening import Tightening, TighteningOutcome
 from nestedcages_core.tightening.restoration import restore

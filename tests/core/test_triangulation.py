@@ -11,7 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import InvalidMeshError, Mesh
-from nestedcages_core.triangulation import Sampling, Triangulation, constrained, constrained_delaunay, triangulate
+from nestedcages_core.geometry.triangulation import (
+    Sampling,
+    Triangulation,
+    constrained,
+    constrained_delaunay,
+    triangulate,
+)
 from shapes import annulus, islands, letter_a, letter_a_coarse, polygon, ring, star
 
 SHAPES = {
@@ -61,8 +67,12 @@ def boundary_segments(grid: Triangulation, mesh: Mesh) -> np.ndarray:
     begins = {int(grid.edge[k]): i for i, k in enumerate(order) if grid.parameter[k] == 0.0}
     return np.array(
         [
-            (k, order[i + 1] if i + 1 < len(order) and grid.edge[order[i + 1]] == grid.edge[k]
-             else order[begins[int(mesh.successor[grid.edge[k]])]])
+            (
+                k,
+                order[i + 1]
+                if i + 1 < len(order) and grid.edge[order[i + 1]] == grid.edge[k]
+                else order[begins[int(mesh.successor[grid.edge[k]])]],
+            )
             for i, k in enumerate(order)
         ]
     )

@@ -17,10 +17,10 @@ from nestedcages_core import (
     nested_cages,
     verify_motion,
 )
-from nestedcages_core.contact.impact_zones import KEPT, ImpactZones
 from nestedcages_core.contact.pairs import Bodies, find_pairs
+from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.energies import Energy
-from nestedcages_core.reinflation import reinflate
+from nestedcages_core.published.sacht_2015.impact_zones import KEPT, ImpactZones
 from nestedcages_core.solver import ProjectedNewton
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring, star
 

@@ -13,7 +13,7 @@ import shapely.geometry
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core.mesh import Mesh
+from nestedcages_core.geometry.mesh import Mesh
 from nestedcages_core.verification import Certificate, verify
 
 Point = tuple[float, float]

@@ -137,7 +137,5 @@ def finding(found: Results, inputs: Inputs) -> str:
         + ". The tightest is "
         + ", ".join(f"{name} on the {shape}" for shape, name in tightest.items())
         + ". What it costs is symmetry: on drawings that are their own mirror images the cage misses its mirror image "
-        "by up to "
-        + ", ".join(f"{value:.1e} diagonals ({name})" for name, value in asymmetric.items())
-        + "."
+        "by up to " + ", ".join(f"{value:.1e} diagonals ({name})" for name, value in asymmetric.items()) + "."
     )

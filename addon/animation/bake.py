@@ -1,0 +1,127 @@
+"""What can be done with the animation afterwards: all of it in one action, or none of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..binding import binding
+from ..errors import Refusal, say
+from ..scene import output, ownership
+from ..scene.filling import points_of
+from ..scene.output import PHASES
+from . import shape_keys, visibility
+
+# What a keyframe consists of: names, numbers per keyframe and their type.
+KEYFRAME = (
+    ("co", 2, np.float32),
+    ("handle_left", 2, np.float32),
+    ("handle_right", 2, np.float32),
+    ("handle_left_type", 1, np.int32),
+    ("handle_right_type", 1, np.int32),
+    ("interpolation", 1, np.int32),
+    ("easing", 1, np.int32),
+    ("amplitude", 1, np.float32),
+    ("back", 1, np.float32),
+    ("period", 1, np.float32),
+)
+# What a cage tells of its animation.
+TIMES = tuple(f"nested_cages_{name}" for name in ("flow_start", "reinflation_start", "tightening_start", "end"))
+
+
+def is_animated(collection: bpy.types.Collection) -> bool:
+    """Whether the steps of an output collection play."""
+    return any(isinstance(owner, bpy.types.Key) for owner, _ in _owners(collection))
+
+
+def has_slots() -> bool:
+    """Whether one action can animate several data-blocks in this Blender."""
+    return "slots" in bpy.types.Action.bl_rna.properties
+
+
+def bake(collection: bpy.types.Collection) -> bpy.types.Action:
+    """Moves the animation of all levels into one action with a slot for each data-block. Raises: Refusal.
+
+    Every keyframe stays as it is. Blender has such actions since version 4.4.
+    """
+    _check(collection)
+    if not has_slots():
+        raise Refusal("One action for several objects needs Blender 4.4 or later")
+    owners = list(_owners(collection))
+    for owner, name in owners:
+        if any(len(curve.modifiers) for curve in shape_keys.curves_of(owner)):
+            raise Refusal("The F-curves of '{name}' have modifiers, which stay with their action", name=name)
+    whole = bpy.data.actions.new(collection.name)
+    for owner, name in owners:
+        data, curves = owner.animation_data, list(shape_keys.curves_of(owner))
+        old = data.action
+        slot = whole.slots.new(owner.id_type, name)
+        data.action = whole
+        data.action_slot = slot
+        for curve in curves:
+            _copy(curve, whole.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index))
+        if old.users == 0:
+            bpy.data.actions.remove(old)
+    return whole
+
+
+def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
+    """Takes the steps, their keyframes and markers away; the fine mesh and the cages stay as they are. Raises: Refusal.
+
+    Other animation of the objects stays too.
+    """
+    _check(collection)
+    output.forget_frames(scene, collection)
+    for obj in ownership.members(collection):
+        if obj.data.shape_keys is not None:
+            shape_keys.remove_animation(obj.data.shape_keys)
+            home = np.empty((len(obj.data.vertices), 3), np.float32)
+            obj.data.shape_keys.reference_key.points.foreach_get("co", home.ravel())
+            obj.shape_key_clear()
+            if not np.array_equal(points_of(obj.data), home):
+                obj.data.vertices.foreach_set("co", home.ravel())
+            obj.data.update()
+        if obj.animation_data is not None and obj.animation_data.action is not None:
+            visibility.always_show(obj)
+        obj.hide_viewport = obj.hide_render = False
+        for name in (*TIMES, PHASES):
+            if name in obj:
+                del obj[name]
+
+
+def _copy(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
+    count = len(source.keyframe_points)
+    target.extrapolation = source.extrapolation
+    target.keyframe_points.add(count)
+    for name, width, kind in KEYFRAME:
+        values = np.empty(count * width, kind)
+        source.keyframe_points.foreach_get(name, values)
+        target.keyframe_points.foreach_set(name, values)
+    target.update()
+
+
+def _owners(collection: bpy.types.Collection) -> Iterator[tuple[Any, str]]:
+    """The animated data-blocks of all levels with a name for each, which need an action."""
+    for obj in ownership.members(collection):
+        keys = obj.data.shape_keys if obj.type == "MESH" else None
+        for owner, name in ((obj, obj.name), (keys, say("{name} Steps", name=obj.name))):
+            if owner is not None and owner.animation_data is not None and owner.animation_data.action is not None:
+                yield owner, name
+
+
+def _check(collection: bpy.types.Collection) -> None:
+    """Raises: Refusal."""
+    if binding.is_bound(collection):
+        raise Refusal(
+            "'{name}' is bound to its cages, which puts the animation aside: unbind it first", name=collection.name
+        )
+    for obj in ownership.members(collection):
+        if obj.mode != "OBJECT":
+            raise Refusal("'{name}' is being edited: go back to Object Mode first", name=obj.name)
+        if not obj.is_editable or not obj.data.is_editable:
+            raise Refusal("'{name}' cannot be changed because it is linked from another file", name=obj.name)
+    if not is_animated(collection):
+        raise Refusal("'{name}' has no animation", name=collection.name)

@@ -1,0 +1,82 @@
+"""Objects that are not seen before their time: keyframes on what hides them, which can be taken back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import shape_keys
+
+# The properties that hide an object.
+HIDING = ("hide_viewport", "hide_render")
+
+
+def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> None:
+    """Hides the object, in the viewport and in renders, on all frames before `frame`, and after `last` if given."""
+    keyframes = [float(frame - 1), 1.0, float(frame), 0.0]
+    if last is not None:
+        keyframes += [float(last + 1), 1.0]
+    shape_keys.animate(obj, [(path, keyframes) for path in HIDING], shape_keys.CONSTANT, obj.name)
+
+
+@dataclass(frozen=True)
+class Hiding:
+    """What `hide_until` had animated: the action and its slot, keyframes by data path, and whether the object has kept
+    the action because of other curves in it.
+    """
+
+    action: bpy.types.Action | None
+    slot: Any
+    curves: tuple[tuple[str, tuple[float, ...]], ...]
+    kept: bool
+
+    def give_back(self, obj: bpy.types.Object) -> None:
+        """Animates the object as before."""
+        if self.action is None:
+            return
+        data = obj.animation_data or obj.animation_data_create()
+        data.action = self.action
+        if self.slot is not None:
+            data.action_slot = self.slot
+        if not self.kept:
+            return
+        for curve in [curve for curve in shape_keys.curves_of(obj) if curve.data_path in HIDING]:
+            shape_keys.curves_of(obj).remove(curve)
+        shape_keys.animate(obj, self.curves, shape_keys.CONSTANT, self.action.name)
+
+
+def take_hiding(obj: bpy.types.Object) -> Hiding:
+    """Takes back what `hide_until` did, and keeps an action that is nothing else as it is; other animation stays."""
+    data = obj.animation_data
+    obj.hide_viewport = obj.hide_render = False
+    if data is None or data.action is None:
+        return Hiding(None, None, (), False)
+    curves = shape_keys.curves_of(obj)
+    ours = [curve for curve in curves if curve.data_path in HIDING]
+    found = tuple((curve.data_path, _keyframes(curve)) for curve in ours)
+    hiding = Hiding(data.action, getattr(data, "action_slot", None), found, len(ours) < len(curves))
+    if hiding.kept:
+        for curve in ours:
+            curves.remove(curve)
+        return hiding
+    data.action = None
+    if not len(data.drivers) and not len(data.nla_tracks):
+        obj.animation_data_clear()
+    return hiding
+
+
+def always_show(obj: bpy.types.Object) -> None:
+    """Takes back what `hide_until` did for good."""
+    hiding = take_hiding(obj)
+    if hiding.action is not None and hiding.action.users == 0:
+        bpy.data.actions.remove(hiding.action)
+
+
+def _keyframes(curve: bpy.types.FCurve) -> tuple[float, ...]:
+    """Frame, value, frame, value ..."""
+    found = np.empty(2 * len(curve.keyframe_points), np.float32)
+    curve.keyframe_points.foreach_get("co", found)
+    return tuple(found.tolist())

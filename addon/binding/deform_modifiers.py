@@ -1,0 +1,239 @@
+"""One mesh follows one cage by a modifier of Blender's own, chosen by what it is measured to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Refusal, load_core
+from ..scene import display, filling
+from ..scene.plane import size, transform
+from . import node_groups, weights
+
+SURFACE, PRISM = "SURFACE_DEFORM", "MESH_DEFORM"
+SURFACE_MODIFIER, PRISM_MODIFIER = "Nested Cages Surface Deform", "Nested Cages Mesh Deform"
+OURS = (node_groups.REMEMBER, node_groups.COORDINATES, SURFACE_MODIFIER, PRISM_MODIFIER, node_groups.ADD_EDITS)
+# What users call the methods, in the order in which they are tried.
+NAMES = {
+    weights.HARMONIC: "Harmonic Coordinates",
+    weights.LINEAR: "Linear Coordinates",
+    SURFACE: "Surface Deform",
+    PRISM: "Mesh Deform",
+}
+AUTOMATIC = (weights.HARMONIC, SURFACE, PRISM)
+# Marks the objects that only help others to follow.
+HELPER = "nested_cages_helper"
+
+# Largest distance from where a vertex belongs, as a part of the size, that counts as following: while nothing is posed
+# some roundings of float32; under affine poses what the grid of Mesh Deform is seen to lose, with room to spare.
+REST_ERROR, AFFINE_ERROR = 1e-5, 0.1
+# Up to this affine error nothing better is looked for.
+EXACT = 1e-4
+# Blender's measure of how fine the grid of Mesh Deform is: its cells are 1/2^precision of the prism's size. Each step
+# takes eight times as long; 5 is Blender's own default.
+PRECISION = 5
+# The affine poses that are tried: a quarter turn, a stretch, and a shear with a shrink.
+POSES = (((0.0, -1.0), (1.0, 0.0)), ((2.0, 0.0), (0.0, 1.0)), ((0.8, 0.5), (-0.2, 0.7)))
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Link:
+    """What follows what, by which modifier, and its measured errors as parts of the size."""
+
+    inner: str
+    cage: str
+    method: str
+    rest: float
+    affine: float
+
+
+def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> Link:
+    """Makes `inner` follow `cage`, a filled mesh, by `method`, or by the best one if "AUTO". Raises: Refusal."""
+    wanted: Sequence[str] = (method,)
+    if method == "AUTO":
+        wanted = AUTOMATIC if weights.fits(inner, cage) else AUTOMATIC[1:]
+    found: list[Link] = []
+    for kind in wanted:
+        try:
+            tried = _try(context, inner, cage, kind)
+        except Refusal:
+            if method != "AUTO":
+                raise
+            tried = None
+        if tried is not None and tried.rest <= REST_ERROR and tried.affine <= AFFINE_ERROR:
+            found.append(tried)
+            if tried.affine <= EXACT:
+                break
+        if kind != wanted[-1]:
+            release(inner)
+    if not found:
+        release(inner)
+        raise Refusal(
+            "'{inner}' cannot follow '{cage}': no modifier of Blender holds it to {rest:g} of its size at rest; move "
+            "vertices of the cage that lie nearly on one line or on each other, and try again",
+            inner=inner.name,
+            cage=cage.name,
+            rest=REST_ERROR,
+        )
+    best = min(found, key=lambda tried: tried.affine)
+    if best is not tried:
+        release(inner)
+        attach(context, inner, cage, best.method)
+    return best
+
+
+def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> bool:
+    """Adds the modifiers, before all others, and binds them; whether Blender could."""
+    if node_groups.REST not in inner.data.attributes:
+        inner.data.attributes.new(node_groups.REST, "FLOAT_VECTOR", "POINT")
+    rest = inner.data.attributes[node_groups.REST]
+    rest.data.foreach_set("vector", filling.points_of(inner.data).astype(np.float32).ravel())
+    modifier = bind_modifier(context, inner, cage, method)
+    node_groups.add(inner, node_groups.REMEMBER)
+    ours = [node_groups.REMEMBER, modifier.name]
+    if method not in weights.KINDS:  # these place edits themselves
+        ours.append(node_groups.add(inner, node_groups.ADD_EDITS).name)
+    for place, name in enumerate(ours):
+        inner.modifiers.move(inner.modifiers.find(name), place)
+    bound = is_bound(modifier)
+    if bound:
+        rest = inner.data.attributes[node_groups.REST]
+        # What the modifier is off by while nothing is posed, in thin triangles for instance, counts as no edit.
+        rest.data.foreach_set("vector", evaluated_points(context, inner).astype(np.float32).ravel())
+        inner.data.update()
+    return bound
+
+
+def is_bound(modifier: bpy.types.Modifier) -> bool:
+    """Whether Blender could bind a modifier; node groups always are."""
+    return bool(getattr(modifier, "is_bound", True))
+
+
+def bind_modifier(
+    context: bpy.types.Context, obj: bpy.types.Object, cage: bpy.types.Object, method: str, half_height: float = 0.0
+) -> bpy.types.Modifier:
+    """Adds and binds the modifier alone; `half_height`: how far the object reaches out of its plane."""
+    if method in weights.KINDS:
+        return weights.add(obj, cage, evaluated_points(context, obj), method)
+    if method == SURFACE:
+        modifier = obj.modifiers.new(SURFACE_MODIFIER, method)
+        modifier.target = surface_of(obj, cage)
+        operator = bpy.ops.object.surfacedeform_bind
+    else:
+        modifier = obj.modifiers.new(PRISM_MODIFIER, method)
+        modifier.object = prism_of(obj, cage, half_height)
+        modifier.precision = PRECISION
+        operator = bpy.ops.object.meshdeform_bind
+    context.view_layer.update()
+    # What Blender raises about faces and edges leaves the modifier unbound.
+    with context.temp_override(object=obj, active_object=obj), suppress(RuntimeError):
+        operator(modifier=modifier.name)
+    return modifier
+
+
+def surface_of(follower: bpy.types.Object, cage: bpy.types.Object) -> bpy.types.Object:
+    """The hidden object that shows a follower's cage in the follower's own space, made if there is none.
+
+    Surface Deform takes no notice of its target's transform; this way a cage that is moved as an object counts too.
+    """
+    found = next((child for child in follower.children if child.get("nested_cages_surface") == cage), None)
+    return found or _helper(f"{cage.name} Surface", cage, follower, node_groups.WHOLE, {"nested_cages_surface": cage})
+
+
+def prism_of(follower: bpy.types.Object, cage: bpy.types.Object, half_height: float = 0.0) -> bpy.types.Object:
+    """The hidden prism over a follower's cage, which moves with the cage, made if there is none high enough."""
+    high = max(filling.HALF_HEIGHT * size(filling.points_of(cage.data)), half_height)
+    for child in follower.children:
+        if child.get("nested_cages_prism") == cage and child["nested_cages_high"] >= high:
+            return child
+    core = load_core()
+    name = f"{cage.name} Prism"
+    data = filling.prism(name, filling.points_of(cage.data), filling.outline(cage, core), high, core)
+    properties = {"nested_cages_prism": cage, "nested_cages_high": high}
+    return _helper(name, cage, follower, node_groups.WALLS, properties, data)
+
+
+def _helper(
+    name: str,
+    cage: bpy.types.Object,
+    parent: bpy.types.Object,
+    shows: str,
+    properties: dict[str, object],
+    data: bpy.types.Mesh | None = None,
+) -> bpy.types.Object:
+    """A new hidden object that stands where its parent does and shows the cage through a node group."""
+    helper = bpy.data.objects.new(name, data or bpy.data.meshes.new(name))
+    helper[HELPER] = True
+    for key, value in properties.items():
+        helper[key] = value
+    helper.parent = parent
+    helper.display_type = "WIRE"
+    helper.hide_viewport = helper.hide_render = helper.hide_select = True
+    for collection in cage.users_collection:
+        collection.objects.link(helper)
+    node_groups.add(helper, shows, Object=cage)
+    return helper
+
+
+def release(inner: bpy.types.Object) -> None:
+    """Takes the modifiers away; the mesh is then as it is stored."""
+    for name in OURS:
+        modifier = inner.modifiers.get(name)
+        if modifier is not None:
+            display.remove_modifier(inner, modifier)
+    weights.clear(inner)
+
+
+def _try(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> Link | None:
+    if not attach(context, inner, cage, method):
+        return None
+    rest, affine = measure(context, inner, cage)
+    return Link(inner.name, cage.name, method, rest, affine)
+
+
+def measure(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object) -> tuple[float, float]:
+    """Largest distances from where the vertices belong, by the size: unposed, and when `POSES` move the cage."""
+    points = filling.points_of(inner.data)
+    extent = size(points)
+    rest = float(np.abs(evaluated_points(context, inner) - points).max()) / extent
+    there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(inner.matrix_world)
+    back = np.linalg.inv(there)
+    corners = filling.points_of(cage.data)
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    affine = 0.0
+    for pose in POSES:
+        matrix = np.eye(4)
+        matrix[:2, :2] = pose
+        matrix[:3, 3] = middle - matrix[:3, :3] @ middle
+        with _moved(cage, transform(matrix, corners), corners):
+            expected = transform(back @ matrix @ there, points)
+            affine = max(affine, float(np.abs(evaluated_points(context, inner) - expected).max()) / extent)
+    context.view_layer.update()
+    return rest, affine
+
+
+def evaluated_points(context: bpy.types.Context, obj: bpy.types.Object) -> Matrix:
+    """Vertices (n, 3) of a mesh object as it is evaluated now, in its own space."""
+    return filling.points_of(obj.evaluated_get(context.evaluated_depsgraph_get()).data)
+
+
+@contextmanager
+def _moved(obj: bpy.types.Object, points: Matrix, back: Matrix) -> Iterator[None]:
+    """The vertices of a mesh object elsewhere for a moment."""
+
+    def put(place: Matrix) -> None:
+        obj.data.vertices.foreach_set("co", place.astype(np.float32).ravel())
+        obj.data.update()
+
+    put(points)
+    try:
+        yield
+    finally:
+        put(back)

@@ -1,0 +1,227 @@
+"""Node groups that a file keeps, so that what follows a cage does so without the add-on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+
+from ..scene import display
+from ..scene.filling import CORNER, HEIGHT
+
+# Where a vertex was when it was bound, and how far it has been edited since; attributes of the bound mesh.
+REST, EDIT = "nested_cages_rest", "nested_cages_edit"
+# Attributes with the share that a vertex of the cage has in each vertex, and its slopes along x and y; the number of
+# the cage's vertex is behind.
+WEIGHT = "nested_cages_weight_"
+# Sums of the vertices of the cage: by weights, and by the slopes of the weights.
+SUMS = ("Place", "Along X", "Along Y")
+
+Tree = bpy.types.NodeTree
+
+
+def group(name: str) -> Tree:
+    """The node group of that name, one of `BUILDERS`; the file has one."""
+    tree = bpy.data.node_groups.get(name)
+    if tree is None:
+        tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+        BUILDERS[name](tree)
+        for place, node in enumerate(tree.nodes):
+            node.location = (200.0 * place, 0.0)
+    return tree
+
+
+def add(obj: bpy.types.Object, name: str, **inputs: object) -> bpy.types.Modifier:
+    """Adds the modifier with the node group of that name and its inputs."""
+    modifier = obj.modifiers.new(name, "NODES")
+    modifier.node_group = group(name)
+    for key, value in inputs.items():
+        display.set_input(modifier, key, value)
+    return modifier
+
+
+def _attribute(tree: Tree, name: str, kind: str) -> bpy.types.NodeSocket:
+    """The output of a node that reads an attribute."""
+    node = tree.nodes.new("GeometryNodeInputNamedAttribute")
+    node.data_type = kind
+    node.inputs["Name"].default_value = name
+    return next(socket for socket in node.outputs if socket.enabled and socket.name == "Attribute")
+
+
+def _remember(tree: Tree) -> None:
+    """Stores how far each vertex is from where it was bound."""
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    place, difference = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("ShaderNodeVectorMath")
+    store = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    difference.operation = "SUBTRACT"
+    store.data_type, store.domain = "FLOAT_VECTOR", "POINT"
+    store.inputs["Name"].default_value = EDIT
+    value = next(socket for socket in store.inputs if socket.enabled and socket.name == "Value")
+    tree.links.new(place.outputs[0], difference.inputs[0])
+    tree.links.new(_attribute(tree, REST, "FLOAT_VECTOR"), difference.inputs[1])
+    tree.links.new(start.outputs[0], store.inputs["Geometry"])
+    tree.links.new(difference.outputs[0], value)
+    tree.links.new(store.outputs[0], end.inputs[0])
+
+
+def _add_edits(tree: Tree) -> None:
+    """Moves each vertex by what `_remember` stored."""
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    move = tree.nodes.new("GeometryNodeSetPosition")
+    tree.links.new(start.outputs[0], move.inputs["Geometry"])
+    tree.links.new(_attribute(tree, EDIT, "FLOAT_VECTOR"), move.inputs["Offset"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
+def _object(tree: Tree, space: str) -> tuple[bpy.types.Node, bpy.types.Node, bpy.types.Node]:
+    """Group input, group output, and the node that reads the object of the input 'Object'."""
+    tree.interface.new_socket("Object", in_out="INPUT", socket_type="NodeSocketObject")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    source = tree.nodes.new("GeometryNodeObjectInfo")
+    source.transform_space = space
+    tree.links.new(start.outputs["Object"], source.inputs["Object"])
+    return start, end, source
+
+
+def _walls(tree: Tree) -> None:
+    """Puts the corners of a prism over the vertices of the cage, along the cage's own z."""
+    start, end, source = _object(tree, "RELATIVE")
+    place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
+    raised, move = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("GeometryNodeSetPosition")
+    pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
+    sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
+    tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
+    tree.links.new(place.outputs[0], sockets["Value"])
+    tree.links.new(_attribute(tree, CORNER, "INT"), sockets["Index"])
+    tree.links.new(_attribute(tree, HEIGHT, "FLOAT"), raised.inputs["Z"])
+    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
+    tree.links.new(next(s for s in pick.outputs if s.enabled), move.inputs["Position"])
+    scale, turn = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("FunctionNodeRotateVector")
+    scale.operation = "MULTIPLY"
+    tree.links.new(raised.outputs[0], scale.inputs[0])
+    tree.links.new(source.outputs["Scale"], scale.inputs[1])
+    tree.links.new(scale.outputs[0], turn.inputs["Vector"])
+    tree.links.new(source.outputs["Rotation"], turn.inputs["Rotation"])
+    tree.links.new(turn.outputs[0], move.inputs["Offset"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
+def _whole(tree: Tree) -> None:
+    """Shows the object as it is, in the space of the one that has the modifier."""
+    _, end, source = _object(tree, "RELATIVE")
+    tree.links.new(source.outputs["Geometry"], end.inputs[0])
+
+
+def _coordinates(tree: Tree) -> None:
+    """Puts each vertex where its weights and the vertices of the object say, and its edit beside it, turned along.
+
+    The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned.
+    """
+    start, end, source = _object(tree, "RELATIVE")
+    count = tree.nodes.new("GeometryNodeAttributeDomainSize")
+    first, last = tree.nodes.new("GeometryNodeRepeatInput"), tree.nodes.new("GeometryNodeRepeatOutput")
+    first.pair_with_output(last)
+    last.repeat_items.clear()
+    last.repeat_items.new("INT", "Number")
+    for name in SUMS:
+        last.repeat_items.new("VECTOR", name)
+    tree.links.new(source.outputs["Geometry"], count.inputs["Geometry"])
+    tree.links.new(count.outputs["Point Count"], first.inputs["Iterations"])
+    # The vertex of this number, and its weight with the slopes.
+    place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
+    pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
+    sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
+    tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
+    tree.links.new(place.outputs[0], sockets["Value"])
+    tree.links.new(first.outputs["Number"], sockets["Index"])
+    digits, name_of = tree.nodes.new("FunctionNodeValueToString"), tree.nodes.new("FunctionNodeReplaceString")
+    name_of.inputs["String"].default_value, name_of.inputs["Find"].default_value = f"{WEIGHT}#", "#"
+    tree.links.new(first.outputs["Number"], digits.inputs["Value"])
+    tree.links.new(digits.outputs[0], name_of.inputs["Replace"])
+    weight, parts = _attribute(tree, "", "FLOAT_VECTOR"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(name_of.outputs[0], weight.node.inputs["Name"])
+    tree.links.new(weight, parts.inputs[0])
+    # Added to the sums.
+    corner = next(socket for socket in pick.outputs if socket.enabled)
+    for name, part in zip(SUMS, parts.outputs, strict=True):
+        tree.links.new(_vector(tree, "MULTIPLY_ADD", corner, part, first.outputs[name]), last.inputs[name])
+    onward = tree.nodes.new("ShaderNodeMath")
+    onward.operation = "ADD"
+    onward.inputs[1].default_value = 1.0
+    tree.links.new(first.outputs["Number"], onward.inputs[0])
+    tree.links.new(onward.outputs[0], last.inputs["Number"])
+    # The turn nearest to the slopes: x + y × n for the normal n, and what is upright on it.
+    where, x, y = (last.outputs[name] for name in SUMS)
+    normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
+    right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
+    up, edit = _vector(tree, "CROSS_PRODUCT", normal, right), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(_attribute(tree, EDIT, "FLOAT_VECTOR"), edit.inputs[0])
+    for axis, part in zip((right, up, normal), edit.outputs, strict=True):
+        where = _vector(tree, "MULTIPLY_ADD", axis, part, where)
+    move = tree.nodes.new("GeometryNodeSetPosition")
+    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
+    tree.links.new(where, move.inputs["Position"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
+def _vector(tree: Tree, operation: str, *values: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """The result of a vector operation."""
+    node = tree.nodes.new("ShaderNodeVectorMath")
+    node.operation = operation
+    for value, socket in zip(values, node.inputs, strict=False):
+        tree.links.new(value, socket)
+    return node.outputs[0]
+
+
+def _outline(tree: Tree) -> tuple[bpy.types.Node, bpy.types.NodeSocket]:
+    """Group output, and the outline of the object as curves: its edges with at most one face."""
+    _, end, source = _object(tree, "RELATIVE")
+    neighbours, inner = tree.nodes.new("GeometryNodeInputMeshEdgeNeighbors"), tree.nodes.new("FunctionNodeCompare")
+    lines = tree.nodes.new("GeometryNodeMeshToCurve")
+    inner.data_type, inner.operation = "INT", "LESS_THAN"
+    first, second = (socket for socket in inner.inputs if socket.enabled)
+    second.default_value = 2
+    tree.links.new(neighbours.outputs[0], first)
+    tree.links.new(source.outputs["Geometry"], lines.inputs["Mesh"])
+    tree.links.new(inner.outputs[0], lines.inputs["Selection"])
+    return end, lines.outputs[0]
+
+
+def _curves(tree: Tree) -> None:
+    end, lines = _outline(tree)
+    tree.links.new(lines, end.inputs[0])
+
+
+def _edges(tree: Tree) -> None:
+    end, lines = _outline(tree)
+    mesh = tree.nodes.new("GeometryNodeCurveToMesh")
+    tree.links.new(lines, mesh.inputs["Curve"])
+    tree.links.new(mesh.outputs[0], end.inputs[0])
+
+
+def _area(tree: Tree) -> None:
+    end, lines = _outline(tree)
+    tree.interface.new_socket("Material", in_out="INPUT", socket_type="NodeSocketMaterial")
+    fill, paint = tree.nodes.new("GeometryNodeFillCurve"), tree.nodes.new("GeometryNodeSetMaterial")
+    start = next(node for node in tree.nodes if node.bl_idname == "NodeGroupInput")
+    tree.links.new(lines, fill.inputs[0])
+    tree.links.new(fill.outputs[0], paint.inputs["Geometry"])
+    tree.links.new(start.outputs["Material"], paint.inputs["Material"])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+
+
+REMEMBER, ADD_EDITS, WALLS = "Nested Cages Remember Edits", "Nested Cages Add Edits", "Nested Cages Prism"
+WHOLE, COORDINATES = "Nested Cages Surface", "Nested Cages Coordinates"
+CURVES, EDGES, AREA = "Nested Cages Follow as Curves", "Nested Cages Follow as Edges", "Nested Cages Follow Filled"
+BUILDERS: dict[str, Callable[[Tree], None]] = {
+    REMEMBER: _remember,
+    ADD_EDITS: _add_edits,
+    WALLS: _walls,
+    WHOLE: _whole,
+    COORDINATES: _coordinates,
+    CURVES: _curves,
+    EDGES: _edges,
+    AREA: _area,
+}

@@ -1,0 +1,103 @@
+"""The object that a drawing was read from follows its cages too, where Blender allows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+
+import bpy
+
+from ..errors import Refusal, say
+from ..scene import convert, display, ownership
+from . import deform_modifiers, node_groups, weights
+
+# Custom property with the collection that an object follows, and its modifier.
+ORIGINAL = "nested_cages_follows"
+ORIGINAL_MODIFIER = "Nested Cages Follow"
+
+
+@contextmanager
+def unposed(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Originals that follow their cages show their own shape for a moment."""
+    found = [m for obj in objects if (m := obj.modifiers.get(ORIGINAL_MODIFIER)) is not None and m.show_viewport]
+    for modifier in found:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in found:
+            modifier.show_viewport = True
+
+
+def follow(
+    context: bpy.types.Context,
+    collection: bpy.types.Collection,
+    levels: list[bpy.types.Object],
+    method: str,
+) -> str:
+    """Makes the original of a bound collection follow, a mesh by `method`; says how it does, or why it does not."""
+    fine = levels[0]
+    source = ownership.source_of(collection)
+    if source is None or source == fine:
+        return say("The original object is gone; '{fine}' follows", fine=fine.name)
+    if source.name not in context.view_layer.objects or not source.is_editable or not convert.readable(source):
+        return say("'{name}' cannot be changed here; '{fine}' follows in its place", name=source.name, fine=fine.name)
+    solid = source.type in {"CURVE", "FONT"} and (source.data.bevel_depth or source.data.extrude)
+    if source.type == "MESH" or solid or (source.type == "CURVE" and source.data.bevel_mode == "OBJECT"):
+        kind = _bind_shape(context, source, levels[1], method if source.type == "MESH" else deform_modifiers.PRISM)
+        if kind is None:
+            return say(
+                "'{name}' cannot be bound itself; '{fine}' follows in its place", name=source.name, fine=fine.name
+            )
+        source[ORIGINAL] = collection
+        words = deform_modifiers.NAMES[kind]
+        if kind == deform_modifiers.PRISM:
+            words += ", which is exact to a few per cent"
+        return say("'{name}' follows by {kind}", name=source.name, kind=words)
+    if source.type not in {"CURVE", "FONT", "CURVES"}:
+        return say(
+            "Blender has no modifier that lets a Grease Pencil follow; '{fine}' follows in place of '{name}'",
+            name=source.name,
+            fine=fine.name,
+        )
+    flat = source.type == "FONT" or (source.type == "CURVE" and source.data.dimensions == "2D")
+    if flat and source.data.fill_mode != "NONE":
+        modifier = node_groups.add(source, node_groups.AREA, Object=fine, Material=source.active_material)
+    else:
+        modifier = node_groups.add(source, node_groups.CURVES, Object=fine)
+    modifier.name = ORIGINAL_MODIFIER
+    source[ORIGINAL] = collection
+    return say("'{name}' shows what '{fine}' does", name=source.name, fine=fine.name)
+
+
+def _bind_shape(
+    context: bpy.types.Context, source: bpy.types.Object, cage: bpy.types.Object, method: str
+) -> str | None:
+    """Binds an object with faces or thickness itself; the method that did it, if any could."""
+    methods = [method]
+    if method in weights.KINDS:
+        # Modifiers that make vertices, and shapes that are not flat, have no weights: Surface Deform takes them.
+        plain = len(deform_modifiers.evaluated_points(context, source)) == len(source.data.vertices)
+        methods = (
+            [method, deform_modifiers.SURFACE] if plain and weights.fits(source, cage) else [deform_modifiers.SURFACE]
+        )
+    reach = 2.0 * max(abs(corner[2]) for corner in source.bound_box)
+    for kind in methods:
+        with suppress(Refusal):
+            modifier = deform_modifiers.bind_modifier(context, source, cage, kind, reach)
+            if deform_modifiers.is_bound(modifier):
+                modifier.name = ORIGINAL_MODIFIER
+                return kind
+            display.remove_modifier(source, modifier)
+    return None
+
+
+def release(collection: bpy.types.Collection) -> None:
+    """Lets the objects that follow a collection show their own shape again."""
+    for obj in bpy.data.objects:
+        modifier = obj.modifiers.get(ORIGINAL_MODIFIER)
+        if modifier is not None and obj.get(ORIGINAL) == collection:
+            display.remove_modifier(obj, modifier)
+            if obj.type == "MESH":
+                weights.clear(obj)
+            del obj[ORIGINAL]

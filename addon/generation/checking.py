@@ -1,0 +1,173 @@
+"""Cages as they are now, perhaps edited: whether they still hold, and which vertices are at fault."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from types import ModuleType
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Refusal, say
+from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found of one cage and the mesh in it from the first to the last of `frames`: a sentence, the least
+    clearance, a length of the scene, and the points at fault, (k, 3) in each object's space, on the last frame.
+    """
+
+    cage: str
+    fine: str
+    holds: bool
+    sentence: str
+    clearance: float
+    frames: tuple[int, int]
+    cage_faults: NDArray[np.float32]
+    fine_faults: NDArray[np.float32]
+
+
+def check(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> list[Finding]:
+    """Checks each object against the one before it, as evaluated on the current frame. Raises: Refusal."""
+    outlines = [read(context, obj) for obj in objects]
+    frame = fine_drawing(outlines[0]).frame
+    drawings = [drawing_in(frame, outline) for outline in outlines]
+    pairs = zip(outlines[:-1], drawings[:-1], outlines[1:], drawings[1:], strict=True)
+    return [_finding(*pair, core, context.scene.frame_current) for pair in pairs]
+
+
+def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> list[Finding]:
+    """Checks on the scene's frames from its first to its last, up to the first with a fault, which then is the current
+    one. Raises: Refusal, with the frame.
+    """
+    scene, shown = context.scene, context.window_manager
+    first, last, findings = scene.frame_start, scene.frame_end, []
+    shown.progress_begin(first, last)
+    try:
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            shown.progress_update(frame)
+            try:
+                found = check(context, objects, core)
+            except Refusal as refusal:
+                raise Refusal("Frame {frame}: {problem}", frame=frame, problem=refusal) from refusal
+            if not all(finding.holds for finding in found):
+                return [_on(finding, first, frame) for finding in found]
+            findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
+    finally:
+        shown.progress_end()
+    return [_enclosing(finding, first, last) for finding in findings]
+
+
+def _on(finding: Finding, first: int, frame: int) -> Finding:
+    """The finding of the first frame with a fault, told with that frame."""
+    sentence = say("Frame {frame}: {problem}", frame=frame, problem=finding.sentence)
+    return replace(finding, frames=(first, frame), sentence=sentence)
+
+
+def _enclosing(finding: Finding, first: int, last: int) -> Finding:
+    """The finding of least clearance, told of all frames."""
+    sentence = say(
+        "'{cage}' encloses '{fine}' on all frames from {first} to {last}: clearance {clearance:.3g} at least",
+        cage=finding.cage,
+        fine=finding.fine,
+        first=first,
+        last=last,
+        clearance=finding.clearance,
+    )
+    return replace(finding, frames=(first, last), sentence=sentence)
+
+
+@contextmanager
+def same_frame(scene: bpy.types.Scene) -> Iterator[None]:
+    """Comes back to the frame that is current now."""
+    frame, subframe = scene.frame_current, scene.frame_subframe
+    try:
+        yield
+    finally:
+        scene.frame_set(frame, subframe=subframe)
+
+
+def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core: ModuleType, frame: int) -> Finding:
+    clearance = 0.0
+    try:
+        outside, inside = cage.mesh(core), fine.mesh(core)
+        certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
+    except Refusal as refusal:
+        holds, sentence = False, str(refusal)
+    else:
+        holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
+        words = {
+            "clearance": clearance,
+            "excess": 100.0 * certificate.excess,
+            "cage": outer.name,
+            "fine": inner.name,
+            "problems": " ".join(certificate.problems),
+        }
+        if holds:
+            sentence = say("'{cage}' encloses '{fine}': clearance {clearance:.3g}, excess {excess:.2f} %", **words)
+        else:
+            sentence = say("'{cage}' does not enclose '{fine}'. {problems}", **words)
+    cage_faults, fine_faults = _faults(cage, fine, core)
+    return Finding(
+        outer.name,
+        inner.name,
+        holds,
+        sentence,
+        clearance,
+        (frame, frame),
+        outer.points[cage_faults].astype(np.float32),
+        inner.points[fine_faults].astype(np.float32),
+    )
+
+
+def _faults(cage: Drawing, fine: Drawing, core: ModuleType) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which points of both drawings are on edges that cross, or are outside of the cage or inside of a hole of it."""
+    predicates = core.geometry.predicates
+    (points, ends), (fine_points, fine_ends) = (_edges(drawing) for drawing in (cage, fine))
+    at_fault, fine_at_fault = np.zeros(len(points), bool), np.zeros(len(fine_points), bool)
+    tree, fine_tree = predicates.BoxTree(points, points[ends]), predicates.BoxTree(fine_points, fine_points[fine_ends])
+    i, j = predicates.crossing_pairs(tree, fine_tree)
+    at_fault[np.concatenate([i, ends[i]])] = True
+    fine_at_fault[np.concatenate([j, fine_ends[j]])] = True
+    i, j = predicates.crossing_pairs(tree)
+    apart = (ends[i] != j) & (ends[j] != i)
+    i, j = i[apart], j[apart]
+    at_fault[np.concatenate([i, ends[i], j, ends[j]])] = True
+    winding = predicates.winding_number(fine_points, points, points[ends])
+    # Without the sense of the loops, a point is inside where it is surrounded an odd number of times.
+    return at_fault, fine_at_fault | (winding % 2 == 0) | (winding == predicates.ON_BOUNDARY)
+
+
+def _edges(drawing: Drawing) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """All points (n, 2) of a drawing and for each the index (n,) of the next one along its loop."""
+    sizes = [len(loop) for loop in drawing.loops]
+    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    onward = [start + (np.arange(size) + 1) % size for start, size in zip(starts, sizes, strict=True)]
+    return np.concatenate(drawing.loops), np.concatenate(onward)
+
+
+def select_points(context: bpy.types.Context, obj: bpy.types.Object, points: NDArray[np.float32]) -> int:
+    """Selects the vertices of a mesh object that are at evaluated points (k, 3), and only these; returns how many."""
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    shape = evaluated.to_mesh()
+    try:
+        places = np.empty((len(shape.vertices), 3), np.float32)
+        shape.vertices.foreach_get("co", places.ravel())
+    finally:
+        evaluated.to_mesh_clear()
+    mesh = obj.data
+    wanted = {point.tobytes() for point in np.ascontiguousarray(points)}
+    chosen = np.array([place.tobytes() in wanted for place in places], dtype=bool)
+    if len(chosen) != len(mesh.vertices):
+        return 0
+    mesh.vertices.foreach_set("select", chosen)
+    mesh.edges.foreach_set("select", np.zeros(len(mesh.edges), bool))
+    mesh.polygons.foreach_set("select", np.zeros(len(mesh.polygons), bool))
+    mesh.update()
+    return int(chosen.sum())

@@ -1,0 +1,1 @@
+"""Drawings from files and images, cages as files and as other objects."""

@@ -1,0 +1,182 @@
+"""Cages for others: as curves, faces and prisms in the scene, and as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ..animation import visibility
+from ..errors import Refusal
+from ..scene import convert, display, filling, output, ownership
+from ..scene.plane import PLANARITY, size
+from .importers import Y_DOWN
+
+
+def as_curve(name: str, points: filling.Points, mesh: Any, _height: float, _core: ModuleType) -> bpy.types.ID:
+    """A filled 2D curve."""
+    return filling.curve(name, points, mesh)
+
+
+def as_faces(name: str, points: filling.Points, mesh: Any, _height: float, core: ModuleType) -> bpy.types.ID:
+    """A mesh of triangles."""
+    return filling.filled(name, points, mesh, core)
+
+
+def as_prism(name: str, points: filling.Points, mesh: Any, height: float, core: ModuleType) -> bpy.types.ID:
+    """A closed mesh of this height, or of a fifth of the size if that is 0."""
+    half = 0.5 * height if height > 0.0 else filling.HALF_HEIGHT * size(points)
+    return filling.prism(name, points, mesh, half, core)
+
+
+SHAPES: dict[str, Callable[[str, filling.Points, Any, float, ModuleType], bpy.types.ID]] = {
+    "CURVE": as_curve,
+    "FILLED": as_faces,
+    "PRISM": as_prism,
+}
+
+
+def make(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], shape: str, height: float, core: ModuleType
+) -> list[bpy.types.Object]:
+    """New objects of a kind of `SHAPES`, one for each object as it is evaluated now, beside it. Raises: Refusal."""
+    drawings = [convert.fine_drawing(convert.read(context, obj)) for obj in objects]
+    meshes = [drawing.mesh(core) for drawing in drawings]
+    made = []
+    for obj, drawing, mesh in zip(objects, drawings, meshes, strict=True):
+        frame = drawing.frame
+        name = f"{obj.name} {shape.title()}"
+        points = frame.points(mesh.vertices)
+        new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale, core))
+        new.color = display.colour(obj.get(ownership.LEVEL, 0))
+        (obj.users_collection or [context.scene.collection])[0].objects.link(new)
+        if frame.own and obj.parent is None and not obj.constraints:
+            output.copy_transform(obj, new)
+        else:
+            new.matrix_world = Matrix(frame.matrix.tolist())
+        made.append(new)
+    return made
+
+
+def make_animated(objects: Sequence[bpy.types.Object], core: ModuleType) -> list[bpy.types.Object]:
+    """A copy of each animated level beside it, with its shape keys, its action, and triangles between its vertices.
+
+    Alembic keeps only the points of a mesh without faces; glTF carries either, lone edges as lines if asked for them.
+    The triangles fill the result, and only follow on the way to it. The copies are seen on all frames, because
+    exporters leave out what is hidden on their first. Raises: Refusal.
+    """
+    for obj in objects:
+        if ownership.LEVEL not in obj or obj.data.shape_keys is None:
+            raise Refusal("'{name}' is no cage that is animated: choose faces instead", name=obj.name)
+    outlines = [filling.outline(obj, core) for obj in objects]
+    made = []
+    for obj, outline in zip(objects, outlines, strict=True):
+        new = obj.copy()
+        new.data = obj.data.copy()
+        new.name = new.data.name = f"{obj.name} Animated"
+        filling.add_faces(new.data, core.geometry.triangulation.triangulate(outline).triangles)
+        if new.animation_data is not None and new.animation_data.action is not None:
+            _own_action(new)
+            visibility.always_show(new)
+        display.set_thickness(new, 0, 0.0)
+        new.display_type, new.show_in_front = "TEXTURED", False
+        for name in [name for name in new.keys() if name.startswith("nested_cages_")]:  # noqa: SIM118
+            del new[name]
+        (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
+        made.append(new)
+    return made
+
+
+def _own_action(obj: bpy.types.Object) -> None:
+    """Gives an object a copy of its action, which plays in the same slot."""
+    slot = getattr(obj.animation_data, "action_slot", None)
+    obj.animation_data.action = obj.animation_data.action.copy()
+    if slot is not None:
+        obj.animation_data.action_slot = obj.animation_data.action.slots[slot.identifier]
+
+
+def meshes(
+    context: bpy.types.Context,
+    objects: Sequence[bpy.types.Object],
+    core: ModuleType,
+    *,
+    world: bool = False,
+    scale: float = 1.0,
+) -> dict[str, Any]:
+    """The core's ``Mesh`` of each object by its name, times `scale`. Raises: Refusal.
+
+    In the plane and coordinates of the first; or, with `world`, in those of the world as seen from the top, the front
+    or the right, whichever the drawing faces.
+    """
+    outlines = [convert.read(context, obj) for obj in objects]
+    first = convert.fine_drawing(outlines[0])
+    seen = _seen(first) if world else None
+    found = {}
+    for obj, outline in zip(objects, outlines, strict=True):
+        drawing = first if outline is outlines[0] else convert.drawing_in(first.frame, outline)
+        mesh = drawing.mesh(core)
+        if seen is not None or scale != 1.0:
+            points = mesh.vertices if seen is None else first.frame.to_world(mesh.vertices)[:, seen]
+            mesh = core.Mesh.from_loops([scale * points[loop] for loop in mesh.loops])
+        found[obj.name] = mesh
+    return found
+
+
+def _seen(drawing: convert.Drawing) -> list[int]:
+    """The two axes of the world in which a drawing is seen. Raises: Refusal if it is tilted against all of them."""
+    normal = np.abs(np.cross(drawing.frame.matrix[:3, 0], drawing.frame.matrix[:3, 1]))
+    away = int(normal.argmax())
+    if np.delete(normal, away).max() > PLANARITY * normal[away]:
+        raise Refusal("'{name}' is tilted: turn it to the top, front or right, or untick 'World'", name=drawing.name)
+    return [axis for axis in range(3) if axis != away]
+
+
+def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, flip_y: bool, triangles: bool) -> int:
+    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; how many it holds. Raises: Refusal.
+
+    flip_y: y pointing down as in pictures.
+    """
+    try:
+        text, count = WRITERS[kind](shapes, core, flip_y, triangles)
+        path.write_text(text, encoding="utf-8")
+    except (core.NestedCagesError, OSError) as error:
+        raise Refusal("'{path}' cannot be written: {problem}", path=path.name, problem=error) from error
+    return count
+
+
+def _svg(shapes: dict[str, Any], core: ModuleType, flip_y: bool, _triangles: bool) -> tuple[str, int]:
+    return core.exchange.to_svg(_turned(shapes, core, flip_y)), len(shapes)
+
+
+def _geojson(shapes: dict[str, Any], core: ModuleType, flip_y: bool, _triangles: bool) -> tuple[str, int]:
+    down = {Y_DOWN: True} if flip_y else {}
+    turned = _turned(shapes, core, flip_y)
+    features = [core.exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
+    return core.exchange.to_geojson(features), len(shapes)
+
+
+def _engine(shapes: dict[str, Any], core: ModuleType, flip_y: bool, triangles: bool) -> tuple[str, int]:
+    """Of the last mesh alone, the outermost."""
+    outermost = list(shapes.values())[-1]
+    return core.exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles), 1
+
+
+WRITERS: dict[str, Callable[[dict[str, Any], ModuleType, bool, bool], tuple[str, int]]] = {
+    "SVG": _svg,
+    "GEOJSON": _geojson,
+    "ENGINE": _engine,
+}
+"""Text of a file and the number of outlines in it, by kind."""
+
+
+def _turned(shapes: dict[str, Any], core: ModuleType, flip_y: bool) -> dict[str, Any]:
+    return {name: _upside_down(mesh, core) for name, mesh in shapes.items()} if flip_y else shapes
+
+
+def _upside_down(mesh: Any, core: ModuleType) -> Any:
+    return core.Mesh(mesh.vertices * (1.0, -1.0) + 0.0, mesh.edges)

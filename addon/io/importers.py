@@ -1,0 +1,103 @@
+"""Files to drawings in the scene: the same kinds that cages are written to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Refusal
+from ..scene.chains import without_doubles
+from ..scene.plane import size
+
+SVG, MAPS = (".svg",), (".geojson", ".json")
+# What features written with y pointing down say of it.
+Y_DOWN = "nested_cages_y_down"
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A mesh of the core, its name, and whether its y points down if nobody says otherwise."""
+
+    name: str
+    mesh: Any
+    y_down: bool
+
+
+def shapes_in(path: Path, core: ModuleType) -> list[Shape]:
+    """The filled area of an SVG, each feature of a GeoJSON, or a collision outline. Raises: Refusal."""
+    exchange = core.exchange
+    try:
+        if path.suffix.lower() in SVG:
+            return [Shape(path.stem, exchange.read_svg(path), True)]
+        if path.suffix.lower() not in MAPS:
+            raise Refusal("'{path}' is no kind of file that is read: choose .svg, .geojson or .json", path=path.name)
+        text = path.read_bytes()
+        if exchange.is_engine_json(text):
+            return [Shape(path.stem, exchange.from_engine_json(text), True)]
+        features = exchange.features_from_geojson(text)
+    except (core.NestedCagesError, OSError) as error:
+        raise Refusal("'{path}' cannot be read: {problem}", path=path.name, problem=error) from error
+    if not features:
+        raise Refusal("'{path}' has no polygons", path=path.name)
+    return [
+        Shape(
+            str(feature.properties.get("name") or feature.properties.get("NAME") or feature.id or path.stem),
+            feature.mesh,
+            bool(feature.properties.get(Y_DOWN, False)),
+        )
+        for feature in features
+    ]
+
+
+def place(
+    context: bpy.types.Context, shapes: list[Shape], *, y_down: bool | None, scale: float, core: ModuleType
+) -> list[bpy.types.Object]:
+    """New objects of edges, each around its own middle, so that places far away keep their digits. Raises: Refusal.
+
+    y_down: whether y is turned over, None for what is usual in the file; scale: metres of one unit of the file.
+    """
+    made = []
+    for shape in shapes:
+        turned = shape.y_down if y_down is None else y_down
+        points = shape.mesh.vertices * (scale, -scale if turned else scale)
+        middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
+        stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops], core)
+        made.append((shape.name, stored, middle))
+    objects = []
+    for name, mesh, middle in made:
+        data = bpy.data.meshes.new(name)
+        corners = np.column_stack([mesh.vertices, np.zeros(len(mesh.vertices))])
+        data.from_pydata(corners.tolist(), mesh.edges.tolist(), [])
+        obj = bpy.data.objects.new(name, data)
+        obj.location = (*middle, 0.0)
+        context.collection.objects.link(obj)
+        objects.append(obj)
+    return objects
+
+
+def _stored(name: str, loops: list[NDArray[np.float64]], core: ModuleType) -> Any:
+    """The core's ``Mesh`` of loops (k, 2) in the numbers that Blender stores. Raises: Refusal.
+
+    Points that float32 cannot tell apart become one, and loops that touch because of it are joined.
+    """
+    extent = size(np.concatenate(loops))
+    try:
+        kept = [_rounded(loop, extent) for loop in loops]
+        try:
+            return core.Mesh.from_loops(kept)
+        except core.NestedCagesError:
+            mended = core.exchange.solid([core.exchange.Painted(kept, evenodd=True)])
+            return core.Mesh.from_loops([_rounded(mended.vertices[loop], extent) for loop in mended.loops])
+    except core.NestedCagesError as error:
+        raise Refusal("'{name}' loses detail in Blender's precision: {problem}", name=name, problem=error) from error
+
+
+def _rounded(loop: NDArray[np.float64], extent: float) -> NDArray[np.float64]:
+    """A loop (k, 2) as float32, without points that lie on the one before."""
+    return without_doubles(loop.astype(np.float32), extent).astype(np.float64)

@@ -1,0 +1,1 @@
+"""What the user can set: in the panel, for the operator, and as preferences."""

@@ -1,0 +1,149 @@
+"""The levels as a list, one by one, beside their text: each writes the other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+from ..errors import Refusal
+from ..generation.generate import OWN, parse_levels
+
+KIND_ITEMS = (
+    ("COUNT", "Vertices", "A number of vertices"),
+    ("PERCENT", "Percent", "A part of the drawing's own number of vertices"),
+    ("OBJECT", "Object", "A coarse mesh of your own"),
+)
+# Longest number that a percentage is written with; float32 has no more digits.
+DIGITS = 6
+
+# Settings that are being written, so that one side does not answer the other.
+_busy: list[Any] = []
+
+
+def _write(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Writes the list that this level is in into the text."""
+    settings = self.id_data.nested_cages if isinstance(self.id_data, bpy.types.Scene) else None
+    if settings is not None:
+        write(settings)
+
+
+def _has_outline(_self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+    from ..scene.convert import readable
+
+    return readable(obj)
+
+
+class NestedCagesLevel(bpy.types.PropertyGroup):
+    """One level of the list."""
+
+    kind: EnumProperty(  # type: ignore[valid-type]
+        name="Kind", description="How the level is given", items=KIND_ITEMS, default="COUNT", update=_write
+    )
+    count: IntProperty(  # type: ignore[valid-type]
+        name="Vertices", description="Number of vertices of the cage", default=24, min=3, update=_write
+    )
+    percent: FloatProperty(  # type: ignore[valid-type]
+        name="Percent",
+        description="Part of the drawing's own number of vertices",
+        default=10.0,
+        min=0.01,
+        max=100.0,
+        precision=1,
+        update=_write,
+    )
+    own: PointerProperty(  # type: ignore[valid-type]
+        name="Object",
+        description="Coarse mesh that becomes this cage",
+        type=bpy.types.Object,
+        poll=_has_outline,
+        update=_write,
+    )
+
+
+def names_of(levels: str, objects: str) -> list[str]:
+    """Names of the own objects, one for each place in the text of the levels that is for one, as far as they go."""
+    return [name for name in objects.split("\n") if name][: levels.count(OWN)]
+
+
+def own_objects(settings: Any) -> str:
+    """Names of the list's own objects, one on each line."""
+    own = [level.own for level in settings.level_list if level.kind == "OBJECT"]
+    return "\n".join(obj.name for obj in own if obj is not None)
+
+
+def write(settings: Any) -> None:
+    """Writes the list into the text and the names of own objects."""
+    if _busy:
+        return
+    _busy.append(settings)
+    try:
+        settings.levels = ", ".join(_text(level) for level in settings.level_list)
+        settings.level_objects = own_objects(settings)
+    finally:
+        _busy.clear()
+
+
+def fill(settings: Any) -> None:
+    """Fills the list from the text; a text that is not understood leaves it as it is."""
+    if _busy:
+        return
+    try:
+        levels = parse_levels(settings.levels)
+    except Refusal:
+        return
+    names = iter(names_of(settings.levels, settings.level_objects))
+    _busy.append(settings)
+    try:
+        settings.level_list.clear()
+        for level in levels:
+            item = settings.level_list.add()
+            if level == OWN:
+                item.kind, item.own = "OBJECT", bpy.data.objects.get(next(names, ""))
+            elif isinstance(level, int):
+                item.kind, item.count = "COUNT", level
+            else:
+                item.kind, item.percent = "PERCENT", level
+        settings.level_index = min(settings.level_index, len(levels) - 1)
+    finally:
+        _busy.clear()
+
+
+def add(settings: Any) -> None:
+    """Adds a level half as fine as the last one; first of all, shows the levels of the text."""
+    if not len(settings.level_list):
+        fill(settings)
+    last = settings.level_list[-1] if len(settings.level_list) else None
+    values = (last.kind, last.count, last.percent) if last is not None else ("COUNT", 48, 20.0)
+    _busy.append(settings)
+    try:
+        item = settings.level_list.add()
+        item.kind, item.count, item.percent = values[0], max(3, values[1] // 2), max(0.01, values[2] / 2.0)
+        settings.level_index = len(settings.level_list) - 1
+    finally:
+        _busy.clear()
+    write(settings)
+
+
+def remove(settings: Any) -> None:
+    """Takes the chosen level away."""
+    settings.level_list.remove(settings.level_index)
+    settings.level_index = max(0, min(settings.level_index, len(settings.level_list) - 1))
+    write(settings)
+
+
+def move(settings: Any, step: int) -> None:
+    """Moves the chosen level by so many lines, as far as the list goes."""
+    to = max(0, min(settings.level_index + step, len(settings.level_list) - 1))
+    settings.level_list.move(settings.level_index, to)
+    settings.level_index = to
+    write(settings)
+
+
+def _text(level: NestedCagesLevel) -> str:
+    if level.kind == "OBJECT":
+        return OWN
+    if level.kind == "COUNT":
+        return str(level.count)
+    return f"{level.percent:.{DIGITS - 2}f}".rstrip("0").rstrip(".") + "%"

@@ -1,0 +1,97 @@
+"""One choice for everything that can be chosen, and the settings of the core that it comes to.
+
+What is `AUTOMATIC` becomes the partner that the chosen contact was made for; what is set although no chosen method has
+a use for it is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any
+
+from ..errors import Refusal, say
+from .choices import AUTOMATIC, CONTACTS, REPAIRS, SETTINGS, Choice
+
+
+@dataclass(frozen=True)
+class Methods:
+    """A choice for each of `SETTINGS`, by key, and what else makes a method.
+
+    `repairs`: keys of `REPAIRS`. `tighten`: whether the cage goes to its optimum once the drawing is home. `starts`:
+    from how many coarse meshes. `fall_back`: whether to start from the outer hull when a coarse mesh does not work.
+    """
+
+    decimation: str = "ON_CURVE"
+    energy: str = "AREA"
+    contact: str = AUTOMATIC
+    expansion_energy: str = AUTOMATIC
+    flow: str = AUTOMATIC
+    quadrature: str = AUTOMATIC
+    solver: str = AUTOMATIC
+    step_filter: str = AUTOMATIC
+    broad_phase: str = AUTOMATIC
+    repairs: frozenset[str] = frozenset(key for key, _, _ in REPAIRS)
+    tighten: bool = True
+    starts: int = 3
+    fall_back: bool = True
+
+    def with_partners(self) -> Methods:
+        """The same with what the contact was made for in place of what is automatic."""
+        partners = CONTACTS[self.contact].partners
+        chosen = {
+            name: partners.get(name, setting.automatic[0])
+            for name, setting in SETTINGS.items()
+            if setting.automatic is not None and getattr(self, name) == AUTOMATIC
+        }
+        return replace(self, **chosen)
+
+    def check(self) -> None:
+        """Raises: Refusal for what is set although no chosen method has a use for it."""
+        for name, setting in SETTINGS.items():
+            if setting.automatic is not None and getattr(self, name) != AUTOMATIC and not self.has_use_for(name):
+                raise Refusal(
+                    "'{setting}' has no part in the methods chosen: set it to Automatic, or choose {methods}",
+                    setting=say(setting.name),
+                    methods=", ".join(_users(name)),
+                )
+
+    def has_use_for(self, name: str) -> bool:
+        """Whether a setting has a part in the methods that are chosen."""
+        full = self.with_partners()
+        return name not in PARTS or any(name in full._choice(other).uses for other in SETTINGS)
+
+    def part(self, name: str, core: ModuleType, level: int = 1) -> Any:
+        """The core's object for one of the settings, none of which is automatic, on a level, the first being 1."""
+        choice = self._choice(name)
+        return (choice.make if level == 1 or choice.later is None else choice.later)(core, self)
+
+    def settings(self, core: ModuleType, level: int) -> Any:
+        """The core's ``Settings`` for a level, the first being 1."""
+        chosen = self.with_partners()
+        return core.Settings(
+            **{name: chosen.part(name, core, level) for name in OF_THE_CORE},
+            tightening=core.Tightening() if self.tighten else core.Tightening(iterations=0),
+            starts=self.starts,
+            fallback=core.OuterHull() if self.fall_back else None,
+        )
+
+    def _choice(self, name: str) -> Choice:
+        return SETTINGS[name].choices[getattr(self, name)]
+
+
+PARTS = frozenset(name for setting in SETTINGS.values() for choice in setting.choices.values() for name in choice.uses)
+"""Settings that only some methods have a use for."""
+
+OF_THE_CORE = ("decimation", "energy", "contact", "expansion_energy", "flow", "solver")
+"""Settings that are fields of the core's ``Settings``; the others are parts of these."""
+
+
+def _users(name: str) -> list[str]:
+    """Names of the methods that have a use for a setting, with what they are."""
+    return [
+        f"{say(setting.name)} › {say(choice.name)}"
+        for setting in SETTINGS.values()
+        for choice in setting.choices.values()
+        if name in choice.uses
+    ]

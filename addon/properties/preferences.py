@@ -1,0 +1,125 @@
+"""The add-on's preferences: where its panels are, and the settings that new files begin with."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import BoolProperty, PointerProperty, StringProperty
+
+from ..ui import panels
+from .settings import GenerationProperties, copy_values
+
+# The extension's package, whatever name Blender gave it.
+PACKAGE = __package__.removesuffix(".addon.properties")
+
+
+def _move_panels(preferences: NestedCagesPreferences, _context: bpy.types.Context) -> None:
+    panels.move_to(preferences.category.strip() or panels.CATEGORY)
+
+
+class NestedCagesDefaults(bpy.types.PropertyGroup, GenerationProperties):
+    """The settings as they are kept in the preferences, which cannot hold the list's objects."""
+
+
+class NestedCagesPreferences(bpy.types.AddonPreferences):
+    """Preferences of Nested Cages."""
+
+    bl_idname = PACKAGE
+
+    category: StringProperty(  # type: ignore[valid-type]
+        name="Sidebar Tab",
+        description="Tab of the 3D view's sidebar that holds the panels",
+        default=panels.CATEGORY,
+        update=_move_panels,
+    )
+    has_defaults: BoolProperty(  # type: ignore[valid-type]
+        name="Own Defaults", description="Begin new files with the settings below", default=False
+    )
+    defaults: PointerProperty(  # type: ignore[valid-type]
+        name="Defaults", description="The settings that new files begin with", type=NestedCagesDefaults
+    )
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "category")
+        layout.prop(self, "has_defaults")
+        column = layout.column()
+        column.active = self.has_defaults
+        for name in DEFAULTS:
+            column.prop(self.defaults, name)
+        layout.operator("scene.nested_cages_store_defaults", icon="IMPORT")
+
+
+# Settings whose defaults the preferences show; all others are stored with them.
+DEFAULTS = (
+    "levels",
+    "clearance",
+    "decimation",
+    "energy",
+    "frames_per_step",
+    "show_flow",
+    "ease",
+    "loop_back",
+    "thickness",
+    "resolution",
+)
+
+
+class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
+    """Keeps the scene's settings."""
+
+    bl_idname = "scene.nested_cages_store_defaults"
+    bl_label = "Use Settings of Scene"
+    bl_description = "Let new files begin with the settings that this scene has now"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        if preferences() is None:
+            cls.poll_message_set("The add-on is not enabled in the preferences")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        found = preferences()
+        copy_values(context.scene.nested_cages, found.defaults)
+        # Objects of this file mean nothing in others.
+        found.defaults.level_objects = ""
+        found.has_defaults = True
+        context.preferences.is_dirty = True
+        return {"FINISHED"}
+
+
+def preferences() -> NestedCagesPreferences | None:
+    """The preferences, which are there while Blender has the add-on enabled."""
+    addon = bpy.context.preferences.addons.get(PACKAGE)
+    return addon.preferences if addon is not None else None
+
+
+@persistent
+def _begin_with_defaults(filepath: str = "", _unused: object = None) -> None:
+    """Gives the scenes of a new file the user's own defaults; saved files keep what they have."""
+    found = preferences()
+    if found is None or not found.has_defaults or filepath or bpy.data.filepath:
+        return
+    for scene in bpy.data.scenes:
+        copy_values(found.defaults, scene.nested_cages)
+
+
+CLASSES = (NestedCagesDefaults, NestedCagesPreferences, SCENE_OT_nested_cages_store_defaults)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.app.handlers.load_post.append(_begin_with_defaults)
+    found = preferences()
+    if found is not None:
+        panels.move_to(found.category.strip() or panels.CATEGORY)
+
+
+def unregister() -> None:
+    bpy.app.handlers.load_post.remove(_begin_with_defaults)
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

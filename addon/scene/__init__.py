@@ -1,0 +1,1 @@
+"""Objects of the scene to planar drawings, and results back to objects."""

@@ -1,0 +1,174 @@
+"""Objects of a scene to planar drawings: what they look like evaluated, as closed loops in the plane that they lie
+in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Refusal
+from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
+from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform
+from .reading import READERS, lines_of
+
+
+@dataclass(frozen=True)
+class ReadingOptions:
+    """`resolution`: segments between two control points of a curve, 0 = the curve's own. `close_open`: join the ends of
+    open lines. `project`: drop what sticks out of the plane instead of refusing it.
+    """
+
+    resolution: int = 0
+    close_open: bool = False
+    project: bool = False
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What an object looks like evaluated: closed loops (k, 3) in its own space, float32 as Blender has them, its
+    matrix (4, 4), and the number that Blender knows it by in this session.
+    """
+
+    name: str
+    loops: tuple[NDArray[np.float32], ...]
+    matrix: NDArray[np.float64]
+    identity: int
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """All points (n, 3) in the object's own space."""
+        return np.concatenate(self.loops).astype(np.float64)
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """An outline in a plane: loops (k, 2) whose numbers are those that Blender stores, float32 given as float64, in
+    ``frame``. ``identity`` finds its object even if that has been renamed, and undone and redone, meanwhile.
+    """
+
+    name: str
+    frame: Frame
+    loops: tuple[NDArray[np.float64], ...]
+    identity: int = 0
+
+    @property
+    def source(self) -> bpy.types.Object | None:
+        """The object that it was read from, unless that is gone."""
+        return next((obj for obj in bpy.data.objects if obj.session_uid == self.identity), None)
+
+    def mesh(self, core: ModuleType) -> Any:
+        """The core's ``Mesh`` of this drawing. Raises: Refusal, with the drawing's name, if the core refuses it."""
+        try:
+            return core.Mesh.from_loops(self.loops)
+        except core.NestedCagesError as error:
+            raise Refusal("'{name}': {problem}", name=self.name, problem=error) from error
+
+
+def readable(obj: bpy.types.Object) -> bool:
+    """Whether `read` knows this kind of object."""
+    return obj.type in READERS
+
+
+def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions = ReadingOptions()) -> Outline:
+    """The outline of an object as it is evaluated now. Raises: Refusal."""
+    context.evaluated_depsgraph_get()  # brings the object's matrix up to date
+    vertices, edges = lines_of(context, obj, options.resolution)
+    loops = _closed_loops(obj, vertices, edges, options)
+    return Outline(obj.name, loops, np.array(obj.matrix_world, dtype=np.float64), obj.session_uid)
+
+
+def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
+    """The outline in its own plane: the object's frame where it can be kept, else a fitted one. Raises: Refusal."""
+    frame = own_frame(outline.matrix, outline.points)
+    if frame is None:
+        return drawing_in(fitted_frame(outline.matrix, outline.points), outline, options)
+    loops = tuple(loop[:, :2].astype(np.float64) for loop in outline.loops)
+    return Drawing(outline.name, frame, loops, outline.identity)
+
+
+def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
+    """The outline in a given frame, rounded to float32. Raises: Refusal if it is not in the frame's plane."""
+    loops, off = [], 0.0
+    there = np.array_equal(outline.matrix, frame.matrix)
+    for loop in outline.loops:
+        points = loop.astype(np.float64)
+        if there:
+            xy, heights = points[:, :2], (points[:, 2] - frame.height) * frame.scale
+        else:
+            xy, heights = frame.from_world(transform(outline.matrix, points))
+        loops.append(xy.astype(np.float32).astype(np.float64))
+        off = max(off, float(np.abs(heights).max()))
+    extent = float(np.linalg.norm(np.ptp(np.concatenate(loops), axis=0))) * frame.scale
+    if off > PLANARITY * extent and not options.project:
+        raise Refusal(
+            "'{name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, or "
+            "tick 'Project Anyway'",
+            name=outline.name,
+            off=off,
+        )
+    return Drawing(outline.name, frame, tuple(loops), outline.identity)
+
+
+def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
+    """A drawing and others in the same frame as one, as if their objects were joined."""
+    return replace(drawing, loops=tuple(loop for part in (drawing, *others) for loop in part.loops))
+
+
+def _closed_loops(
+    obj: bpy.types.Object, vertices: NDArray[np.float32], edges: NDArray[np.int64], options: ReadingOptions
+) -> tuple[NDArray[np.float32], ...]:
+    """The loops (k, 3) that the edges make, doubled points merged. Raises: Refusal."""
+    found = chains(edges, len(vertices))
+    if len(found.branching):
+        raise Refusal(
+            "'{name}' branches at ({place}): at each point of an outline two edges meet, so separate or delete "
+            "the others",
+            name=obj.name,
+            place=_place(vertices[found.branching[0]]),
+        )
+    # A cyclic spline of two points is one edge to and fro, which Blender shows as one edge.
+    opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not _all_cyclic(obj)]
+    if opened and not options.close_open:
+        raise _open_refusal(obj, opened)
+    loops = [vertices[line] for line in (*found.closed, *found.opened)]
+    if not loops:
+        raise Refusal("'{name}' has no outline: neither edges without faces nor an open boundary", name=obj.name)
+    extent = extent_of(loops)
+    for number, loop in enumerate(loops):
+        loops[number] = without_doubles(loop, extent)
+        if len(loops[number]) < SMALLEST_LOOP:
+            raise Refusal(
+                "'{name}' has a loop with fewer than three different points at ({place}): delete it",
+                name=obj.name,
+                place=_place(loop[0]),
+            )
+    return tuple(loops)
+
+
+def _all_cyclic(obj: bpy.types.Object) -> bool:
+    """Whether the object is a curve that has only closed splines."""
+    return obj.type == "CURVE" and all(spline.use_cyclic_u for spline in obj.data.splines)
+
+
+def _open_refusal(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> Refusal:
+    """Says which line of the object is open, by the number of its spline if that is known."""
+    splines = obj.data.splines if obj.type == "CURVE" else ()
+    number = next((i for i, spline in enumerate(splines, 1) if not spline.use_cyclic_u), None)
+    if number is not None:
+        sentence = "'{name}' is open: make its spline {number} cyclic (Alt C in Edit Mode), or tick 'Close Open Lines'"
+        return Refusal(sentence, name=obj.name, number=number)
+    start, end = _place(lines[0][0]), _place(lines[0][-1])
+    sentence = "'{name}' is open: join the ends of its line at ({start}) and ({end}), or tick 'Close Open Lines'"
+    return Refusal(sentence, name=obj.name, start=start, end=end)
+
+
+def _place(point: NDArray[np.float32]) -> str:
+    """A point in the object's own space, for a sentence."""
+    return ", ".join(f"{x:.4g}" for x in point)

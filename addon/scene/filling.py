@@ -1,0 +1,94 @@
+"""Outlines with an inside: cages as triangulated faces, as closed prisms, and as curve objects."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Refusal
+
+# Corners of a prism know the vertex of the cage that they stand over, and how high.
+CORNER, HEIGHT = "nested_cages_corner", "nested_cages_height"
+# Half the height of a prism around a planar drawing, as a part of the cage's size.
+HALF_HEIGHT = 0.1
+
+Points = NDArray[np.float64]
+
+
+def points_of(mesh: bpy.types.Mesh) -> Points:
+    """Vertices (n, 3) of a mesh as they are stored."""
+    found = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", found.ravel())
+    return found.astype(np.float64)
+
+
+def loop_edges(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
+    """Edges (m, 2) of a mesh that at most one face uses: its outline."""
+    edges = np.empty((len(mesh.edges), 2), np.int32)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.edges.foreach_get("vertices", edges.ravel())
+    mesh.loops.foreach_get("edge_index", corners)
+    return edges[np.bincount(corners, minlength=len(edges)) <= 1].astype(np.int64)
+
+
+def outline(obj: bpy.types.Object, core: ModuleType) -> Any:
+    """The core's ``Mesh`` of a mesh object's own x and y, unposed. Raises: Refusal."""
+    try:
+        return core.Mesh(points_of(obj.data)[:, :2], loop_edges(obj.data))
+    except core.NestedCagesError as error:
+        raise Refusal("'{name}': {problem}", name=obj.name, problem=error) from error
+
+
+def filled(name: str, points: Points, mesh: Any, core: ModuleType) -> bpy.types.Mesh:
+    """A new mesh with the points (n, 3), the outline's edges first and then its triangles, which leave holes open."""
+    data = bpy.data.meshes.new(name)
+    triangles = core.geometry.triangulation.triangulate(mesh).triangles
+    data.from_pydata(points.tolist(), mesh.edges.tolist(), triangles.tolist())
+    data.update()
+    return data
+
+
+def add_faces(data: bpy.types.Mesh, triangles: NDArray[np.int64]) -> None:
+    """Adds triangles (t, 3) to a mesh without faces, whose vertices, and so its shape keys, stay."""
+    data.loops.add(triangles.size)
+    data.loops.foreach_set("vertex_index", triangles.astype(np.int32).ravel())
+    data.polygons.add(len(triangles))
+    data.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
+    data.update(calc_edges=True)
+    data.validate()
+
+
+def prism(name: str, points: Points, mesh: Any, half_height: float, core: ModuleType) -> bpy.types.Mesh:
+    """A new closed mesh: the filled outline (n, 3) below and above its plane, and walls between; normals point out."""
+    count = len(points)
+    raised = np.array([0.0, 0.0, half_height])
+    below = core.geometry.triangulation.triangulate(mesh).triangles
+    start, end = np.arange(count), np.asarray(mesh.successor)
+    walls = np.column_stack([start, end, end + count, start + count])
+    data = bpy.data.meshes.new(name)
+    faces = [*below[:, ::-1].tolist(), *(below + count).tolist(), *walls.tolist()]
+    data.from_pydata(np.concatenate([points - raised, points + raised]).tolist(), [], faces)
+    corner = data.attributes.new(CORNER, "INT", "POINT")
+    corner.data.foreach_set("value", np.tile(start, 2).astype(np.int32))
+    height = data.attributes.new(HEIGHT, "FLOAT", "POINT")
+    height.data.foreach_set("value", np.repeat([-half_height, half_height], count).astype(np.float32))
+    data.update()
+    return data
+
+
+def curve(name: str, points: Points, mesh: Any) -> bpy.types.Curve:
+    """A new filled 2D curve with one closed poly spline per loop of the outline (n, 3)."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "2D" if not points[:, 2].any() else "3D"
+    if data.dimensions == "2D":
+        data.fill_mode = "BOTH"
+    for loop in mesh.loops:
+        spline = data.splines.new("POLY")
+        spline.points.add(len(loop) - 1)
+        spline.points.foreach_set("co", np.column_stack([points[loop], np.ones(len(loop))]).ravel())
+        spline.use_cyclic_u = True
+    return data

@@ -1,0 +1,151 @@
+"""What an object of any kind looks like, as points and edges: wire edges and open boundaries of its evaluated shape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import bmesh
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Refusal
+
+
+class Lines(NamedTuple):
+    """Points (n, 3) in the object's own space, and edges (m, 2) between them."""
+
+    vertices: NDArray[np.float32]
+    edges: NDArray[np.int64]
+
+
+def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int = 0) -> Lines:
+    """The lines of an object as it is evaluated now, or the selected ones of a mesh in Edit Mode. Raises: Refusal.
+
+    resolution: segments between two control points of a curve, 0 = the curve's own.
+    """
+    if obj.type == "MESH" and obj.mode == "EDIT":
+        return _selected_edges(obj)
+    if obj.type not in READERS:
+        raise Refusal(
+            "'{name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh", name=obj.name
+        )
+    with READERS[obj.type](context, obj, resolution) as subject:
+        return _evaluated_lines(context, subject)
+
+
+@contextmanager
+def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int) -> Iterator[bpy.types.Object]:
+    """A mesh object shows its lines as it is; one that is not evaluated, because it is disabled, by a copy that is."""
+    if obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
+        yield obj
+        return
+    copy = obj.copy()
+    try:
+        copy.hide_viewport = False
+        context.scene.collection.objects.link(copy)
+        yield copy
+    finally:
+        bpy.data.objects.remove(copy)
+
+
+@contextmanager
+def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
+    """A copy of a curve or text for a moment, in the scene so that its modifiers count, without what makes it solid."""
+    copy, data = obj.copy(), obj.data.copy()
+    try:
+        copy.data = data
+        data.bevel_mode = "ROUND"
+        data.bevel_depth = data.extrude = 0.0
+        data.bevel_object = data.taper_object = None
+        if obj.type == "FONT":
+            data.fill_mode = "NONE"
+        else:
+            data.dimensions = "3D"
+        if resolution:
+            data.resolution_u = resolution
+            for spline in getattr(data, "splines", ()):
+                spline.resolution_u = resolution
+        context.scene.collection.objects.link(copy)
+        copy.hide_viewport = False
+        yield copy
+    finally:
+        bpy.data.objects.remove(copy)
+        bpy.data.curves.remove(data)
+
+
+@contextmanager
+def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
+    """A mesh object for a moment that takes over the curves of an object that has no mesh: hair and Grease Pencil."""
+    tree = bpy.data.node_groups.new(obj.name, "GeometryNodeTree")
+    mesh = bpy.data.meshes.new(obj.name)
+    helper = bpy.data.objects.new(obj.name, mesh)
+    try:
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        source = tree.nodes.new("GeometryNodeObjectInfo")
+        source.transform_space = "ORIGINAL"
+        source.inputs["Object"].default_value = obj
+        chain = ["GeometryNodeCurveToMesh"]
+        if resolution:
+            chain.insert(0, "GeometryNodeSetSplineResolution")
+        if obj.type == "GREASEPENCIL":
+            # Its layers, each with a transform of its own, come as instances.
+            chain = ["GeometryNodeGreasePencilToCurves", "GeometryNodeRealizeInstances", *chain]
+        geometry = source.outputs["Geometry"]
+        for kind in chain:
+            node = tree.nodes.new(kind)
+            if kind == "GeometryNodeSetSplineResolution":
+                node.inputs["Resolution"].default_value = resolution
+            tree.links.new(geometry, node.inputs[0])
+            geometry = node.outputs[0]
+        tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs[0])
+        helper.modifiers.new("Curves", "NODES").node_group = tree
+        context.scene.collection.objects.link(helper)
+        yield helper
+    finally:
+        bpy.data.objects.remove(helper)
+        bpy.data.meshes.remove(mesh)
+        bpy.data.node_groups.remove(tree)
+
+
+Reader = Callable[[bpy.types.Context, bpy.types.Object, int], "contextmanager[bpy.types.Object]"]
+READERS: dict[str, Reader] = {
+    "MESH": _itself,
+    "CURVE": _plain_copy,
+    "FONT": _plain_copy,
+    "CURVES": _meshed,
+    "GREASEPENCIL": _meshed,
+}
+
+
+def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines:
+    """The evaluated object's edges with no face (wire) or one face (boundary)."""
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    if mesh is None:
+        return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
+    try:
+        vertices = np.empty((len(mesh.vertices), 3), np.float32)
+        edges = np.empty((len(mesh.edges), 2), np.int32)
+        corners = np.empty(len(mesh.loops), np.int32)
+        mesh.vertices.foreach_get("co", vertices.ravel())
+        mesh.edges.foreach_get("vertices", edges.ravel())
+        mesh.loops.foreach_get("edge_index", corners)
+    finally:
+        evaluated.to_mesh_clear()
+    faces = np.bincount(corners, minlength=len(edges))
+    return Lines(vertices, edges[faces <= 1].astype(np.int64))
+
+
+def _selected_edges(obj: bpy.types.Object) -> Lines:
+    """The selected edges of a mesh in Edit Mode, of selected faces only the border. Raises: Refusal if none is."""
+    mesh = bmesh.from_edit_mesh(obj.data)
+    mesh.verts.index_update()
+    faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]
+    chosen = [edge for edge, count in zip(mesh.edges, faces, strict=True) if count == 1 or (count == 0 and edge.select)]
+    if not chosen:
+        raise Refusal("'{name}' is in Edit Mode without selected edges: select the loops of the drawing", name=obj.name)
+    vertices = np.array([vertex.co for vertex in mesh.verts], dtype=np.float32)
+    return Lines(vertices, np.array([[vertex.index for vertex in edge.verts] for edge in chosen], dtype=np.int64))

@@ -1,0 +1,161 @@
+"""Output that takes the place of earlier output: what was there comes back if the new one cannot be finished."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ..animation import shape_keys
+from ..animation.visibility import HIDING, Hiding, take_hiding
+from . import display
+from .ownership import LEVEL, members
+
+# What a transform consists of; setting these copies the very numbers, which a matrix would round.
+TRANSFORM = (
+    "rotation_mode",
+    "location",
+    "rotation_euler",
+    "rotation_quaternion",
+    "rotation_axis_angle",
+    "scale",
+    "delta_location",
+    "delta_rotation_euler",
+    "delta_rotation_quaternion",
+    "delta_scale",
+)
+# What all of our custom properties begin with.
+PREFIX = "nested_cages_"
+
+
+class Replaced:
+    """The scene's frames and the output collections as they are now, to be restored or to be finished with."""
+
+    def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
+        found = list(collections)
+        self._scene = scene
+        self._frame_end = scene.frame_end
+        self._markers = [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers]
+        self._collections = [(c, c.name, _properties(c)) for c in found]
+        self._members = [_Member(obj) for c in found for obj in members(c)]
+        self._known = set(_everything())
+        self._names: list[tuple[bpy.types.ID, str]] = []
+        self._surplus: list[bpy.types.Object] = []
+
+    def set_aside(self, obj: bpy.types.Object) -> None:
+        """Takes what we gave an object's animation away, and the names of its mesh, which is about to be replaced."""
+        keys = obj.data.shape_keys
+        for block in (obj.data, keys, _action(keys)):
+            self._rename(block)
+        hiding = take_hiding(obj)
+        if hiding.action is not None and not hiding.kept:
+            self._rename(hiding.action)
+        next(member for member in self._members if member.obj == obj).hiding = hiding
+
+    def drop(self, obj: bpy.types.Object) -> None:
+        """This object is not needed any more once all is done."""
+        self._surplus.append(obj)
+
+    def finish(self) -> None:
+        """The new output is complete: removes what it has replaced."""
+        kept = [value for obj in self._surplus for value in _properties(obj).values()]
+        for obj in self._surplus:
+            shape_keys.remove_animation(obj)
+            bpy.data.objects.remove(obj)
+        actions = {member.hiding.action for member in self._members if member.hiding is not None}
+        for action in actions | {value for value in kept if isinstance(value, bpy.types.Action)}:
+            if action is not None and action.users == 0:
+                bpy.data.actions.remove(action)
+        meshes = {member.mesh for member in self._members}
+        for mesh in meshes | {value for value in kept if isinstance(value, bpy.types.Mesh)}:
+            remove_mesh(mesh)
+
+    def restore(self) -> None:
+        """The new output failed: everything is as it was again."""
+        for member in self._members:
+            member.restore()
+        bpy.data.batch_remove([block for block in _everything() if block not in self._known])
+        for block, name in reversed(self._names):
+            block.name = name
+        for member in self._members:
+            member.obj.name = member.name
+        for collection, name, properties in self._collections:
+            collection.name = name
+            _set_properties(collection, properties)
+        scene = self._scene
+        scene.frame_end = self._frame_end
+        if [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers] != self._markers:
+            scene.timeline_markers.clear()
+            for name, frame, select, camera in self._markers:
+                marker = scene.timeline_markers.new(name, frame=frame)
+                marker.select, marker.camera = select, camera
+
+    def _rename(self, block: bpy.types.ID | None) -> None:
+        """Frees the name of a data-block for the one that replaces it."""
+        if block is not None:
+            self._names.append((block, block.name))
+            block.name = f"{PREFIX}{len(self._names)}"
+
+
+@dataclass(eq=False)
+class _Member:
+    """An object of earlier output as it was."""
+
+    obj: bpy.types.Object
+
+    def __post_init__(self) -> None:
+        obj, modifier = self.obj, self.obj.modifiers.get(display.THICKNESS)
+        self.name, self.mesh = obj.name, obj.data
+        self.transform = {name: _plain(getattr(obj, name)) for name in TRANSFORM}
+        self.hidden = {name: getattr(obj, name) for name in HIDING}
+        self.properties = _properties(obj)
+        self.radius = 0.0 if modifier is None else display.get_input(modifier, "Radius")
+        self.hiding: Hiding | None = None
+
+    def restore(self) -> None:
+        obj = self.obj
+        obj.data = self.mesh
+        for name, value in (self.transform | self.hidden).items():
+            setattr(obj, name, value)
+        if self.hiding is not None:
+            self.hiding.give_back(obj)
+        display.set_thickness(obj, self.properties[LEVEL], 2.0 * self.radius)
+        _set_properties(obj, self.properties)
+
+
+def remove_mesh(mesh: bpy.types.Mesh) -> None:
+    """Removes a mesh that nothing uses any more, with the actions of its shape keys."""
+    if mesh.users == 0:
+        shape_keys.remove_animation(mesh.shape_keys)
+        bpy.data.meshes.remove(mesh)
+
+
+def _everything() -> Iterator[bpy.types.ID]:
+    """All data-blocks of the kinds that are written."""
+    data = bpy.data
+    for kind in (data.collections, data.objects, data.meshes, data.actions, data.node_groups, data.materials):
+        yield from kind
+
+
+def _action(owner: Any) -> bpy.types.Action | None:
+    animated = owner.animation_data if owner is not None else None
+    return animated.action if animated is not None else None
+
+
+def _properties(owner: bpy.types.ID) -> dict[str, Any]:
+    """Our custom properties of a data-block."""
+    return {name: _plain(value) for name, value in owner.items() if name.startswith(PREFIX)}
+
+
+def _set_properties(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
+    for name in [name for name in owner.keys() if name.startswith(PREFIX) and name not in properties]:  # noqa: SIM118
+        del owner[name]
+    for name, value in properties.items():
+        owner[name] = value
+
+
+def _plain(value: Any) -> Any:
+    """A copy of arrays, which would change with what they belong to."""
+    return value if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__") else list(value)

@@ -1,0 +1,1 @@
+"""Panels and the manual; they read and never compute."""

@@ -1,0 +1,66 @@
+"""F1 and "Online Manual": the page of the guide about what the pointer is on. The guide comes with the add-on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ..properties.settings import ADVANCED, ANIMATION, FRAMES
+
+ROOT = Path(__file__).resolve().parents[2]
+# The guide as the extension's zip brings it, and as it is in the repository; the first that is there is shown.
+GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))
+# Endings of operators, beginnings of settings, and the page about each.
+OPERATORS = {
+    "verify": "verify",
+    "bind": "bind",
+    "rebind": "bind",
+    "unbind": "bind",
+    "bake_action": "animation",
+    "remove_animation": "animation",
+    "to_objects": "export",
+    "export": "export",
+    "import": "export",
+    "from_image": "pictures",
+}
+SETTINGS = {
+    "level": "levels",
+    "use_selected_as_levels": "own_meshes",
+    "together": "cages",
+    "clearance": "levels",
+    "decimation": "levels",
+    "energy": "levels",
+    **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
+    **dict.fromkeys(ADVANCED, "methods"),
+}
+# What Blender calls things, in small letters with wildcards, and the page about them. The first that fits counts.
+PAGES = (
+    *((f"bpy.ops.object.nested_cages_{name}*", page) for name, page in OPERATORS.items()),
+    *((f"bpy.types.*nested*cages*.{name}*", page) for name, page in SETTINGS.items()),
+    ("bpy.types.nestedcageslevel*", "levels"),
+    ("bpy.ops.scene.nested_cages_level*", "levels"),
+    ("bpy.ops.scene.nested_cages_preset*", "levels"),
+    ("bpy.types.nestedcagespreferences*", "install"),
+    ("bpy.ops.scene.nested_cages_store_defaults*", "install"),
+    ("bpy.ops.*.nested_cages*", "cages"),
+    ("bpy.types.*nested_cages*", "cages"),
+    ("bpy.types.*nestedcages*", "cages"),
+)
+
+
+def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
+    """The prefix of all pages, and the pages; none where the guide was left out."""
+    found = next((guide for guide in GUIDES if guide[0].is_dir()), None)
+    if found is None:
+        return "", ()
+    folder, ending = found
+    return f"{folder.as_uri()}/", tuple((name, page + ending) for name, page in PAGES)
+
+
+def register() -> None:
+    bpy.utils.register_manual_map(manual_map)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_manual_map(manual_map)

@@ -1,0 +1,103 @@
+"""Collision outlines of sprites: few vertices, and no opaque pixel left outside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import NestedCagesError
+from ...geometry.arrays import AnyArray, BoolArray, FloatArray
+from ...geometry.mesh import Mesh
+from ...hierarchy import Hierarchy, Progress, Settings, nested_cages
+from .boundary import boundary_of_pixels
+
+
+def alpha_channel(picture: AnyArray) -> FloatArray:
+    """(H, W) opacity in [0, 1] of a picture (H, W), (H, W, 2) or (H, W, 4), alpha last; integers span their type."""
+    given = np.asarray(picture)
+    if given.ndim == 3 and given.shape[2] in (2, 4):
+        given = given[:, :, -1]
+    if given.ndim != 2 or given.dtype.kind not in "buif":
+        raise NestedCagesError(
+            f"A picture of shape {given.shape} and type {given.dtype} has no alpha channel; give (H, W, 4), or (H, W) "
+            "opacities."
+        )
+    if given.dtype.kind in "ui":
+        return given.astype(np.float64) / float(np.iinfo(given.dtype).max)
+    return given.astype(np.float64)
+
+
+def collision_outline(
+    picture: AnyArray,
+    vertices: int,
+    *,
+    padding: float = 0.0,
+    threshold: float = 0.0,
+    holes: bool = False,
+    settings: Settings | None = None,
+) -> Mesh:
+    """An outline of so many vertices around all opaque pixels; see `picture_cages` for the options."""
+    made = picture_cages(picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings)
+    return made.cages[0]
+
+
+def picture_cages(
+    picture: AnyArray,
+    levels: Sequence[int],
+    *,
+    padding: float = 0.0,
+    threshold: float = 0.0,
+    holes: bool = False,
+    settings: Settings | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Hierarchy:
+    """Cages around all opaque pixels, with so many vertices each or fewer where the pixels have fewer corners.
+
+    picture: as `alpha_channel` reads it; unit: pixels, x to the right and y downwards, pixel (row, column) the square
+    from (column, row) on; padding: distance in pixels that the cages keep from them and from each other; threshold:
+    opacity above which a pixel counts as opaque; holes: whether holes are kept open. Parts and holes with no room for
+    the padding are joined and closed.
+
+    Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
+    """
+    if not padding >= 0.0 or not np.isfinite(padding):
+        raise NestedCagesError(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
+    opaque = alpha_channel(picture) > threshold
+    chosen = settings if settings is not None else Settings()
+
+    def around(fine: Mesh, with_settings: Settings) -> Hierarchy:
+        return nested_cages(fine, [min(k, len(fine.vertices)) for k in levels], with_settings, progress=progress)
+
+    fine = boundary_of_pixels(_without_holes(opaque, holes))
+    if padding == 0.0:
+        return around(fine, chosen)
+    try:
+        return around(fine, replace(chosen, clearance=padding))
+    except NestedCagesError:
+        grown = _grown(opaque, padding, holes)
+        if len(grown.loops) == len(fine.loops):
+            raise
+        return around(grown, chosen)
+
+
+def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
+    """The pixels, enclosed transparent ones included unless holes are kept."""
+    if holes:
+        return opaque
+    from scipy.ndimage import binary_fill_holes  # takes long to import
+
+    return np.asarray(binary_fill_holes(opaque))
+
+
+def _grown(opaque: BoolArray, padding: float, holes: bool) -> Mesh:
+    """The boundary of all pixels that come closer than the padding to an opaque one, square to square."""
+    from scipy.ndimage import binary_dilation, distance_transform_edt
+
+    border = int(np.ceil(padding)) + 1
+    # squares are as far apart as the centre of one from the centres of the other and its neighbours
+    near = binary_dilation(np.pad(opaque, border), np.ones((3, 3)))
+    wide = np.asarray(distance_transform_edt(~near) < padding)
+    mesh = boundary_of_pixels(_without_holes(wide, holes))
+    return Mesh(mesh.vertices - border, mesh.edges)

@@ -1,0 +1,206 @@
+"""Which coarse loop encloses which fine loop.
+
+Fine components are given to coarse components, and coarse holes to fine holes inside those. The coarse mesh may have
+fewer components (one wraps several fine ones) and fewer holes (a fine hole is covered); a coarse hole may also lie
+free, where no fine solid is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ..errors import FlowError
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.predicates import BoxTree, orientation, ray_crossings
+from ..geometry.signed_distance import SignedDistance
+from .base import FlowResult, Obstacle, stuck
+
+COVERED = -1
+"""Partner of a fine hole that no coarse hole keeps open."""
+
+PROBES = 64
+"""Vertices per component that decide where it belongs when there are more fine components than coarse ones."""
+
+ALL_PAIRS_LIMIT = 100_000
+"""Number of pairs of points and edges up to which winding numbers look at all of them."""
+
+IMPOSSIBLE = 1e3
+"""Cost of a component with fewer holes than its coarse component, in bounding-box diagonals: above any distance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Matching:
+    """Partners of the loops of two meshes."""
+
+    fine: Mesh
+    coarse: Mesh
+    component: IntArray
+    """(fine components,) coarse component around each fine component."""
+    partner: IntArray
+    """(fine loops,) coarse loop around each fine loop: outer loop for outer loop, hole for hole, or COVERED."""
+
+    def fine_loops_in(self, coarse_component: int) -> IntArray:
+        """Fine loops that belong inside a coarse component."""
+        return np.nonzero(self.component[self.fine.component_of_loop] == coarse_component)[0]
+
+    def coarse_loops_of(self, coarse_component: int) -> IntArray:
+        """Loops that bound a coarse component."""
+        return np.nonzero(self.coarse.component_of_loop == coarse_component)[0]
+
+
+def match_loops(fine: Mesh, coarse: Mesh) -> Matching:
+    """Partners of all fine loops.
+
+    Raises: FlowError if a coarse component has no fine component to hold, or a coarse hole no fine hole to keep open.
+    """
+    component = _match_components(fine, coarse)
+    partner = np.full(len(fine.loops), COVERED, np.int64)
+    fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
+    partner[fine_outers] = coarse_outers[component]
+    for k in range(len(coarse_outers)):
+        _match_holes(fine, coarse, component, k, partner)
+    return Matching(fine, coarse, component, partner)
+
+
+def outer_loops(mesh: Mesh) -> IntArray:
+    """(components,) the outer loop of each component."""
+    return np.nonzero(mesh.loop_signs > 0)[0]
+
+
+def boxes(mesh: Mesh) -> FloatArray:
+    """(loops, 4) bounding boxes: least x, least y, greatest x, greatest y."""
+    return np.array([[*mesh.vertices[loop].min(axis=0), *mesh.vertices[loop].max(axis=0)] for loop in mesh.loops])
+
+
+def loop_tree(mesh: Mesh, vertices: FloatArray) -> tuple[BoxTree, IntArray]:
+    """Tree over the edges, loop by loop, of the mesh with vertices (n, 2), and the (n,) start vertex of each."""
+    order = np.concatenate(mesh.loops)
+    return BoxTree(vertices[order], vertices[mesh.successor[order]]), order
+
+
+def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:
+    """(P, loops) exact winding of each loop of the mesh with vertices (n, 2) around points that lie on none of them."""
+    result = np.zeros((len(points), len(mesh.loops)), np.int64)
+    if len(points) * len(vertices) <= ALL_PAIRS_LIMIT:
+        height = vertices[:, 1]
+        above = height > points[:, 1:]
+        point, start = np.nonzero(above != above[:, mesh.successor])
+        side = orientation(vertices[start], vertices[mesh.successor[start]], points[point])
+        rises = np.where(above[point, start], -1, 1)
+        np.add.at(result, (point, mesh.loop_of_vertex[start]), np.where(side == rises, rises, 0))
+        return result
+    tree, order = loop_tree(mesh, vertices)
+    crossings = ray_crossings(points, tree)
+    loop_of_chain = mesh.loop_of_vertex[order[tree.order[tree.chain_starts[:-1]]]]
+    np.add.at(result, (crossings.point, loop_of_chain[crossings.chain]), crossings.value)
+    return result
+
+
+def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
+    fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
+    if len(fine_outers) < len(coarse_outers):
+        difference = _box_difference(boxes(fine)[fine_outers], boxes(coarse)[coarse_outers]).min(axis=0)
+        extra = coarse_outers[difference.argmax()]
+        x, y = coarse.vertices[coarse.loops[extra]].mean(axis=0).tolist()
+        cause = (
+            f"The coarse mesh has {len(coarse_outers)} separate parts for {len(fine_outers)} of the fine mesh,"
+            f" one of them (loop {extra})"
+        )
+        raise _mismatch(fine, cause, (x, y), "remove it, or move it inside if it is meant as a hole")
+    fine_boxes, coarse_boxes = boxes(fine)[fine_outers], boxes(coarse)[coarse_outers]
+    if len(fine_outers) == len(coarse_outers) == 1:
+        component = np.zeros(1, np.int64)
+        overlaps = _boxes_overlap(fine_boxes, coarse_boxes)
+    elif len(fine_outers) == len(coarse_outers):
+        fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
+        _, component = linear_sum_assignment(
+            _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + IMPOSSIBLE * fewer
+        )
+        overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
+    else:
+        outside, overlapping = _fit(fine, coarse)
+        component = np.where(overlapping, outside, np.inf).argmin(axis=1)
+        overlaps = overlapping.any(axis=1)
+    lost = np.nonzero(~overlaps)[0]
+    if len(lost):
+        x, y = fine.vertices[fine.loops[fine_outers[lost[0]]]].mean(axis=0).tolist()
+        cause = f"No part of the coarse mesh overlaps outer loop {fine_outers[lost[0]]} of the fine mesh"
+        raise _mismatch(fine, cause, (x, y), "add a part there or move one over it")
+    empty = np.setdiff1d(np.arange(len(coarse_outers)), component)
+    if len(empty):
+        x, y = coarse.vertices[coarse.loops[coarse_outers[empty[0]]]].mean(axis=0).tolist()
+        cause = f"Outer loop {coarse_outers[empty[0]]} of the coarse mesh holds no part of the fine mesh"
+        raise _mismatch(fine, cause, (x, y), "remove it or move it over the part it belongs to")
+    return np.asarray(component, np.int64)
+
+
+def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner: IntArray) -> None:
+    """Give each hole of coarse component k a fine hole of its own, or leave it where no fine solid is."""
+    holes = np.nonzero((coarse.loop_signs < 0) & (coarse.component_of_loop == k))[0]
+    if len(holes) == 0:
+        return
+    candidates = np.nonzero((fine.loop_signs < 0) & (component[fine.component_of_loop] == k))[0]
+    if len(holes) > len(candidates) or np.count_nonzero(component == k) > 1:
+        holes = holes[[not _is_free(fine, coarse, hole) for hole in holes]]
+    if len(holes) > len(candidates):
+        x, y = coarse.vertices[coarse.loops[holes[-1]]].mean(axis=0).tolist()
+        cause = f"Loop {holes[-1]} of the coarse mesh is a hole, but the fine mesh has no hole for it"
+        raise _mismatch(fine, cause, (x, y), "remove it")
+    if len(holes) == len(candidates) == 1:
+        partner[candidates] = holes
+        return
+    rows, columns = linear_sum_assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
+    partner[candidates[rows]] = holes[columns]
+
+
+def _is_free(fine: Mesh, coarse: Mesh, hole: int) -> bool:
+    """Whether a coarse hole lies, for the greater part of its boundary, outside all fine loops."""
+    loop = coarse.loops[hole]
+    points = np.concatenate(
+        [coarse.vertices[loop], 0.5 * (coarse.vertices[loop] + coarse.vertices[coarse.successor[loop]])]
+    )
+    distance = np.abs(SignedDistance.of(fine).at(points).distance)
+    within = windings(points, fine, fine.vertices).any(axis=1)
+    return bool(distance[~within].sum() > distance[within].sum())
+
+
+def _mismatch(fine: Mesh, cause: str, place: tuple[float, float] | None, remedy: str) -> FlowError:
+    return stuck(FlowResult(fine.vertices[None], 0, "matching", Obstacle(cause, place, remedy)))
+
+
+def _hole_counts(mesh: Mesh) -> IntArray:
+    """(components,) number of holes."""
+    return np.bincount(mesh.component_of_loop[mesh.loop_signs < 0], minlength=len(outer_loops(mesh)))
+
+
+def _boxes_overlap(a: FloatArray, b: FloatArray) -> BoolArray:
+    """(K,) whether pairs of bounding boxes overlap."""
+    return np.asarray(((a[:, :2] < b[:, 2:]) & (b[:, :2] < a[:, 2:])).all(axis=1), np.bool_)
+
+
+def _box_difference(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(A, B) sum of the differences of the four sides of bounding boxes."""
+    return np.asarray(np.abs(a[:, None] - b[None, :]).sum(axis=2), np.float64)
+
+
+def _fit(fine: Mesh, coarse: Mesh) -> tuple[FloatArray, BoolArray]:
+    """(fine, coarse components): how far one lies outside the other, on average, and whether they overlap."""
+    fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
+    probes = [fine.vertices[fine.loops[k][:: max(1, len(fine.loops[k]) // PROBES)]] for k in fine_outers]
+    first = np.cumsum([0, *(len(points) for points in probes[:-1])])
+    points = np.concatenate(probes)
+    outside = np.empty((len(fine_outers), len(coarse_outers)))
+    overlaps = np.empty(outside.shape, bool)
+    for k, outer in enumerate(coarse_outers):
+        starts = np.concatenate([coarse.loops[loop] for loop in np.nonzero(coarse.component_of_loop == k)[0]])
+        distance = (
+            SignedDistance(coarse.vertices[starts], coarse.vertices[coarse.successor[starts]]).at(points).distance
+        )
+        outside[:, k] = np.add.reduceat(np.maximum(distance, 0.0), first) / [len(points) for points in probes]
+        around = windings(coarse.vertices[coarse.loops[outer]], fine, fine.vertices)[:, fine_outers].any(axis=0)
+        overlaps[:, k] = (np.minimum.reduceat(distance, first) < 0.0) | around
+    return outside, overlaps

@@ -1,0 +1,112 @@
+"""Broad phase: the point-edge pairs that are close enough to matter, without looking at all of them.
+
+Of few pairs simply all are compared by boxes. Above that, edges are cut into pieces no longer than a grid cell, so
+that long coarse edges beside short fine ones cost no more than their length; each piece looks up the rows of cells
+around it in the points sorted by cell. A pair found by several pieces is kept only by the piece that holds its closest
+point, so nothing has to be deduplicated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .arrays import FloatArray, IntArray
+from .distance import point_edge
+
+ALL_BOXES_LIMIT = 200_000
+"""Number of pairs up to which a test of all points against the boxes of all edges is faster than cells (measured)."""
+
+FINEST_GRID = 1000
+"""Cells along the longer side of the bounding box, at the most: bounds the number of pieces of long edges."""
+
+CHUNK_PAIRS = 2_000_000
+"""Pairs measured at once: bounds the memory to about 300 MB."""
+
+
+def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float) -> tuple[IntArray, IntArray]:
+    """Indices (point, edge) of all pairs closer than ``radius``.
+
+    points: (P, 2); starts, ends: (E, 2); radius: a length. Returns two (K,) index arrays, in no promised order.
+    """
+    if len(points) == 0 or len(starts) == 0:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    if len(points) * len(starts) <= ALL_BOXES_LIMIT:
+        return _near_pairs_by_boxes(points, starts, ends, radius)
+    return _near_pairs_by_cells(points, starts, ends, radius)
+
+
+def _near_pairs_by_boxes(
+    points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
+) -> tuple[IntArray, IntArray]:
+    low = np.minimum(starts, ends) - radius
+    high = np.maximum(starts, ends) + radius
+    x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    inside = x >= low[:, :1]
+    inside &= x <= high[:, :1]
+    inside &= y >= low[:, 1:]
+    inside &= y <= high[:, 1:]
+    j, i = np.divmod(np.flatnonzero(inside), len(points))
+    close = point_edge(points[i], starts[j], ends[j]).distance < radius
+    return i[close], j[close]
+
+
+def _near_pairs_by_cells(
+    points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
+) -> tuple[IntArray, IntArray]:
+    low = np.minimum(points.min(axis=0), np.minimum(starts.min(axis=0), ends.min(axis=0)))
+    high = np.maximum(points.max(axis=0), np.maximum(starts.max(axis=0), ends.max(axis=0)))
+    extent = float((high - low).max())
+    lengths = np.hypot(*(ends - starts).T)
+    cell = max(radius, extent / FINEST_GRID, 0.5 * min(float(np.median(lengths)), extent / 8.0))
+    columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
+
+    # points sorted by cell; first[c] is where cell c begins
+    cell_of_point = np.floor((points - low) / cell).astype(np.int64)
+    code = cell_of_point[:, 0] * rows + cell_of_point[:, 1]
+    order = np.argsort(code, kind="stable")
+    first = np.zeros(columns * rows + 1, np.int64)
+    np.cumsum(np.bincount(code, minlength=columns * rows), out=first[1:])
+
+    # pieces of edges, and for each the columns that its neighbourhood covers
+    piece_count = np.maximum(np.ceil(lengths / cell).astype(np.int64), 1)
+    edge = np.repeat(np.arange(len(starts)), piece_count)
+    place = position_in_group(piece_count)
+    direction = (ends - starts)[edge]
+    piece_start = starts[edge] + (place / piece_count[edge])[:, None] * direction
+    piece_end = starts[edge] + ((place + 1) / piece_count[edge])[:, None] * direction
+    from_cell = np.floor((np.minimum(piece_start, piece_end) - radius - low) / cell).astype(np.int64)
+    to_cell = np.floor((np.maximum(piece_start, piece_end) + radius - low) / cell).astype(np.int64)
+    np.maximum(from_cell, 0, out=from_cell)
+    np.minimum(to_cell, [columns - 1, rows - 1], out=to_cell)
+    covered = np.maximum(to_cell[:, 0] - from_cell[:, 0] + 1, 0)
+    piece = np.repeat(np.arange(len(edge)), covered)
+    column = position_in_group(covered) + from_cell[piece, 0]
+    begin = first[column * rows + from_cell[piece, 1]]
+    stop = first[column * rows + np.maximum(to_cell[piece, 1], from_cell[piece, 1] - 1) + 1]
+    count = np.maximum(stop - begin, 0)
+    occupied = count > 0
+    piece, begin, count = piece[occupied], begin[occupied], count[occupied]
+
+    found: list[tuple[IntArray, IntArray]] = []
+    total = np.cumsum(count)
+    low_item = 0
+    while low_item < len(piece):
+        done = total[low_item - 1] if low_item else 0
+        high_item = max(low_item + 1, int(np.searchsorted(total, done + CHUNK_PAIRS)))
+        counts = count[low_item:high_item]
+        item = np.repeat(np.arange(low_item, high_item), counts)
+        i = order[position_in_group(counts) + begin[item]]
+        j = edge[piece[item]]
+        pair = point_edge(points[i], starts[j], ends[j])
+        holder = np.minimum((pair.parameter * piece_count[j]).astype(np.int64), piece_count[j] - 1)
+        keep = (holder == place[piece[item]]) & (pair.distance < radius)
+        found.append((i[keep], j[keep]))
+        low_item = high_item
+    if not found:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
+
+
+def position_in_group(counts: IntArray) -> IntArray:
+    """0, 1, …, counts[0]-1, 0, 1, …, counts[1]-1, …: the place of every member in its group."""
+    return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)

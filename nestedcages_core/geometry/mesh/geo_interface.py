@@ -1,0 +1,79 @@
+"""Geometries in the `__geo_interface__` form (GeoJSON, RFC 7946) as rings of coordinates, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ...errors import InvalidMeshError
+
+GREATEST_DEPTH = 64
+"""Collections within collections that are followed; a deeper nest is taken for one that contains itself."""
+
+
+def rings_of(geometry: Any) -> list[list[Any]]:
+    """The polygons of a geometry, each a list of rings, the outer one first; empty polygons are left out.
+
+    geometry: anything with `__geo_interface__`, or such a mapping: Polygon, MultiPolygon, Feature,
+    FeatureCollection, GeometryCollection. Raises InvalidMeshError for anything else.
+    """
+    polygons: list[list[Any]] = []
+    _collect(geometry, polygons, 0)
+    if not polygons:
+        raise InvalidMeshError("The geometry is empty; give at least one polygon.")
+    return polygons
+
+
+def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
+    mapping = getattr(geometry, "__geo_interface__", geometry)
+    if not isinstance(mapping, Mapping) or depth > GREATEST_DEPTH:
+        raise InvalidMeshError(
+            f"A {type(geometry).__name__} does not describe a geometry; give an object with __geo_interface__, "
+            "such as a shapely Polygon."
+        )
+    kind = mapping.get("type")
+    if kind == "Polygon":
+        _add(mapping.get("coordinates"), polygons)
+    elif kind == "MultiPolygon":
+        for rings in _items(mapping, "coordinates"):
+            _add(rings, polygons)
+    elif kind == "Feature":
+        if mapping.get("geometry") is not None:
+            _collect(mapping["geometry"], polygons, depth + 1)
+    elif kind == "FeatureCollection":
+        for feature in _items(mapping, "features"):
+            _collect(feature, polygons, depth + 1)
+    elif kind == "GeometryCollection":
+        for member in _items(mapping, "geometries"):
+            _collect(member, polygons, depth + 1)
+    else:
+        raise InvalidMeshError(f"A geometry of type {kind} has no inside; give Polygon or MultiPolygon geometries.")
+
+
+def _items(mapping: Mapping[str, Any], key: str) -> list[Any]:
+    try:
+        return list(mapping[key])
+    except Exception as error:
+        raise InvalidMeshError(f"The {mapping['type']} has no list of {key}; give one.") from error
+
+
+def _add(rings: Any, polygons: list[list[Any]]) -> None:
+    """Append the rings of one polygon, heights left out."""
+    try:
+        polygon = [[tuple(point)[:2] for point in ring] for ring in rings]
+    except TypeError as error:
+        raise InvalidMeshError(
+            "The coordinates of a Polygon are a list of rings of points; these are something else."
+        ) from error
+    if any(polygon):
+        polygons.append(polygon)
+
+
+def to_geo_interface(polygons: Sequence[Sequence[Sequence[Sequence[float]]]]) -> dict[str, Any]:
+    """A Polygon or MultiPolygon mapping from polygons of open rings; the rings are closed here."""
+    closed = tuple(
+        tuple(tuple((float(x), float(y)) for x, y in (*ring, ring[0])) for ring in polygon) for polygon in polygons
+    )
+    if len(closed) == 1:
+        return {"type": "Polygon", "coordinates": closed[0]}
+    return {"type": "MultiPolygon", "coordinates": closed}

@@ -1,0 +1,243 @@
+"""The mesh M = (V, E) of the paper: the oriented boundary of a planar solid, validated once, at the door."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InvalidMeshError
+from ..arrays import FloatArray, IntArray
+from .geo_interface import rings_of, to_geo_interface
+from .loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
+from .validation import as_edges, as_vertices, check_simple, place
+
+Number = TypeVar("Number", bound=np.generic)
+
+EXTENT = 2.4
+"""The extent of a mesh in units of the largest distance of a vertex from their mean."""
+
+TOPOLOGY = frozenset(
+    ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop", "loop_order")
+)
+"""Attributes that stay when vertices move."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Mesh:
+    """Closed loops that bound a planar solid with holes and components; normals point out.
+
+    vertices: (n, 2) float64, read-only, the very values that came in, in their order.
+    edges: (n, 2) int64, read-only, in the order that came in; the direction is turned where needed, so that outer
+    loops run counter-clockwise and holes clockwise, by nesting depth.
+
+    Raises InvalidMeshError unless the loops are closed, have at least three vertices and neither cross nor touch.
+    """
+
+    vertices: FloatArray
+    edges: IntArray
+    successor: IntArray = field(init=False)
+    """(n,) the vertex after each vertex; the edge that starts at vertex v ends at successor[v]."""
+    loops: tuple[IntArray, ...] = field(init=False)
+    """Vertices of each loop in oriented order from its smallest one; loops are in the order of these."""
+    loop_signs: IntArray = field(init=False)
+    """(L,) role of each loop: 1 outer, -1 hole."""
+    component_of_loop: IntArray = field(init=False)
+    """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
+    is_validated: bool = field(init=False)
+    """Whether these vertices have passed the door; False for a mesh made by `moved`."""
+    loop_order: LoopOrder = field(init=False)
+    """The loops one after the other, for work on all of them at once."""
+
+    def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
+        checked = as_vertices(vertices)
+        count = len(checked)
+        joined = as_edges(edges, count)
+        order = trace_loops(joined, count)
+        points = checked[order.vertices]
+        tree = check_simple(points, order)
+        extreme = extreme_places(points, order)
+        depth, parent = parents(*enclosing_pairs(points[extreme], order, tree), len(order.sizes))
+        signs = 1 - 2 * (depth % 2)
+        order = order.turned(turning_senses(points, order, extreme) != signs)
+        following = order.successor()
+        turned = following[joined[:, 0]] != joined[:, 1]
+        joined[turned] = joined[turned, ::-1]
+        outer = signs > 0
+        component = np.cumsum(outer) - 1
+        component[~outer] = component[parent[~outer]]
+        self._fill(
+            vertices=checked,
+            edges=_frozen(joined),
+            successor=_frozen(following),
+            loops=tuple(np.split(_frozen(order.vertices), order.begins[1:])),
+            loop_signs=_frozen(signs),
+            component_of_loop=_frozen(component),
+            is_validated=True,
+            loop_order=order,
+        )
+        if not self.area > 0.0:
+            raise InvalidMeshError(
+                f"The area inside the loops around {place(checked[0])} is too small for floating-point numbers; "
+                "scale the shape up or make it wider."
+            )
+
+    @classmethod
+    def from_loops(cls, loops: Iterable[ArrayLike]) -> Mesh:
+        """A mesh from closed loops of points, each (k, 2), in any direction; a repeated closing point is dropped."""
+        try:
+            given = [np.asarray(loop) for loop in loops]
+        except Exception as error:
+            raise InvalidMeshError(
+                f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y)."
+            ) from error
+        if not given:
+            raise InvalidMeshError("The mesh is empty: there are no loops; give at least one loop of three points.")
+        rings = []
+        for k, points in enumerate(given):
+            if points.ndim != 2 or points.shape[1] != 2:
+                raise InvalidMeshError(
+                    f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows "
+                    "(x, y)."
+                )
+            ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
+            if len(ring) < 3:
+                at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
+                raise InvalidMeshError(
+                    f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it."
+                )
+            rings.append(ring)
+        sizes = np.array([len(ring) for ring in rings])
+        begins = np.cumsum(sizes) - sizes
+        starts = np.arange(sizes.sum())
+        ends = starts + 1
+        ends[begins + sizes - 1] = begins
+        try:
+            together = np.concatenate(rings)
+        except TypeError as error:
+            kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
+            raise InvalidMeshError(f"The loops hold different kinds of values ({kinds}); give numbers.") from error
+        return cls(together, np.stack((starts, ends), axis=1))
+
+    @classmethod
+    def from_geometry(cls, geometry: Any) -> Mesh:
+        """A mesh from anything with `__geo_interface__`: polygons, multipolygons, features and collections of these.
+
+        Raises InvalidMeshError also where a polygon lies inside another one, or a hole outside its polygon.
+        """
+        polygons = rings_of(geometry)
+        mesh = cls.from_loops([ring for polygon in polygons for ring in polygon])
+        first = 0
+        for k, polygon in enumerate(polygons):
+            roles = mesh.loop_signs[first : first + len(polygon)]
+            components = mesh.component_of_loop[first : first + len(polygon)]
+            if roles[0] < 0:
+                raise InvalidMeshError(
+                    f"Polygon {k} near {place(polygon[0][0])} lies inside another polygon; unite them or remove one."
+                )
+            if (roles[1:] > 0).any() or (components != components[0]).any():
+                raise InvalidMeshError(
+                    f"A hole of polygon {k} near {place(polygon[0][0])} is not directly inside it; move or remove it."
+                )
+            first += len(polygon)
+        return mesh
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """A Polygon, or a MultiPolygon if there are several components."""
+        polygons: list[list[Any]] = [[] for _ in range(int(self.component_of_loop.max()) + 1)]
+        for k in np.argsort(-self.loop_signs, kind="stable"):
+            polygons[self.component_of_loop[k]].append(self.vertices[self.loops[k]].tolist())
+        return to_geo_interface(polygons)
+
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.vertices)} vertices, {len(self.loops)} loops)"
+
+    def moved(self, vertices: ArrayLike) -> Mesh:
+        """The same edges and roles with other vertices (n, 2); not validated and not re-oriented."""
+        moved = np.array(vertices, dtype=np.float64)
+        if moved.shape != self.vertices.shape:
+            raise InvalidMeshError(
+                f"The moved vertices have shape {moved.shape}, but the mesh has {self.vertices.shape}; give as many."
+            )
+        mesh = object.__new__(Mesh)
+        kept = {name: value for name, value in vars(self).items() if name in TOPOLOGY}
+        mesh._fill(**kept, vertices=_frozen(moved), is_validated=False)
+        return mesh
+
+    def validated(self) -> Mesh:
+        """This mesh if it came through the door, else a new one that does. Raises InvalidMeshError."""
+        return self if self.is_validated else Mesh(self.vertices, self.edges)
+
+    def has_loops_like(self, other: Mesh) -> bool:
+        """Whether another mesh has as many outer loops and as many holes."""
+        return np.array_equal(np.sort(self.loop_signs), np.sort(other.loop_signs))
+
+    @cached_property
+    def predecessor(self) -> IntArray:
+        """(n,) the vertex before each vertex."""
+        before = np.empty_like(self.successor)
+        before[self.successor] = np.arange(len(before))
+        return _frozen(before)
+
+    @cached_property
+    def loop_of_vertex(self) -> IntArray:
+        """(n,) the loop of each vertex."""
+        owner = np.empty_like(self.successor)
+        owner[self.loop_order.vertices] = self.loop_order.loop
+        return _frozen(owner)
+
+    @cached_property
+    def edge_lengths(self) -> FloatArray:
+        """(n,) length of the edge that starts at each vertex."""
+        return _frozen(np.hypot(*(self.vertices[self.successor] - self.vertices).T))
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box."""
+        return float(np.hypot(*np.ptp(self.vertices, axis=0)))
+
+    @cached_property
+    def extent(self) -> float:
+        """Size that does not depend on how the mesh is turned, near the bounding box's diagonal in the mean over turns.
+
+        2.4 times the largest distance of a vertex from the mean of all: 0.85 diagonals for a disc, 1.2 for a line.
+        """
+        return EXTENT * float(np.hypot(*(self.vertices - self.vertices.mean(axis=0)).T).max())
+
+    @property
+    def loop_areas(self) -> FloatArray:
+        """(L,) signed area of each loop: holes count negative."""
+        return self._areas[0]
+
+    @property
+    def area(self) -> float:
+        """Area of the solid; positive for a validated mesh."""
+        return self._areas[1]
+
+    @cached_property
+    def _areas(self) -> tuple[FloatArray, float]:
+        areas, total = signed_areas(self.vertices[self.loop_order.vertices], self.loop_order)
+        return _frozen(areas), total
+
+    def _fill(self, **fields: Any) -> None:
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Arrays lose their write protection when they travel between processes; it is given back here."""
+        for value in state.values():
+            for array in value if isinstance(value, tuple) else (value,):
+                if isinstance(array, np.ndarray):
+                    array.flags.writeable = False
+        self._fill(**state)
+
+
+def _frozen(array: NDArray[Number]) -> NDArray[Number]:
+    """The array itself, read-only from here on."""
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,224 @@
+"""The door: plain arrays are checked once, and each fault gets one sentence with its place and its cure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...errors import InvalidMeshError
+from ..arrays import AnyArray, FloatArray, IntArray
+from ..predicates import BoxTree, orientation, segments_intersect
+from .loops import LoopOrder
+
+GREATEST_EXTENT, LEAST_EXTENT = 1e150, 1e-150
+"""Bounding-box diagonals and coordinates, in input units, whose squares stay inside the range of a double."""
+
+
+def as_vertices(data: Any) -> FloatArray:
+    """A read-only copy as (n, 2) float64, finite and of a workable size. Raises InvalidMeshError."""
+    given = _as_array(data, "vertices")
+    if given.size == 0:
+        raise InvalidMeshError("The mesh is empty: it has no vertices; give at least one loop of three vertices.")
+    if given.ndim != 2 or given.shape[1] != 2:
+        raise InvalidMeshError(
+            f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex."
+        )
+    vertices = _converted(given, np.float64, "vertices")
+    bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    if len(bad):
+        raise InvalidMeshError(
+            f"Vertex {bad[0]} has the coordinates {place(vertices[bad[0]])}; give finite numbers, or remove the vertex."
+        )
+    extent = float(np.abs(vertices).max())
+    if extent > GREATEST_EXTENT:
+        far = int(np.abs(vertices).max(axis=1).argmax())
+        raise InvalidMeshError(
+            f"Vertex {far} at {place(vertices[far])} is farther out than {GREATEST_EXTENT:g}, where areas leave the "
+            "range of floating-point numbers; scale the shape down."
+        )
+    width, height = np.ptp(vertices, axis=0)
+    if len(vertices) > 1 and 0.0 < max(width, height) < LEAST_EXTENT:
+        raise InvalidMeshError(
+            f"The whole shape around {place(vertices[0])} is smaller than {LEAST_EXTENT:g}, where areas leave the "
+            "range of floating-point numbers; scale it up."
+        )
+    vertices.flags.writeable = False
+    return vertices
+
+
+def as_edges(data: Any, count: int) -> IntArray:
+    """A copy as (m, 2) int64 that joins `count` vertices into closed loops. Raises InvalidMeshError."""
+    given = _as_array(data, "edges")
+    if given.size == 0:
+        raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.")
+    if given.ndim != 2 or given.shape[1] != 2:
+        raise InvalidMeshError(
+            f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge."
+        )
+    if given.dtype.kind not in "iu":
+        numbers = _converted(given, np.float64, "edges")
+        bad = np.flatnonzero(~(np.floor(numbers) == numbers).all(axis=1))
+        if len(bad):
+            raise InvalidMeshError(
+                f"Edge {bad[0]} joins {place(numbers[bad[0]])}, but vertex indices are whole numbers; "
+                "give an array of integers."
+            )
+        given = numbers
+    outside = np.flatnonzero(((given < 0) | (given >= count)).any(axis=1))
+    if len(outside):
+        i, j = (f"{k:.17g}" if given.dtype.kind == "f" else str(k) for k in given[outside[0]].tolist())
+        raise InvalidMeshError(
+            f"Edge {outside[0]} joins vertices {i} and {j}, but the {count} vertices are numbered from 0 to "
+            f"{count - 1}; correct the index."
+        )
+    edges: IntArray = given.astype(np.int64)
+    _check_degrees(edges, count)
+    return edges
+
+
+def _as_array(data: Any, what: str) -> AnyArray:
+    try:
+        return np.asarray(data)
+    except Exception as error:
+        raise InvalidMeshError(
+            f"The {what} cannot be read as an array ({error}); give one row of two numbers each."
+        ) from error
+
+
+def _converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArray:
+    """A float64 copy of an array of real numbers."""
+    try:
+        if given.dtype.kind not in "iufO":
+            raise TypeError(f"they are of type {given.dtype}")
+        with np.errstate(all="ignore"):
+            return np.array(given, dtype=dtype, order="C", subok=False)
+    except Exception as error:
+        raise InvalidMeshError(f"The {what} are not all real numbers ({error}); give numbers only.") from error
+
+
+def _check_degrees(edges: IntArray, count: int) -> None:
+    """Raise unless every vertex is the end of exactly two different edges."""
+    selfish = np.flatnonzero(edges[:, 0] == edges[:, 1])
+    if len(selfish):
+        raise InvalidMeshError(f"Edge {selfish[0]} joins vertex {edges[selfish[0], 0]} to itself; remove the edge.")
+    degree = np.bincount(edges.ravel(), minlength=count)
+    wrong = np.flatnonzero(degree != 2)
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    if len(wrong) or _has_two_gon(edges, count):
+        order = np.lexsort((high, low))
+        same = np.flatnonzero((low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1]))
+        if len(same):
+            i, j = sorted(order[same[0] : same[0] + 2])
+            raise InvalidMeshError(
+                f"Edges {i} and {j} both join vertices {low[i]} and {high[i]}; remove one: a loop has each edge once "
+                "and at least three vertices."
+            )
+    if not len(wrong):
+        return
+    vertex, found = wrong[0], degree[wrong[0]]
+    if found == 0:
+        raise InvalidMeshError(f"Vertex {vertex} belongs to no edge; remove it, or join it into a loop.")
+    if found == 1:
+        raise InvalidMeshError(f"The loop is open at vertex {vertex}, where only one edge ends; close it with an edge.")
+    raise InvalidMeshError(
+        f"At vertex {vertex} meet {found} edges, but loops pass each vertex once; split the vertex or remove an edge."
+    )
+
+
+def _has_two_gon(edges: IntArray, count: int) -> bool:
+    """Whether two edges join the same two vertices, given that every degree is two."""
+    ends = edges.ravel()
+    total = np.bincount(ends, weights=ends[np.arange(len(ends)) ^ 1], minlength=count)
+    suspects = np.flatnonzero(total[edges[:, 0]] == 2.0 * edges[:, 1])
+    pairs = np.sort(edges[suspects], axis=1)
+    return len(np.unique(pairs, axis=0)) < len(pairs)
+
+
+def place(point: Sequence[float] | FloatArray) -> str:
+    """A point as the user reads it."""
+    return f"({float(point[0]):.6g}, {float(point[1]):.6g})"
+
+
+def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
+    """The tree over the edges of loops that neither cross nor touch each other or themselves.
+
+    points: (n, 2) by place. Raises InvalidMeshError with a fault and its place.
+    """
+    vertex, loop, ahead = order.vertices, order.loop, order.ahead
+    ends = points[ahead]
+    flat = np.flatnonzero((points[:, 0] == ends[:, 0]) & (points[:, 1] == ends[:, 1]))
+    if len(flat):
+        k = flat[0]
+        raise InvalidMeshError(
+            f"Vertices {vertex[k]} and {vertex[ahead[k]]} follow each other in loop {loop[k]} and both lie at "
+            f"{place(points[k])}; remove one of them."
+        )
+    _check_fold_back(points, order)
+    tree = BoxTree(points, ends)
+    for i, j in tree.blocks(slim=True):
+        apart = (ahead[i] != j) & (ahead[j] != i)
+        i, j = i[apart], j[apart]
+        hit = segments_intersect(points[i], ends[i], points[j], ends[j])
+        if hit.any():
+            _raise_contact(points, order, i[hit], j[hit])
+    return tree
+
+
+def _check_fold_back(points: FloatArray, order: LoopOrder) -> None:
+    """Raise where a loop runs straight back over the edge it came by."""
+    ahead = order.ahead
+    corner, after = points[ahead], points[ahead[ahead]]
+    straight = np.flatnonzero(orientation(points, corner, after) == 0)
+    before, corner, after = points[straight], corner[straight], after[straight]
+    back = (np.sign(corner - before) != np.sign(after - corner)).any(axis=1)
+    if back.any():
+        k = ahead[straight[back.argmax()]]
+        raise InvalidMeshError(
+            f"Loop {order.loop[k]} turns back over its own edge at vertex {order.vertices[k]}, {place(points[k])}; "
+            "move or remove the vertex."
+        )
+
+
+def _raise_contact(points: FloatArray, order: LoopOrder, i: IntArray, j: IntArray) -> None:
+    """Raise for the first of the pairs (i, j) of edges in contact: a shared point, a touch or a crossing."""
+    vertex, loop, ahead = order.vertices, order.loop, order.ahead
+    ends = points[ahead]
+
+    def edge(k: int) -> str:
+        return f"edge {vertex[k]}-{vertex[ahead[k]]} of loop {loop[k]}"
+
+    for here, there in ((i, j), (ahead[i], j), (i, ahead[j]), (ahead[i], ahead[j])):
+        same = np.flatnonzero((points[here] == points[there]).all(axis=1))
+        if len(same):
+            k, m = int(here[same[0]]), int(there[same[0]])
+            raise InvalidMeshError(
+                f"Vertices {vertex[k]} of loop {loop[k]} and {vertex[m]} of loop {loop[m]} both lie at "
+                f"{place(points[k])}; move one of them, so that the boundary does not touch itself."
+            )
+    first = int(np.lexsort((j, i))[0])
+    k, m = int(i[first]), int(j[first])
+    for a, b in ((k, m), (int(ahead[k]), m), (m, k), (int(ahead[m]), k)):
+        if segments_intersect(points[[a]], points[[a]], points[[b]], ends[[b]])[0]:
+            raise InvalidMeshError(
+                f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {place(points[a])}; move it off the edge."
+            )
+    where = place(crossing_point(points[k], ends[k], points[m], ends[m]))
+    if loop[k] == loop[m]:
+        raise InvalidMeshError(
+            f"Loop {loop[k]} crosses itself near {where}: {edge(k)} meets {edge(m)}; move their vertices apart."
+        )
+    raise InvalidMeshError(
+        f"Loops {loop[k]} and {loop[m]} cross near {where}: {edge(k)} meets {edge(m)}; move them apart, or unite them."
+    )
+
+
+def crossing_point(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
+    """Where segments a-b and c-d, each (2,), cross, rounded; their common middle if they are parallel."""
+    along, across = b - a, d - c
+    determinant = along[0] * across[1] - along[1] * across[0]
+    if determinant == 0.0:
+        return np.asarray(0.25 * (a + b + c + d))
+    share = ((c - a)[0] * across[1] - (c - a)[1] * across[0]) / determinant
+    return np.asarray(a + np.clip(share, 0.0, 1.0) * along)

@@ -1,0 +1,163 @@
+"""Exact orientation and crossing: a float filter, then double-double, then integers for what is left.
+
+Filters after J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import AnyArray, BoolArray, FloatArray, IntArray
+from .box_tree import BoxTree
+
+Signs = NDArray[np.int8]
+
+ROUND_OFF = 2.0**-53
+"""Largest relative error of one float64 operation."""
+
+FLOAT_BOUND = (3.0 + 16.0 * ROUND_OFF) * ROUND_OFF
+"""Relative error of the 2x2 determinant of rounded differences (Shewchuk 1997, section 4.3, bound A)."""
+
+EXTENDED_BOUND = 40.0 * ROUND_OFF**2
+"""Relative error of the determinant with first-order corrections; about 15 terms of one ROUND_OFF**2 each, doubled."""
+
+LEAST_PRODUCT, GREATEST_PRODUCT = 1e-240, 1e240
+"""Products within are free of underflow and overflow, their rounding errors included (double range 5e-324, 2e308)."""
+
+MANTISSA_BITS = 53
+"""Bits of the significand of a double."""
+
+SPLITTER = 2.0**27 + 1.0
+"""Splits a double into two halves of 26 bits (Dekker 1971)."""
+
+
+def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
+    """Exact sign of (b - a) x (c - a) for points (..., 2): 1 for a left turn, -1 for a right turn, 0 on a line."""
+    ax, ay, bx, by, cx, cy = (np.asarray(p, dtype=np.float64)[..., k] for p in (a, b, c) for k in (0, 1))
+    with np.errstate(all="ignore"):
+        left = (ax - cx) * (by - cy)
+        right = (ay - cy) * (bx - cx)
+        determinant: FloatArray = np.asarray(left - right)
+        certain = np.abs(determinant) > FLOAT_BOUND * (np.abs(left) + np.abs(right)) + LEAST_PRODUCT
+        sign: Signs = np.sign(np.where(certain, determinant, 0.0)).astype(np.int8)
+        if not certain.all():
+            doubtful = np.nonzero(~certain)
+            corners = np.broadcast_arrays(ax, ay, bx, by, cx, cy)
+            sign[doubtful] = _sign_by_signs(np.stack([x[doubtful] for x in corners]))
+    return sign
+
+
+def orientation_sign(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> int:
+    """Exact sign of (b - a) x (c - a) for three points in plain floats: the twin of `orientation` for scalar loops."""
+    left = (ax - cx) * (by - cy)
+    right = (ay - cy) * (bx - cx)
+    determinant = left - right
+    bound = FLOAT_BOUND * (abs(left) + abs(right)) + LEAST_PRODUCT
+    if determinant > bound:
+        return 1
+    if determinant < -bound:
+        return -1
+    if (ax == cx or by == cy) and (ay == cy or bx == cx):
+        return 0
+    ratios = [number.as_integer_ratio() for number in (ax, ay, bx, by, cx, cy)]
+    scale = max(denominator for _, denominator in ratios)  # powers of two, so the others divide it
+    px, py, qx, qy, rx, ry = (numerator * (scale // denominator) for numerator, denominator in ratios)
+    exact = (px - rx) * (qy - ry) - (py - ry) * (qx - rx)
+    return (exact > 0) - (exact < 0)
+
+
+def _sign_by_signs(corners: FloatArray) -> Signs:
+    """Sign for corners (6, K) where the signs of the differences decide, which are exact; the rest is handed on."""
+    ax, ay, bx, by, cx, cy = corners
+    left = np.sign(ax - cx) * np.sign(by - cy)
+    right = np.sign(ay - cy) * np.sign(bx - cx)
+    sign: Signs = np.sign(left - right).astype(np.int8)
+    hard = np.flatnonzero((left == right) & (left != 0))
+    if len(hard):
+        sign[hard] = _sign_by_doubled(corners[:, hard])
+    return sign
+
+
+def _sign_by_doubled(corners: FloatArray) -> Signs:
+    """Sign for corners (6, K) in double-double: exact where the differences are, else certain above its own bound."""
+    ax, ay, bx, by, cx, cy = corners
+    (p, p_tail), (q, q_tail) = _difference(ax, cx), _difference(by, cy)
+    (r, r_tail), (s, s_tail) = _difference(ay, cy), _difference(bx, cx)
+    (left, left_tail), (right, right_tail) = _product(p, q), _product(r, s)
+    exact = (p_tail == 0) & (q_tail == 0) & (r_tail == 0) & (s_tail == 0)
+    in_order = np.where(left != right, np.sign(left - right), np.sign(left_tail - right_tail))
+    corrections = (p * q_tail + q * p_tail) - (r * s_tail + s * r_tail)
+    estimate = (left - right) + ((left_tail - right_tail) + corrections)
+    bound = EXTENDED_BOUND * (np.abs(left) + np.abs(right))
+    side = np.where(exact, in_order, np.sign(estimate))
+    certain = exact | (np.abs(estimate) > bound)
+    for product in (left, right):
+        certain &= (np.abs(product) > LEAST_PRODUCT) & (np.abs(product) < GREATEST_PRODUCT)
+    for factor in (p, q, r, s):
+        certain &= np.abs(factor) < GREATEST_PRODUCT
+    sign: Signs = np.where(certain, side, 0.0).astype(np.int8)
+    open_ = np.flatnonzero(~certain)
+    if len(open_):
+        sign[open_] = _sign_by_integers(corners[:, open_])
+    return sign
+
+
+def _sign_by_integers(corners: FloatArray) -> Signs:
+    """Sign for corners (6, K) in unbounded integers, each triple scaled by its own power of two: always exact."""
+    ax, ay, bx, by, cx, cy = as_integers(corners.T)[0].T
+    determinant = (ax - cx) * (by - cy) - (ay - cy) * (bx - cx)
+    return np.asarray((determinant > 0).astype(np.int8) - (determinant < 0).astype(np.int8), dtype=np.int8)
+
+
+def as_integers(numbers: FloatArray) -> tuple[AnyArray, IntArray]:
+    """Rows of doubles (K, N) as Python integers (K, N) and exponents (K,): number = integer 2**exponent; exact."""
+    mantissa, exponent = np.frexp(numbers)
+    whole = np.ldexp(mantissa, MANTISSA_BITS).astype(np.int64).astype(object)
+    least = exponent.min(axis=1).astype(np.int64)
+    shift = exponent - least[:, None]
+    return np.asarray(np.left_shift(whole, shift.astype(object)), dtype=object), least - MANTISSA_BITS
+
+
+def _difference(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """a - b as rounded difference and exact remainder (Knuth's two-sum)."""
+    difference = a - b
+    part = a - difference
+    return difference, (a - (difference + part)) + (part - b)
+
+
+def _product(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """a b as rounded product and exact remainder (Dekker 1971)."""
+    product = a * b
+    a_high = SPLITTER * a - (SPLITTER * a - a)
+    b_high = SPLITTER * b - (SPLITTER * b - b)
+    a_low, b_low = a - a_high, b - b_high
+    return product, a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
+
+
+def segments_intersect(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
+    """Whether closed segments a-b and c-d, each (K, 2), share a point (touching counts); exact, (K,).
+
+    They do if and only if their boxes overlap and neither lies on one side of the other's line.
+    """
+    a, b, c, d = np.broadcast_arrays(a, b, c, d)
+    meet: BoolArray = (np.minimum(a, b) <= np.maximum(c, d)).all(axis=-1)
+    meet &= (np.minimum(c, d) <= np.maximum(a, b)).all(axis=-1)
+    for start, end, first, second in ((a, b, c, d), (c, d, a, b)):
+        k = np.flatnonzero(meet)
+        if len(k) == 0:
+            break
+        sides = orientation(start[k], end[k], first[k]) * orientation(start[k], end[k], second[k])
+        meet[k] = sides <= 0
+    return meet
+
+
+def crossing_pairs(tree: BoxTree, other: BoxTree | None = None) -> tuple[IntArray, IntArray]:
+    """Pairs of segments that cross or touch, (K,), (K,): of two trees, or i < j within one (neighbours included)."""
+    second = tree if other is None else other
+    found_i, found_j = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    for i, j in tree.blocks(other, slim=True):
+        hit = segments_intersect(tree.starts[i], tree.ends[i], second.starts[j], second.ends[j])
+        found_i.append(i[hit])
+        found_j.append(j[hit])
+    return np.concatenate(found_i), np.concatenate(found_j)

@@ -1,0 +1,194 @@
+"""Signed distance to the solid that oriented closed loops bound: negative inside, with its gradient.
+
+The sign comes from the winding number, in which a vertex on the ray belongs to the lower side, so that a ray through a
+vertex is counted once; a point within round-off of an edge is on the boundary. The nearest edge comes from measuring
+all of them or, for many, from a tree over points along the edges whose answer is checked against a bound.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .arrays import FloatArray, IntArray
+from .broad_phase import position_in_group
+from .distance import SMALLEST_LENGTH, point_edge
+from .mesh import Mesh
+from .predicates import winding_number
+
+TREE_COST, TREE_START = 80, 20_000
+"""Cost of the tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
+
+BLOCK = 16_384
+"""Pairs that are measured at once: their arrays stay in the processor's cache (measured)."""
+
+SAMPLES_PER_EDGE = 0.5
+"""Points of the tree per mean edge length: an edge of twice the mean length has one, longer ones have more."""
+
+SPARE_SAMPLES = 1000
+"""Points of the tree on top of that, so that a few long edges are still resolved."""
+
+ROUND_OFF = 1e-14
+"""Distance, as a share of the largest coordinate, below which a point is on the boundary: some 50 times rounding."""
+
+NEIGHBOURS = 4
+"""Samples of the tree that are looked at first; if they do not prove the nearest edge, all samples in reach are."""
+
+
+class ClosestEdge(NamedTuple):
+    """The nearest edge of each of P points."""
+
+    distance: FloatArray
+    """(P,) length ≥ 0."""
+    edge: IntArray
+    """(P,) index of the edge."""
+    parameter: FloatArray
+    """(P,) position of the closest point on the edge, in [0, 1]."""
+
+
+class SignedSample(NamedTuple):
+    """Signed distance of P points."""
+
+    distance: FloatArray
+    """(P,) length, negative inside the solid."""
+    gradient: FloatArray
+    """(P, 2) unit vector out of the solid; on the boundary itself the outward normal of the edge."""
+    edge: IntArray
+    """(P,) index of the nearest edge."""
+    parameter: FloatArray
+    """(P,) position of the closest point on that edge, in [0, 1]."""
+
+
+def few_pairs(points: int, edges: int) -> bool:
+    """Whether measuring all pairs is faster than a tree."""
+    return points * edges <= TREE_COST * (points + edges) + TREE_START
+
+
+def blocks(points: FloatArray, edges: int) -> list[FloatArray]:
+    """The points in blocks that make about BLOCK pairs each; one block at least."""
+    rows = max(1, BLOCK // edges)
+    return [points[first : first + rows] for first in range(0, max(len(points), 1), rows)]
+
+
+class EdgeSearch:
+    """Finds the nearest of E edges for many points; keeps its tree for the next question."""
+
+    def __init__(self, starts: FloatArray, ends: FloatArray) -> None:
+        """starts, ends: (E, 2) with E > 0."""
+        self.starts, self.ends = starts, ends
+        self._tree: cKDTree | None = None
+
+    def closest(self, points: FloatArray) -> ClosestEdge:
+        """Nearest edge of each of the (P, 2) points."""
+        if not few_pairs(len(points), len(self.starts)):
+            return self._by_tree(points)
+        parts = [self._among_all(part) for part in blocks(points, len(self.starts))]
+        return parts[0] if len(parts) == 1 else ClosestEdge(*map(np.concatenate, zip(*parts, strict=True)))
+
+    def _among_all(self, points: FloatArray) -> ClosestEdge:
+        edge_x, edge_y = (self.ends - self.starts).T
+        squared_length = np.maximum(edge_x * edge_x + edge_y * edge_y, SMALLEST_LENGTH**2)
+        to_x = points[:, :1] - self.starts[:, 0]
+        to_y = points[:, 1:] - self.starts[:, 1]
+        parameter = to_x * (edge_x / squared_length)
+        parameter += to_y * (edge_y / squared_length)
+        np.clip(parameter, 0.0, 1.0, out=parameter)
+        to_x -= parameter * edge_x
+        to_y -= parameter * edge_y
+        to_x *= to_x
+        to_y *= to_y
+        to_x += to_y
+        edge = to_x.argmin(axis=1)
+        row = np.arange(len(points))
+        return ClosestEdge(np.sqrt(to_x[row, edge]), edge, parameter[row, edge])
+
+    def _by_tree(self, points: FloatArray) -> ClosestEdge:
+        tree = self._sampled_tree()
+        reach, sample = tree.query(points, k=min(NEIGHBOURS, len(self._edge_of_sample)))
+        point = np.arange(len(points)).repeat(sample.shape[1])
+        found = self._best_of(points, point, self._edge_of_sample[sample.ravel()])
+        # an edge at distance d has a sample within √(d² + (spacing / 2)²)
+        bound = np.hypot(found.distance, 0.5 * self._spacing) * (1.0 + 1e-12)
+        unproven = np.nonzero(reach[:, -1] < bound)[0]
+        if len(unproven) and sample.shape[1] < len(self._edge_of_sample):
+            inside = tree.query_ball_point(points[unproven], bound[unproven])
+            counts = np.fromiter(map(len, inside), np.int64, len(inside))
+            edges = self._edge_of_sample[np.concatenate(inside).astype(np.int64)]
+            better = self._best_of(points[unproven], np.arange(len(unproven)).repeat(counts), edges)
+            for whole, part in zip(found, better, strict=True):
+                whole[unproven] = part
+        return found
+
+    def _sampled_tree(self) -> cKDTree:
+        if self._tree is None:
+            lengths = np.hypot(*(self.ends - self.starts).T)
+            wanted = lengths.sum() / (SAMPLES_PER_EDGE * len(lengths) + SPARE_SAMPLES)
+            counts = np.maximum(np.ceil(lengths / max(wanted, SMALLEST_LENGTH)), 1.0).astype(np.int64)
+            self._edge_of_sample = np.repeat(np.arange(len(lengths)), counts)
+            place = position_in_group(counts)
+            parameter = (place + 0.5) / counts[self._edge_of_sample]
+            direction = (self.ends - self.starts)[self._edge_of_sample]
+            self._spacing = float((lengths / counts).max())
+            self._tree = cKDTree(self.starts[self._edge_of_sample] + parameter[:, None] * direction)
+        return self._tree
+
+    def _best_of(self, points: FloatArray, point: IntArray, edge: IntArray) -> ClosestEdge:
+        """The nearest among candidate pairs (point, edge), sorted by point, at least one for each point."""
+        pairs = point_edge(points[point], self.starts[edge], self.ends[edge])
+        first = np.searchsorted(point, np.arange(len(points)))
+        least = np.minimum.reduceat(pairs.distance, first)
+        candidates = np.nonzero(pairs.distance == least[point])[0]
+        chosen = candidates[np.searchsorted(point[candidates], np.arange(len(points)))]
+        return ClosestEdge(least, edge[chosen], pairs.parameter[chosen])
+
+
+class SignedDistance:
+    """Signed distance to the solid bounded by (E, 2) oriented edges, solid on their left."""
+
+    def __init__(self, starts: FloatArray, ends: FloatArray, outside: int = 0) -> None:
+        """outside: winding number of points outside the solid; 0 for meshes and outer loops, -1 for a hole alone."""
+        self.search = EdgeSearch(starts, ends)
+        self.outside = outside
+        self._touching = max(ROUND_OFF * float(np.abs(starts).max()), SMALLEST_LENGTH)
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> SignedDistance:
+        """Signed distance to the solid of a mesh; edge v starts at vertex v."""
+        return cls(mesh.vertices, mesh.vertices[mesh.successor])
+
+    def at(self, points: FloatArray) -> SignedSample:
+        """Signed distance and gradient at (P, 2) points."""
+        distance, edge, parameter = self.search.closest(points)
+        starts, ends = self.search.starts[edge], self.search.ends[edge]
+        direction = ends - starts
+        away = points - (starts + parameter[:, None] * direction)
+        touching = distance <= self._touching
+        sign = np.where(self.winding(points) == self.outside, 1.0, -1.0)
+        gradient = away * (sign / np.maximum(distance, SMALLEST_LENGTH))[:, None]
+        if touching.any():
+            length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), SMALLEST_LENGTH)
+            normal = np.stack([direction[:, 1], -direction[:, 0]], axis=1) / length[:, None]
+            gradient[touching] = normal[touching]
+            sign[touching] = 0.0
+        return SignedSample(sign * distance, gradient, edge, parameter)
+
+    def winding(self, points: FloatArray) -> IntArray:
+        """(P,) winding number of the edges around points; not defined within round-off of an edge."""
+        starts, ends = self.search.starts, self.search.ends
+        if not few_pairs(len(points), len(starts)):
+            return winding_number(points, starts, ends)
+        parts = [self._winding_among_all(part) for part in blocks(points, len(starts))]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def _winding_among_all(self, points: FloatArray) -> IntArray:
+        starts, ends = self.search.starts, self.search.ends
+        x, y = points[:, :1], points[:, 1:]
+        above = starts[:, 1] > y
+        rises = above != (ends[:, 1] > y)
+        edge = ends - starts
+        left = edge[:, 0] * (y - starts[:, 1]) > edge[:, 1] * (x - starts[:, 0])
+        # a rising edge counts if the point is on its left, a falling one if it is on its right
+        counted = rises & (left != above)
+        return np.asarray(counted.sum(axis=1) - 2 * (counted & above).sum(axis=1), np.int64)

@@ -1,0 +1,91 @@
+"""The smallest distance between two boundaries: branch and bound over balls around stretches of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .arrays import FloatArray, IntArray
+from .distance import point_edge
+from .predicates import BoxTree
+from .predicates.box_tree import CROWDED, FANOUT, children
+
+
+class Balls(NamedTuple):
+    """Balls around vertices of a boundary, each of which covers a stretch of it."""
+
+    centres: FloatArray
+    """(N, 2) vertices."""
+    radii: FloatArray
+    """(N,) lengths."""
+
+
+class Stretches:
+    """The segments of a tree and balls around them: level 0 around single ones, the next around FANOUT of these, ..."""
+
+    def __init__(self, tree: BoxTree) -> None:
+        self.starts, self.ends = tree.sorted_segments
+        self.levels = [Balls(self.starts, np.hypot(*(self.ends - self.starts).T))]
+        while len(self.levels[-1].radii) > FANOUT:
+            self.levels.append(_parents(*self.levels[-1]))
+        self.counts = [len(level.radii) for level in self.levels]
+
+
+def smallest_gap(here: BoxTree, there: BoxTree) -> float:
+    """Smallest distance between the closed loops of two trees, which must not meet.
+
+    Centres are vertices, so every distance measured on the way is an upper bound of the result, and pairs of balls
+    that are farther apart than the best one so far are dropped; so are crowded pairs that turned boxes tell apart. The
+    cost is that of the stretches in close contact.
+    """
+    ours, theirs = Stretches(here), Stretches(there)
+    a, b = len(ours.levels) - 1, len(theirs.levels) - 1
+    i, j = np.indices((ours.counts[a], theirs.counts[b])).reshape(2, -1)
+    best = np.inf
+    while True:
+        distance, reach = _between(ours, a, i, theirs, b, j)
+        best = min(best, float(distance.min()))
+        if a == 0 and b == 0:
+            return best
+        near = distance - reach <= best
+        i, j = i[near], j[near]
+        if len(i) > CROWDED * (ours.counts[a] + theirs.counts[b]):
+            near = here.oriented(a).gap(i, there.oriented(b), j) <= best
+            i, j = i[near], j[near]
+        if b == 0 or (a > 0 and ours.levels[a].radii[i].mean() > theirs.levels[b].radii[j].mean()):
+            a, i, j = a - 1, children(i), np.repeat(j, FANOUT)
+        else:
+            b, i, j = b - 1, np.repeat(i, FANOUT), children(j)
+        exist = (i < ours.counts[a]) & (j < theirs.counts[b])
+        i, j = i[exist], j[exist]
+
+
+def _parents(centres: FloatArray, radii: FloatArray) -> Balls:
+    """Balls around FANOUT balls each, with their centres in the middle of these."""
+    begins = np.arange(0, len(radii), FANOUT)
+    middles = centres[np.minimum(begins + FANOUT // 2, len(radii) - 1)]
+    across = centres - np.repeat(middles, FANOUT, axis=0)[: len(radii)]
+    return Balls(middles, np.maximum.reduceat(np.hypot(across[:, 0], across[:, 1]) + radii, begins))
+
+
+def _between(
+    ours: Stretches, a: int, i: IntArray, theirs: Stretches, b: int, j: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Distance between points of stretches i and j, of levels a and b, and by how much these may be closer, (K,), (K,).
+
+    A stretch of one segment is measured to the centre of the other one. Of two single segments the start points are
+    measured, as their end points are the start points of others.
+    """
+    centres, others = ours.levels[a].centres[i], theirs.levels[b].centres[j]
+    reach, other_reach = ours.levels[a].radii[i], theirs.levels[b].radii[j]
+    if a > 0 and b > 0:
+        return np.hypot(*(centres - others).T), reach + other_reach
+    to_theirs = point_edge(centres, theirs.starts[j], theirs.ends[j]).distance if b == 0 else None
+    to_ours = point_edge(others, ours.starts[i], ours.ends[i]).distance if a == 0 else None
+    if to_ours is None:
+        assert to_theirs is not None
+        return to_theirs, reach
+    if to_theirs is None:
+        return to_ours, other_reach
+    return np.minimum(to_ours, to_theirs), np.zeros(len(i))

@@ -1,0 +1,170 @@
+"""Triangles that tile a solid: areas, gradients, where points are, and functions that are linear on each triangle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from ..arrays import FloatArray, IntArray
+
+INSIDE = -1e-12
+"""Least barycentric coordinate of a point that counts as inside a triangle; only rounding is forgiven."""
+
+STEPS_OF_WALK = 3.0
+"""Triangles that the search for a point passes before it is given up for a look at all triangles, in √T."""
+
+PAIRS_AT_ONCE = 1_000_000
+"""Pairs of points and triangles measured at once; bounds the memory to about 200 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Triangles of a solid; the first vertices are those of its mesh, the next lie on its edges, the rest inside."""
+
+    vertices: FloatArray
+    """(N, 2)."""
+    triangles: IntArray
+    """(T, 3) corners, counter-clockwise."""
+    edge: IntArray
+    """(B,) for each of the first B vertices, those on the boundary, the mesh vertex that its edge starts at."""
+    end: IntArray
+    """(B,) the mesh vertex that this edge ends at."""
+    parameter: FloatArray
+    """(B,) place on that edge: 0 at its start."""
+
+    @property
+    def on_boundary(self) -> int:
+        """Number B of vertices on the boundary."""
+        return len(self.edge)
+
+    @property
+    def inside(self) -> IntArray:
+        """(N - B,) the vertices that are not on the boundary."""
+        return np.arange(self.on_boundary, len(self.vertices))
+
+    @cached_property
+    def areas(self) -> FloatArray:
+        """(T,) areas."""
+        a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
+        return np.asarray(0.5 * _cross(b - a, c - a))
+
+    def boundary_values(self, mesh_vertices: int) -> csr_array:
+        """(B, n) what makes values at the n mesh vertices, linear along edges, values at the boundary vertices."""
+        row = np.tile(np.arange(self.on_boundary), 2)
+        column = np.concatenate((self.edge, self.end))
+        value = np.concatenate((1.0 - self.parameter, self.parameter))
+        used = value != 0.0
+        return csr_array((value[used], (row[used], column[used])), shape=(self.on_boundary, mesh_vertices))
+
+    def stiffness(self) -> csr_array:
+        """(N, N) the cotangent Laplacian: ∫ ∇φᵢ·∇φⱼ for the hat functions φ (Pinkall & Polthier 1993)."""
+        opposite = [
+            self.vertices[self.triangles[:, (k + 2) % 3]] - self.vertices[self.triangles[:, (k + 1) % 3]]
+            for k in range(3)
+        ]
+        scale = 0.25 / self.areas
+        entries = [(opposite[i] * opposite[j]).sum(axis=1) * scale for i in range(3) for j in range(3)]
+        return self._assembled(np.concatenate(entries))
+
+    def mass(self) -> csr_array:
+        """(N, N) ∫ φᵢ φⱼ."""
+        entries = [self.areas / (6.0 if i == j else 12.0) for i in range(3) for j in range(3)]
+        return self._assembled(np.concatenate(entries))
+
+    def interpolation(self, points: FloatArray) -> csr_array:
+        """(P, N) what makes values at the vertices, linear on each triangle, values at (P, 2) points of the solid.
+
+        Three entries per row, none negative, of sum 1. A point outside gets the values of a point on the boundary.
+        """
+        triangle, weights = self.locate(points)
+        row = np.repeat(np.arange(len(points)), 3)
+        column = self.triangles[triangle].ravel()
+        used = weights.ravel() != 0.0
+        shape = (len(points), len(self.vertices))
+        return csr_array((weights.ravel()[used], (row[used], column[used])), shape=shape)
+
+    def differentiation(self, points: FloatArray) -> tuple[csr_array, csr_array]:
+        """What makes values at the vertices their slopes along x and y, (P, N) each, in the triangles around points."""
+        triangle, _ = self.locate(points)
+        corners = self.triangles[triangle]
+        a, b, c = (self.vertices[corners[:, k]] for k in range(3))
+        opposite = np.stack((c - b, a - c, b - a), axis=1) / (2.0 * self.areas[triangle])[:, None, None]
+        row, shape = np.repeat(np.arange(len(points)), 3), (len(points), len(self.vertices))
+        along_x, along_y = -opposite[:, :, 1], opposite[:, :, 0]  # across the opposite edge
+        return (
+            csr_array((along_x.ravel(), (row, corners.ravel())), shape=shape),
+            csr_array((along_y.ravel(), (row, corners.ravel())), shape=shape),
+        )
+
+    def locate(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
+        """The triangle around each of (P, 2) points, (P,), and the barycentric coordinates there, (P, 3)."""
+        found = np.asarray(self._centres.query(points)[1], dtype=np.int64)
+        lost = self._walk(points, found)
+        chunk = max(PAIRS_AT_ONCE // len(self.triangles), 1)
+        for first in range(0, len(lost), chunk):
+            some = lost[first : first + chunk]
+            pairs = self._barycentric(points[some, None], np.arange(len(self.triangles))[None])
+            found[some] = pairs.min(axis=2).argmax(axis=1)
+        weights = np.maximum(self._barycentric(points, found), 0.0)
+        weights /= weights.sum(axis=1, keepdims=True)
+        # what rounding left over in thin triangles is found and added once more
+        corners = self.vertices[self.triangles[found]]
+        missed = points - (weights[:, :, None] * corners).sum(axis=1)
+        refined = weights + self._barycentric(corners[:, 0] + missed, found) - (1.0, 0.0, 0.0)
+        inside = refined.min(axis=1) >= 0.0
+        weights[inside] = refined[inside]
+        return found, weights
+
+    def _walk(self, points: FloatArray, found: IntArray) -> IntArray:
+        """Walk from triangle to triangle towards the points; the points (K,) that a boundary hides or that go on."""
+        active = np.arange(len(points))
+        hidden = [np.zeros(0, dtype=np.int64)]
+        for _ in range(int(STEPS_OF_WALK * np.sqrt(len(self.triangles))) + 1):
+            weights = self._barycentric(points[active], found[active])
+            outside = weights.min(axis=1) < INSIDE
+            active, weights = active[outside], weights[outside]
+            if not len(active):
+                break
+            onward = self.neighbours[found[active]]
+            choice = np.where((weights < INSIDE) & (onward >= 0), weights, np.inf)
+            best = choice.argmin(axis=1)
+            row = np.arange(len(active))
+            open_ = np.isfinite(choice[row, best])
+            hidden.append(active[~open_])
+            found[active[open_]] = onward[row, best][open_]
+            active = active[open_]
+        return np.concatenate([*hidden, active])
+
+    def _barycentric(self, points: FloatArray, triangle: IntArray) -> FloatArray:
+        """Barycentric coordinates (..., 3) of points (..., 2) in triangles (...,)."""
+        a, b, c = (self.vertices[self.triangles[triangle, k]] - points for k in range(3))
+        weights = np.stack((_cross(b, c), _cross(c, a), _cross(a, b)), axis=-1)
+        return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
+
+    @cached_property
+    def neighbours(self) -> IntArray:
+        """(T, 3) the triangle across the edge opposite to each corner, -1 at the boundary."""
+        starts = self.triangles[:, [1, 2, 0]].ravel()
+        ends = self.triangles[:, [2, 0, 1]].ravel()
+        keys, back = starts * len(self.vertices) + ends, ends * len(self.vertices) + starts
+        order = np.argsort(keys)
+        across = order[np.searchsorted(keys, back, sorter=order).clip(max=len(keys) - 1)]
+        return np.where(keys[across] == back, across // 3, -1).reshape(-1, 3)
+
+    @cached_property
+    def _centres(self) -> cKDTree:
+        return cKDTree(self.vertices[self.triangles].mean(axis=1))
+
+    def _assembled(self, entries: FloatArray) -> csr_array:
+        """(N, N) sums of entries (9T,), ordered by pairs of corners, then triangles."""
+        row = np.concatenate([self.triangles[:, i] for i in range(3) for _ in range(3)])
+        column = np.concatenate([self.triangles[:, j] for _ in range(3) for j in range(3)])
+        return csr_array((entries, (row, column)), shape=(len(self.vertices),) * 2)
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

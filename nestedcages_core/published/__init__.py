@@ -1,0 +1,1 @@
+"""Methods as they were published, one package per paper, behind the same protocols as ours."""

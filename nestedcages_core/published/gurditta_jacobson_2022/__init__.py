@@ -1,0 +1,11 @@
+"""Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) as written, with its repairs one at a time."""
+
+from __future__ import annotations
+
+from .gradient_descent import GradientDescent
+from .paper_contact import PaperContact, Repairs
+from .paper_flow import PaperFlow
+from .paper_potential import PaperWeights
+from .signed_distance_flow import SignedDistanceFlow
+
+__all__ = ["GradientDescent", "PaperContact", "PaperFlow", "PaperWeights", "Repairs", "SignedDistanceFlow"]

@@ -1,0 +1,110 @@
+"""Reinflation as the paper writes it (Gurditta & Jacobson 2022, section 3.2), with its repairs as switches.
+
+For each step of the flow, from the last to the first, the energy is lowered by a fixed number of descent steps. Nothing
+says that the fine mesh has arrived before the next target is set, and nothing brings the rest of it home in the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...contact.base import ContactOutcome
+from ...contact.pair_search import AllPairs, BroadPhase
+from ...contact.pairs import Bodies
+from ...contact.step_filter import NoFilter, StepFilter
+from ...energies import CageEnergy
+from ...geometry.arrays import FloatArray
+from ...solver import Solver
+from .paper_flow import PAPER_DIAGONAL
+from .paper_potential import PaperPotential, PaperWeights
+
+STIFFER = 4.0
+"""Repair of the home-coming: factor on λ_R while the fine mesh rests short of home."""
+
+MAX_STIFFENINGS = 12
+"""Cap on those factors."""
+
+
+@dataclass(frozen=True)
+class Repairs:
+    """What the paper's program gets wrong, each mended on its own. The third repair of the three, of infinite energies,
+    is the solver's: ``GradientDescent(refuse_infinite=True)``."""
+
+    parity: bool = False
+    """E_cont by exact crossings, which also see the cage cross itself, instead of parity along rays."""
+    exact_home: bool = False
+    """λ_R grows after the last target until the fine mesh can go straight home without contact; then it does."""
+
+
+@dataclass(frozen=True)
+class PaperContact:
+    """The paper's energy and its loop over the flow's steps; meant for ``solver=GradientDescent(steps=100)``.
+
+    Lengths are relative to the bounding-box diagonal of the fine mesh.
+    """
+
+    d_hat: float = 0.1 / PAPER_DIAGONAL
+    """Range of the barrier; the program's is 0.1 on the annulus of Table 1."""
+    weights: PaperWeights = field(default_factory=PaperWeights)
+    repairs: Repairs = field(default_factory=Repairs)
+    step_filter: StepFilter = field(default_factory=NoFilter)
+    """What bounds a step before the line search."""
+    broad_phase: BroadPhase = field(default_factory=AllPairs)
+    """Which pairs are looked at."""
+
+    def reinflate(
+        self,
+        bodies: Bodies,
+        x: FloatArray,
+        path: Sequence[FloatArray],
+        *,
+        clearance: float,
+        energy: CageEnergy,
+        solver: Solver,
+        on_step: Callable[[FloatArray], None],
+    ) -> ContactOutcome:
+        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`. ``clearance`` is not known
+        here.
+
+        Unless a step filter is safe, the linear motion between steps may pass through a contact.
+        """
+        candidates = self.broad_phase.candidates(bodies)
+
+        def potential(target: FloatArray, weights: PaperWeights, last: bool) -> PaperPotential:
+            return PaperPotential(
+                bodies, energy.after(x[: bodies.m]), target, weights, self.d_hat,
+                candidates=candidates, step_filter=self.step_filter,
+                exact_containment=self.repairs.parity, ends_at_target=last,
+            )  # fmt: skip
+
+        iterations = 0
+        for place, target in enumerate(path):
+            objective = potential(target, self.weights, False)
+            solution = solver.minimise(objective, x, on_step)
+            x = solution.x
+            iterations += solution.iterations
+            with np.errstate(over="ignore", invalid="ignore"):
+                finite = np.isfinite(objective.value(x))
+            if not finite:
+                reason = f"the energy of flow step {len(path) - 1 - place} is infinite, and so is every step from there"
+                return ContactOutcome(x, False, iterations, reason)
+        if self.repairs.exact_home:
+            weights = self.weights
+            for _ in range(MAX_STIFFENINGS):
+                objective = potential(path[-1], weights, True)
+                if objective.finished(x):
+                    x = np.concatenate([x[: bodies.m], path[-1]])
+                    on_step(x)
+                    return ContactOutcome(x, True, iterations)
+                solution = solver.minimise(objective, x, on_step)
+                x = solution.x
+                iterations += solution.iterations
+                weights = PaperWeights(STIFFER * weights.restoring, weights.cages, weights.barrier)
+        short = np.hypot(*(path[-1] - x[bodies.m :]).T)
+        worst = int(short.argmax())
+        came_home = not bool(short.any())
+        reason = f"fine vertex {worst} rests {short[worst]:.1e} bounding-box diagonals short of home"
+        return ContactOutcome(x, came_home, iterations, "" if came_home else reason)

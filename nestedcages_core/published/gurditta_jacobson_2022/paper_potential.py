@@ -1,0 +1,145 @@
+"""The energy of the paper's section 3.2, term by term as its program weighs them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...contact.barrier import BarrierTerms, barrier, barrier_hessian_factors
+from ...contact.ccd import impacts
+from ...contact.condensation import newton_direction
+from ...contact.incremental_potential import REST_MARGIN, sum_at_corners
+from ...contact.pair_search import Candidates
+from ...contact.pairs import Bodies, Pairs
+from ...contact.step_filter import StepFilter
+from ...energies import Blocks, CageEnergy
+from ...energies.containment import Containment
+from ...geometry.arrays import FloatArray
+from ...geometry.distance import PointEdge, distance_gradient
+from ...solver import Model
+from .ray_parity import contained_by_parity
+
+TOUCHING = 1e-15
+"""Pairs closer than this feel no barrier in the program, which so passes over a vertex and its own edges."""
+
+
+@dataclass(frozen=True)
+class PaperWeights:
+    """λ_R, λ_cages, λ_B of the program, which hold at any size: every term of the energy is a length²."""
+
+    restoring: float = 1e4
+    cages: float = 10.0
+    barrier: float = 10.0
+
+
+class PaperPotential:
+    """E = λ_R R + λ_cages E_cages + λ_B (B_FC + B_CF + B_CC) + E_cont over x = (C; F).
+
+    R = ½ Σ |f - target|², every vertex alike; B = Σ -(d - d̂)² log(d / d̂) over all pairs closer than one d̂; E_cont = 0
+    or ∞. The last has no gradient and acts through the line search alone.
+    """
+
+    def __init__(
+        self,
+        bodies: Bodies,
+        energy: CageEnergy,
+        target: FloatArray,
+        weights: PaperWeights,
+        d_hat: float,
+        *,
+        candidates: Candidates,
+        step_filter: StepFilter,
+        exact_containment: bool,
+        ends_at_target: bool = False,
+    ) -> None:
+        self.bodies, self.energy, self.target = bodies, energy, target
+        self.weights, self.d_hat = weights, d_hat
+        self.candidates, self.step_filter = candidates, step_filter
+        self.ends_at_target = ends_at_target
+        self._ceiling = np.inf
+        self._exact = Containment(bodies.cage_successor, bodies.fine_successor) if exact_containment else None
+
+    def value(self, x: FloatArray) -> float:
+        """E at x (m + n, 2)."""
+        return self._value(x, self._within_range(x)[1])
+
+    def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
+        """E and its gradient, which is that of its finite terms."""
+        pairs, pair = self._within_range(x)
+        self._ceiling = np.inf
+        self._ceiling = self._value(x, pair)
+        m, successor = self.bodies.m, self.bodies.cage_successor
+        push = self.weights.barrier * self._barrier(pair).first
+        gradient = sum_at_corners(pairs, push[:, None] * distance_gradient(pair), len(x))
+        gradient[:m] += self.weights.cages * self.energy.gradient(x[:m], successor)
+        gradient[m:] += self.weights.restoring * (x[m:] - self.target)
+        return self._ceiling, gradient
+
+    def newton(self, x: FloatArray) -> Model:
+        """E, its gradient and its projected Newton direction, which the paper leaves as further work."""
+        value, gradient = self.slope(x)
+        pairs, pair = self._within_range(x)
+        weight = np.full(len(pairs), self.weights.barrier)
+        factors = barrier_hessian_factors(self._barrier(pair), weight, pair, x[pairs.start], x[pairs.end])
+        corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1)
+        cage = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
+        own = Blocks.sum([(self.weights.cages, cage)])
+        stiffness = np.full(self.bodies.n, self.weights.restoring)
+        return Model(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
+
+    def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
+        """Fraction of ``direction`` that the step filter lets through."""
+        pairs, pair = self._near(x, direction)
+        return self.step_filter.fraction(pairs, x, direction, pair.distance)
+
+    def finished(self, x: FloatArray) -> bool:
+        """Whether the fine mesh can go straight to its target, if that is asked for: the paper does not ask."""
+        if not self.ends_at_target:
+            return False
+        motion = np.zeros_like(x)
+        motion[self.bodies.m :] = self.target - x[self.bodies.m :]
+        pairs, pair = self._near(x, motion)
+        if len(impacts(pairs, x, motion, pair.distance)[0]):
+            return False
+        after = pairs.measure(x + motion).distance
+        return bool((after > REST_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
+
+    def _value(self, x: FloatArray, pair: PointEdge) -> float:
+        """E, or its finite terms alone where these already exceed E at the last slope: E_cont, the dearest term, then
+        refuses nothing that is not refused anyway."""
+        m = self.bodies.m
+        cages = self.energy.value(x[:m], self.bodies.cage_successor)
+        if not np.isfinite(cages):
+            return np.inf
+        away = x[m:] - self.target
+        restoring = 0.5 * float((away * away).sum())
+        contact = float(self._barrier(pair).value.sum())
+        weights = self.weights
+        finite = weights.restoring * restoring + weights.cages * cages + weights.barrier * contact
+        if finite > self._ceiling or self._contained(x):
+            return finite
+        return np.inf
+
+    def _contained(self, x: FloatArray) -> bool:
+        """E_cont = 0, by parity as written or by exact predicates."""
+        if self._exact is not None:
+            return self._exact.value(x) == 0.0
+        m = self.bodies.m
+        return contained_by_parity(x[:m], self.bodies.cage_successor, x[m:], self.bodies.fine_successor)
+
+    def _within_range(self, x: FloatArray) -> tuple[Pairs, PointEdge]:
+        """The pairs that the barrier acts on."""
+        pairs = self.candidates.within(x, self.d_hat, self.d_hat)
+        pair = pairs.measure(x)
+        active = (pair.distance < self.d_hat) & (pair.distance >= TOUCHING)
+        return pairs.subset(active), PointEdge(*(field[active] for field in pair))
+
+    def _near(self, x: FloatArray, motion: FloatArray) -> tuple[Pairs, PointEdge]:
+        """The pairs that can meet in a motion; an edge has nothing to fear from its neighbours' common vertices."""
+        longest = float(np.sqrt((motion * motion).sum(axis=1).max()))
+        pairs = self.candidates.within(x, self.d_hat + 2.0 * longest, self.d_hat)
+        return pairs, pairs.measure(x)
+
+    def _barrier(self, pair: PointEdge) -> BarrierTerms:
+        return barrier(pair.distance, np.full(len(pair.distance), self.d_hat))

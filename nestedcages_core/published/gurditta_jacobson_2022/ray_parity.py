@@ -1,0 +1,46 @@
+"""Containment as the paper tests it: parity along a ray, and edges that cross.
+
+Kept to show what it gets wrong; everything that certifies uses :func:`winding_number` and :func:`crossing_pairs`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry.arrays import BoolArray, FloatArray, IntArray
+
+
+def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
+    """(P,) whether a ray from each point (P, 2) along +x crosses an odd number of edges (E, 2) between their ends.
+
+    A ray that meets a vertex crosses neither of its edges between the ends, so it goes uncounted: the answer is then
+    wrong, for instance for every vertex of a regular polygon on the height of one of the coarse mesh's.
+    """
+    edge = ends - starts
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (points[:, None, 1] - starts[:, 1]) / edge[:, 1]
+        x = starts[:, 0] + t * edge[:, 0]
+    crosses = (t > 0.0) & (t < 1.0) & (x > points[:, None, 0])
+    return np.asarray(crosses.sum(axis=1) % 2 == 1)
+
+
+def edges_meet(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> bool:
+    """Whether any edge of a-b (E, 2) meets any of c-d (K, 2), in floating point; parallel edges are passed over."""
+    u, w, apart = (b - a)[:, None], (d - c)[None], c[None] - a[:, None]
+    turn = _cross(u, w)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s, t = _cross(apart, w) / turn, _cross(apart, u) / turn
+    return bool(((turn != 0.0) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)).any())
+
+
+def contained_by_parity(cage: FloatArray, cage_successor: IntArray, fine: FloatArray, fine_successor: IntArray) -> bool:
+    """Whether all fine vertices are inside by parity and no edges meet (Gurditta & Jacobson 2022, section 3.2)."""
+    ends = cage[cage_successor]
+    if not inside_by_parity(fine, cage, ends).all():
+        return False
+    return not edges_meet(cage, ends, fine, fine[fine_successor])
+
+
+def _cross(u: FloatArray, w: FloatArray) -> FloatArray:
+    product: FloatArray = u[..., 0] * w[..., 1] - u[..., 1] * w[..., 0]
+    return product

@@ -1,0 +1,163 @@
+"""The velocity nearest to a wished one with which nothing penetrates (Brochu & Bridson 2009, section 4; Harmon et al.
+2008).
+
+Swept collisions are found by continuous collision detection. Each becomes a row of a quadratic program: at the place
+and with the normal of the impact, the pair has to stay apart,
+
+    minimise   ½ |V - V*|² + |e|² / (2 ε)
+    subject to g + n · (V_p - (1 - t) V_a - t V_b) + e ≥ margin,
+
+g the distance along n at the start. The fine mesh has infinite mass: its velocity is prescribed, and only the cage's
+vertices move. The new velocity may bring new impacts, whose rows join the old ones, until there are none: pairs that
+share vertices so come to form an impact zone, and V is nearest for the zone as a whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...contact.ccd import impacts
+from ...contact.linearisation import Contacts, local_axes, measure
+from ...contact.pairs import Bodies, Pairs
+from ...energies import Blocks
+from ...geometry.arrays import FloatArray, IntArray
+from ...solver.banded import Rows
+from ...solver.quadratic_program import InteriorPoint, QuadraticProgram
+
+ROUNDS = 12
+"""Cap on the programs for one velocity; what still collides then is left to the halving of the step."""
+
+KEPT = 0.7
+"""A pair closer than the proximity has to keep this part of its distance: more than the feasibility rule asks for."""
+
+SOFTNESS = 1e-4
+"""ε: how far a row may be missed per unit of impulse; every program so has a solution, pinched cages too."""
+
+COMPLEMENTARITY = 1e-4
+"""Complementarity of the programs that is small enough, in units of the proximity squared."""
+
+LARGEST_VELOCITY = 4.0
+"""The cage's vertices may move so many times the largest wished motion plus the proximity, along each axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Impacts:
+    """K rows: pairs that have to stay apart, with the place and the normal of their impacts."""
+
+    point: IntArray
+    start: IntArray
+    end: IntArray
+    parameter: FloatArray
+    normal: FloatArray
+    distance: FloatArray
+    """(K,) g, along the normal, at the start."""
+    margin: FloatArray
+    """(K,) what has to be left of it."""
+
+    def joined(self, other: Impacts) -> Impacts:
+        """Both."""
+        return Impacts(*(np.concatenate(both) for both in zip(vars(self).values(), vars(other).values(), strict=True)))
+
+    def where(self, keep: IntArray) -> Impacts:
+        """Those with the indices ``keep``."""
+        return Impacts(*(array[keep] for array in vars(self).values()))
+
+
+@dataclass(frozen=True)
+class ImpactZones:
+    """Finds velocities."""
+
+    bodies: Bodies
+    proximity: float
+    """Distance below which pairs are pushed apart before they collide; a length."""
+    solver: InteriorPoint = field(
+        default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1, primal=1e-4)
+    )
+
+    def nearest(self, pairs: Pairs, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, int]:
+        """A velocity (m + n, 2) near the wished one, equal to it on the fine mesh, and the systems solved.
+
+        pairs: all that can meet during the step from x (m + n, 2), which takes unit time.
+        """
+        contacts = measure(pairs, x)
+        rows = self._proximities(pairs, contacts)
+        velocity, systems = wished, 0
+        for _ in range(ROUNDS):
+            if len(rows.point):
+                velocity, count = self._project(rows, wished, local_axes(self.bodies, x))
+                systems += count
+            hit, time = impacts(pairs, x, velocity, contacts.distance, self.proximity)
+            if len(hit) == 0:
+                break
+            rows = rows.joined(self._swept(pairs, contacts, x, velocity, hit, time))
+        return velocity, systems
+
+    def _proximities(self, pairs: Pairs, contacts: Contacts) -> Impacts:
+        """Rows of the pairs that are too close at the start: they come half of the way to the proximity."""
+        close = np.flatnonzero(contacts.distance < self.proximity)
+        d = contacts.distance[close]
+        return Impacts(
+            pairs.point[close], pairs.start[close], pairs.end[close],
+            contacts.parameter[close], contacts.normal[close], d, 0.5 * (d + self.proximity),
+        )  # fmt: skip
+
+    def _swept(
+        self, pairs: Pairs, contacts: Contacts, x: FloatArray, velocity: FloatArray, hit: IntArray, time: FloatArray
+    ) -> Impacts:
+        """Rows of the pairs that collide with this velocity, as they stand at that time."""
+        p, a, b = pairs.point[hit], pairs.start[hit], pairs.end[hit]
+        then = time[:, None]
+        start, end = x[a] + then * velocity[a], x[b] + then * velocity[b]
+        edge, to = end - start, x[p] + then * velocity[p] - start
+        squared = np.maximum((edge * edge).sum(axis=1), np.finfo(float).tiny)
+        parameter = np.clip((edge * to).sum(axis=1) / squared, 0.0, 1.0)
+        normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.sqrt(squared)[:, None]
+        before = x[p] - (1.0 - parameter)[:, None] * x[a] - parameter[:, None] * x[b]
+        distance = (normal * before).sum(axis=1)
+        normal[distance < 0.0] *= -1.0
+        distance = np.abs(distance)
+        margin = np.minimum(self.proximity, KEPT * contacts.distance[hit])
+        return Impacts(p, a, b, parameter, normal, distance, np.minimum(margin, distance))
+
+    def _project(self, rows: Impacts, wished: FloatArray, axes: FloatArray) -> tuple[FloatArray, int]:
+        """The nearest velocity that keeps the rows."""
+        m = self.bodies.m
+        order = np.argsort(2 * (rows.point < m) + (rows.start < m), kind="stable")  # C-F is 2, F-C 1, C-C 3
+        rows = rows.where(order)
+        family = 2 * (rows.point < m) + (rows.start < m)
+        fc, cf, cc = (np.flatnonzero(family == kind) for kind in (1, 2, 3))
+        t, normal = rows.parameter, rows.normal.T
+        groups = [
+            Rows(np.stack([rows.start[fc], rows.end[fc]]), np.stack([t[fc] - 1.0, -t[fc]]), normal[:, fc]),
+            Rows(rows.point[None, cf], np.ones((1, len(cf))), normal[:, cf]),
+            Rows(
+                np.stack([rows.point[cc], rows.start[cc], rows.end[cc]]),
+                np.stack([np.ones(len(cc)), t[cc] - 1.0, -t[cc]]),
+                normal[:, cc],
+            ),
+        ]
+        prescribed = wished.copy()
+        prescribed[:m] = 0.0
+        edge = (1.0 - t)[:, None] * prescribed[rows.start] + t[:, None] * prescribed[rows.end]
+        relative = prescribed[rows.point] - edge
+        room = rows.distance - rows.margin + (rows.normal * relative).sum(axis=1)
+        largest = float(np.abs(wished).max()) + self.proximity
+        still = np.arange(m)
+        program = QuadraticProgram(
+            -wished[:m],
+            Blocks(still, still, np.broadcast_to(np.eye(2), (m, 2, 2))),
+            groups,
+            room,
+            np.full(m, LARGEST_VELOCITY * largest),
+            axes,
+            softness=np.full(len(t), SOFTNESS),
+            order=self.bodies.cage_order,
+            scale=largest,
+        )
+        solution = self.solver.solve(program, COMPLEMENTARITY * self.proximity**2)
+        velocity = wished.copy()
+        if np.isfinite(solution.step).all():
+            velocity[:m] = solution.step
+        return velocity, solution.iterations

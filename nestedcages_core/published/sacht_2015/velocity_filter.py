@@ -1,0 +1,180 @@
+"""The original contact method of Nested Cages (Sacht et al. 2015, section 5) in the plane.
+
+The fine mesh has infinite mass and takes one step of the flow back at a prescribed velocity; the cage wishes to go down
+the gradient of its energy. Both velocities go through a filter, which replaces the cage's by the nearest one that does
+not penetrate. Then the fine mesh stands still while the cage lowers its energy further, step by filtered step: a step
+that raises the energy is taken back and halved, one that lowers it makes the next a tenth longer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...contact.base import ContactOutcome
+from ...contact.feasibility_rule import FeasibilityRule
+from ...contact.ipc import waypoints
+from ...contact.linearisation import measure
+from ...contact.pairs import Bodies, CandidateList
+from ...energies import CageEnergy
+from ...geometry.arrays import FloatArray
+from ...solver import Solver
+from .impact_zones import LARGEST_VELOCITY, ImpactZones
+
+HALVE, LENGTHEN = 0.5, 1.1
+"""Factors on the descent step after the energy has risen or fallen."""
+
+SHORT = 0.05
+"""Part of a filtered step below which it is tried again over half of the time."""
+
+HALVINGS = 6
+"""Cap on these halvings, after which every vertex goes as far as it can."""
+
+SUBSTEPS = 60
+"""Cap on the parts of one filtered step; the original gives up when a part is below a thousandth."""
+
+CLOSER = (1.0, 0.2, 0.04)
+"""Factors on the proximity, the next of which holds from where the fine mesh cannot pass: a gap of the cage may be
+narrower than two proximities, and nothing in it could keep both."""
+
+SKIN = 0.3
+"""Skin of the candidate list as a fraction of the mean coarse edge length."""
+
+
+@dataclass(frozen=True)
+class VelocityFilter:
+    """Prescribed fine velocities, filtered cage velocities; lengths in bounding-box diagonals of the fine mesh.
+
+    The final pass of the original is the tightening here; without an energy only the way is cleared.
+    """
+
+    proximity: float = 1e-3
+    """Distance below which pairs are pushed apart."""
+    room: float = 5e-3
+    """The same where the cage has no energy to lower: it leaves room for the tightening."""
+    first_step: float = 1e-2
+    """First descent step, a multiple of the energy's gradient."""
+    smallest_step: float = 1e-3
+    """Descent step below which the energy counts as minimal."""
+    still: float = 1e-5
+    """Motion of the cage below which it counts as standing still."""
+    iterations: int = 100
+    """Cap on the descent steps for one step of the flow."""
+    stride: float = 1.0 / 3.0
+    """Longest prescribed motion at once, as a fraction of the mean coarse edge length."""
+
+    def reinflate(
+        self,
+        bodies: Bodies,
+        x: FloatArray,
+        path: Sequence[FloatArray],
+        *,
+        clearance: float,
+        energy: CageEnergy,
+        solver: Solver,
+        on_step: Callable[[FloatArray], None],
+    ) -> ContactOutcome:
+        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`.
+
+        ``solver`` has no part in it: the descent is the method's own.
+        """
+        run = _Run(self, bodies, x, energy, on_step)
+        for target in waypoints(x[bodies.m :], path, self.stride * bodies.cage_edge_length):
+            if not run.towards(target):
+                return ContactOutcome(run.x, False, run.systems, run.obstacle(target))
+        return ContactOutcome(run.x, True, run.systems)
+
+
+class _Run:
+    """State of one reinflation."""
+
+    def __init__(
+        self,
+        settings: VelocityFilter,
+        bodies: Bodies,
+        x: FloatArray,
+        energy: CageEnergy,
+        on_step: Callable[[FloatArray], None],
+    ) -> None:
+        self.settings, self.bodies, self.x, self.energy, self.on_step = settings, bodies, x, energy, on_step
+        self.candidates = CandidateList(bodies)
+        self.systems = 0
+        self.closer = max(CLOSER)
+
+    def towards(self, target: FloatArray) -> bool:
+        """One step of the flow back to ``target`` (n, 2), and the descent of the cage there; whether it got there."""
+        settings, m, successor = self.settings, self.bodies.m, self.bodies.cage_successor
+        energy = self.energy.after(self.x[:m])
+        step = settings.first_step
+        lowest = np.inf
+        for iteration in range(settings.iterations):
+            gradient = energy.gradient(self.x[:m], successor)
+            idle = not gradient.any()
+            proximity = settings.room if idle else settings.proximity
+            for factor in [one for one in CLOSER if one <= self.closer]:
+                states, arrived = self._filtered(-step * gradient, target, factor * proximity)
+                self.closer = factor
+                if arrived:
+                    break
+            after = energy.value(states[-1][:m], successor) if states else lowest
+            if iteration == 0 or after <= lowest:
+                motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0
+                for state in states:
+                    self.on_step(state)
+                    self.x = state
+                if not arrived:
+                    return False
+                lowest = after
+                step *= LENGTHEN
+                if idle or (iteration > 0 and motion < settings.still):
+                    break
+            else:
+                step *= HALVE
+                if step < settings.smallest_step:
+                    break
+        return True
+
+    def _filtered(self, wish: FloatArray, target: FloatArray, proximity: float) -> tuple[list[FloatArray], bool]:
+        """The states on the way of the fine mesh to ``target`` while the cage moves by about ``wish`` (m, 2), and
+        whether the fine mesh got there."""
+        bodies, m = self.bodies, self.bodies.m
+        zones, rule = ImpactZones(bodies, proximity), FeasibilityRule(bodies, proximity, proximity)
+        states: list[FloatArray] = []
+        x, left, part = self.x, 1.0, 1.0
+        halvings = 0
+        for _ in range(SUBSTEPS):
+            wished = part * np.concatenate([left * wish, target - x[m:]])
+            longest = float(np.sqrt((wished * wished).sum(axis=1).max()))
+            reach = 2.0 * np.sqrt(2.0) * LARGEST_VELOCITY * (longest + proximity) + longest
+            pairs = self.candidates.within(x, reach, SKIN * bodies.cage_edge_length)
+            velocity, systems = zones.nearest(pairs, x, wished)
+            self.systems += systems
+            contacts = measure(pairs, x)
+            fraction = rule.fraction(pairs, contacts, x, velocity, SHORT)
+            # the time of the step is halved, and the velocity found anew
+            if fraction <= SHORT and halvings < HALVINGS:
+                part, halvings = 0.5 * part, halvings + 1
+                continue
+            kept = np.full(len(x), fraction)
+            if fraction <= SHORT:
+                kept = rule.fractions(pairs, contacts, x, velocity)
+                fraction = float(kept.min())
+                if not kept.any():
+                    break
+            moved = x + kept[:, None] * velocity
+            home = (kept[m:] >= 1.0) & (part >= 1.0)
+            moved[m:][home] = target[home]
+            x = moved
+            states.append(x)
+            left *= 1.0 - part * fraction
+            part, halvings = min(1.0, 2.0 * part), 0
+            if home.all() or not (target - x[m:]).any():
+                return states, True
+        return states, not bool((target - x[m:]).any())
+
+    def obstacle(self, target: FloatArray) -> str:
+        """Which fine vertex is farthest from its target."""
+        worst = int(np.hypot(*(target - self.x[self.bodies.m :]).T).argmax())
+        return f"the filter finds no velocity that lets fine vertex {worst} pass"

@@ -1,0 +1,84 @@
+"""Which loop of a level set belongs to which loop of the mesh, and whether the one encloses the other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.mesh import Mesh
+from ...geometry.predicates import BoxTree, crossing_pairs, winding_number
+
+
+def encloses(coarse: Mesh, fine: Mesh) -> bool:
+    """Whether the solid of the fine mesh lies strictly inside that of the coarse one, by exact predicates."""
+    starts, ends = coarse.vertices, coarse.vertices[coarse.successor]
+    fine_ends = fine.vertices[fine.successor]
+    if len(crossing_pairs(BoxTree(fine.vertices, fine_ends), BoxTree(starts, ends))[0]):
+        return False
+    fine_points = fine.vertices[[loop[0] for loop in fine.loops]]
+    coarse_points = starts[[loop[0] for loop in coarse.loops]]
+    inside = winding_number(fine_points, starts, ends) == 1
+    outside = winding_number(coarse_points, fine.vertices, fine_ends) == 0
+    return bool(inside.all() and outside.all())
+
+
+def without_pockets(contour: Mesh, fine: Mesh) -> Mesh:
+    """A level set without the holes that are none of the fine mesh: bays that have closed, parts of holes that split.
+
+    Of the parts of a hole the largest stays; so does what holds another component.
+    """
+    holes = np.flatnonzero(contour.loop_signs < 0)
+    within = _smallest_around(fine, -1, contour, holes)
+    outer = contour.vertices[[contour.loops[k][0] for k in np.flatnonzero(contour.loop_signs > 0)]]
+    largest: dict[int, int] = {}
+    for i in np.argsort(contour.loop_areas[holes]):  # the areas of holes are negative
+        if within[i] >= 0:
+            largest.setdefault(int(within[i]), int(holes[i]))
+    kept = [
+        loop
+        for k, loop in enumerate(contour.loops)
+        if contour.loop_signs[k] > 0 or k in largest.values() or _winding(outer, contour, k).any()
+    ]
+    return contour if len(kept) == len(contour.loops) else Mesh.from_loops([contour.vertices[loop] for loop in kept])
+
+
+def loops_around(contour: Mesh, fine: Mesh) -> IntArray | None:
+    """(L,) the loop of a level set that belongs to each loop of the fine mesh; None if they are not one to one.
+
+    An outer loop is that around it, a hole the one inside it; where loops are nested, the smallest of the larger ones.
+    """
+    if not np.array_equal(np.bincount(contour.loop_signs + 1), np.bincount(fine.loop_signs + 1)):
+        return None
+    partner = np.full(len(fine.loops), -1, dtype=np.int64)
+    outer, holes = (np.flatnonzero(mesh.loop_signs == sign) for mesh, sign in ((fine, 1), (contour, -1)))
+    around_outer, around_holes = _smallest_around(contour, 1, fine, outer), _smallest_around(fine, -1, contour, holes)
+    for around in (around_outer, around_holes):
+        if (around < 0).any() or len(np.unique(around)) < len(around):
+            return None
+    partner[outer] = around_outer
+    partner[around_holes] = holes
+    return partner
+
+
+def _smallest_around(larger: Mesh, sign: int, smaller: Mesh, loops: IntArray) -> IntArray:
+    """(K,) the smallest loop with a sign in one mesh around each of some loops of another; -1 where there is none."""
+    points = smaller.vertices[[smaller.loops[k][0] for k in loops]].reshape(-1, 2)
+    best, least = np.full(len(points), -1), np.full(len(points), np.inf)
+    for k in np.flatnonzero(larger.loop_signs == sign):
+        area = abs(float(larger.loop_areas[k]))
+        chosen = (_winding(points, larger, k) == sign) & (area < least)
+        best[chosen], least[chosen] = k, area
+    return best
+
+
+def _winding(points: FloatArray, mesh: Mesh, k: int) -> IntArray:
+    """(P,) winding number of one loop of a mesh."""
+    loop = mesh.loops[k]
+    return winding_number(points, mesh.vertices[loop], mesh.vertices[mesh.successor[loop]])
+
+
+def first_lost(contour: Mesh, fine: Mesh) -> int:
+    """A loop of the fine mesh to name: a hole that no hole of the contour lies in, else the last loop."""
+    left = _smallest_around(fine, -1, contour, np.flatnonzero(contour.loop_signs < 0))
+    lost = np.setdiff1d(np.flatnonzero(fine.loop_signs < 0), left)
+    return int(lost[0]) if len(lost) else len(fine.loops) - 1
