@@ -1,34 +1,52 @@
 """Nested cages in the plane: coarse outlines that strictly enclose a detailed shape, and the safe way there.
 
 Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. The main entry is :func:`nested_cages`.
+
+``__all__`` lists what most programs need. Method objects, such as contacts, energies and decimations, can be imported
+from here as well; each room (:mod:`.contact`, :mod:`.energies`, :mod:`.decimation`, ...) documents its own.
 """
 
 from __future__ import annotations
 
-from .batch import BatchProgress, Outcome, nested_cages_many
-from .contact import IPC, AllPairs, Cells, NoFilter, SequentialQP, SmallestDistance, TimeOfImpact
+from .batch import BatchProgress as BatchProgress
+from .batch import Outcome as Outcome
+from .batch import nested_cages_many
+from .contact import IPC as IPC
+from .contact import AllPairs as AllPairs
+from .contact import Cells as Cells
+from .contact import NoFilter as NoFilter
+from .contact import SequentialQP as SequentialQP
+from .contact import SmallestDistance as SmallestDistance
+from .contact import TimeOfImpact as TimeOfImpact
 from .contact.reinflation import Reinflation
-from .coordinates import Grids, Harmonic, MeanValue, PiecewiseLinear, cage_coordinates, deform, grids
-from .decimation import ArcLength, DouglasPeucker, EdgeCollapse, OnCurve, OuterHull, OwnDecimation, Visvalingam
-from .energies import (
-    Area,
-    BoundaryARAP,
-    ElementEnergy,
-    InitialDisplacement,
-    InteriorARAP,
-    NoEnergy,
-    ShapeKeeping,
-    StepDisplacement,
-    WeightedSum,
-)
+from .coordinates import Grids as Grids
+from .coordinates import Harmonic as Harmonic
+from .coordinates import MeanValue as MeanValue
+from .coordinates import PiecewiseLinear as PiecewiseLinear
+from .coordinates import cage_coordinates, deform
+from .coordinates import grids as grids
+from .decimation import ArcLength as ArcLength
+from .decimation import DouglasPeucker as DouglasPeucker
+from .decimation import EdgeCollapse as EdgeCollapse
+from .decimation import OnCurve as OnCurve
+from .decimation import OuterHull as OuterHull
+from .decimation import OwnDecimation as OwnDecimation
+from .decimation import Visvalingam as Visvalingam
+from .energies import Area as Area
+from .energies import BoundaryARAP as BoundaryARAP
+from .energies import ElementEnergy as ElementEnergy
+from .energies import InitialDisplacement as InitialDisplacement
+from .energies import InteriorARAP as InteriorARAP
+from .energies import NoEnergy as NoEnergy
+from .energies import ShapeKeeping as ShapeKeeping
+from .energies import StepDisplacement as StepDisplacement
+from .energies import WeightedSum as WeightedSum
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
+from .exchange import Feature as Feature
 from .exchange import (
-    Feature,
     features_from_geojson,
-    from_engine_json,
     from_geojson,
     from_svg,
-    is_engine_json,
     read_geojson,
     read_svg,
     to_engine_json,
@@ -38,103 +56,73 @@ from .exchange import (
     write_geojson,
     write_svg,
 )
-from .exchange.pictures import alpha_channel, boundary_of_pixels, collision_outline, read_png
-from .flow import FlowResult, TwoSidedFlow
+from .exchange import from_engine_json as from_engine_json
+from .exchange import is_engine_json as is_engine_json
+from .exchange.pictures import alpha_channel as alpha_channel
+from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
+from .exchange.pictures import collision_outline, read_png
+from .flow import FlowResult
+from .flow import TwoSidedFlow as TwoSidedFlow
 from .geometry.mesh import Mesh
-from .geometry.quadrature import EvenSamples, GaussLegendre, Midpoint, QuadraticFallOff
+from .geometry.quadrature import EvenSamples as EvenSamples
+from .geometry.quadrature import GaussLegendre as GaussLegendre
+from .geometry.quadrature import Midpoint as Midpoint
+from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
-from .published.gurditta_jacobson_2022 import GradientDescent, PaperContact, PaperFlow, Repairs, SignedDistanceFlow
-from .published.sacht_2015 import VelocityFilter
-from .published.sellan_2022 import LevelSet
-from .solver import ProjectedNewton
-from .tightening import Tightening
+from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
+from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
+from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
+from .published.gurditta_jacobson_2022 import Repairs as Repairs
+from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
+from .published.sacht_2015 import VelocityFilter as VelocityFilter
+from .published.sellan_2022 import LevelSet as LevelSet
+from .solver import ProjectedNewton as ProjectedNewton
+from .tightening import Tightening as Tightening
 from .verification import Certificate, MotionCertificate, verify, verify_motion
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "IPC",
-    "AllPairs",
-    "ArcLength",
-    "Area",
-    "BatchProgress",
-    "BoundaryARAP",
-    "Cells",
-    "Certificate",
-    "DouglasPeucker",
-    "EdgeCollapse",
-    "ElementEnergy",
-    "EvenSamples",
-    "Feature",
-    "FlowError",
-    "FlowResult",
-    "GaussLegendre",
-    "GradientDescent",
-    "Grids",
-    "Harmonic",
-    "Hierarchy",
-    "InitialDisplacement",
-    "InteriorARAP",
-    "InvalidMeshError",
-    "Level",
-    "LevelSet",
-    "MeanValue",
+__all__ = [  # noqa: RUF022 - in the order in which one would explain it
+    # the input
     "Mesh",
-    "Midpoint",
-    "MotionCertificate",
-    "NestedCagesError",
-    "NestedCagesRun",
-    "NestingError",
-    "NestingReport",
-    "NoEnergy",
-    "NoFilter",
-    "OnCurve",
-    "Outcome",
-    "OuterHull",
-    "OwnDecimation",
-    "PaperContact",
-    "PaperFlow",
-    "PiecewiseLinear",
-    "Progress",
-    "ProjectedNewton",
-    "QuadraticFallOff",
-    "Reinflation",
-    "ReinflationError",
-    "Repairs",
-    "SequentialQP",
-    "Settings",
-    "ShapeKeeping",
-    "SignedDistanceFlow",
-    "SmallestDistance",
-    "StepDisplacement",
-    "Tightening",
-    "TimeOfImpact",
-    "TwoSidedFlow",
-    "VelocityFilter",
-    "Visvalingam",
-    "WeightedSum",
-    "alpha_channel",
-    "boundary_of_pixels",
-    "cage_coordinates",
-    "collision_outline",
-    "deform",
-    "features_from_geojson",
-    "from_engine_json",
-    "from_geojson",
-    "from_svg",
-    "grids",
-    "is_engine_json",
+    # the work
     "nested_cages",
+    "NestedCagesRun",
     "nested_cages_many",
-    "read_geojson",
-    "read_png",
-    "read_svg",
-    "to_engine_json",
-    "to_geojson",
-    "to_svg",
+    "Settings",
+    "Progress",
+    # the results
+    "Hierarchy",
+    "Level",
+    "NestingReport",
+    "FlowResult",
+    "Reinflation",
+    # the certificates
     "verify",
     "verify_motion",
-    "write_engine_json",
-    "write_geojson",
+    "Certificate",
+    "MotionCertificate",
+    # cages that move their drawing
+    "cage_coordinates",
+    "deform",
+    # files and texts
+    "read_svg",
     "write_svg",
+    "from_svg",
+    "to_svg",
+    "read_geojson",
+    "write_geojson",
+    "from_geojson",
+    "features_from_geojson",
+    "to_geojson",
+    "write_engine_json",
+    "to_engine_json",
+    "read_png",
+    "collision_outline",
+    # what can go wrong
+    "NestedCagesError",
+    "InvalidMeshError",
+    "FlowError",
+    "ReinflationError",
+    "NestingError",
 ]

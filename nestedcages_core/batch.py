@@ -14,6 +14,8 @@ from .errors import NestedCagesError
 from .geometry.mesh import Mesh
 from .hierarchy import Hierarchy, Settings, nested_cages
 
+__all__ = ["BatchProgress", "Outcome", "nested_cages_many"]
+
 IN_FLIGHT = 2
 """Shapes handed out per worker and not yet back: enough to keep all busy, few to look through when a worker dies."""
 

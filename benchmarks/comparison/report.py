@@ -178,6 +178,27 @@ def _processor() -> str:
 
 
 def _method(runs: int, seconds: float, jobs: int) -> list[str]:
+    remarks = [
+        f"* **Time** is CPU time of the process. Runs of less than {SHORT} s in Table 1 and in the tables of "
+        f"energies and step filters are repeated {REPEATS} times, and the fastest counts; all others are run once. "
+        "The machine had other work to do: differences below a third mean nothing, and ratios say more than "
+        "seconds. Certificates are not timed.",
+        "* **Success** means all of it: the cage strictly encloses the fine mesh, by exact predicates, is simple "
+        "and keeps its loops; the fine mesh stands at home to the last bit; and the animation is certified free of "
+        "crossings at every instant between any two of its steps. *Certified* and *encloses* mean the first part. "
+        "*Distance* is the smallest one between cage and fine mesh; only the tightening knows which is wanted.",
+        "* **Excess** is area(cage) / area(fine) − 1. Lengths are in bounding-box diagonals of the fine mesh; the "
+        f"clearance asked for is {CLEARANCE:.0e}. Where a phase fails, the excess is that of the last cage "
+        "reached; it may be negative.",
+        "* **Iterations** are those of the reinflation, or of the systems solved within quadratic programs.",
+        "* **Fairness.** One coarse mesh and one attempt for every method, the same for all: the fallback and the "
+        "several starts of `nested_cages` are off, but for the method of that name. All methods share one code "
+        "base, its predicates and its "
+        "collision detection, so times compare algorithms, not programmers. A run is ended after "
+        f"{LIMIT:.0f} s where nothing else is said. No parameter was changed for any shape; random shapes come "
+        "from fixed seeds. What is compared stands in `benchmarks/comparison/methods.py`, on what in "
+        "`benchmarks/comparison/cases.py`.",
+    ]
     return [
         "## How it was measured",
         f"`{COMMAND}{f' --jobs {jobs}' if jobs > 1 else ''}`, from the project's root, wrote this page: every number, "
@@ -186,25 +207,5 @@ def _method(runs: int, seconds: float, jobs: int) -> list[str]:
         f"Nested Cages {__version__}, Python {platform.python_version()}, numpy {np.__version__}, scipy "
         f"{scipy.__version__}, {sys.platform}, {_processor()}, {os.cpu_count()} cores, {jobs} of them in use, "
         "one thread each.",
-        "\n".join([
-            f"* **Time** is CPU time of the process. Runs of less than {SHORT} s in Table 1 and in the tables of "
-            f"energies and step filters are repeated {REPEATS} times, and the fastest counts; all others are run once. "
-            "The machine had other work to do: differences below a third mean nothing, and ratios say more than "
-            "seconds. Certificates are not timed.",
-            "* **Success** means all of it: the cage strictly encloses the fine mesh, by exact predicates, is simple "
-            "and keeps its loops; the fine mesh stands at home to the last bit; and the animation is certified free of "
-            "crossings at every instant between any two of its steps. *Certified* and *encloses* mean the first part. "
-            "*Distance* is the smallest one between cage and fine mesh; only the tightening knows which is wanted.",
-            "* **Excess** is area(cage) / area(fine) − 1. Lengths are in bounding-box diagonals of the fine mesh; the "
-            f"clearance asked for is {CLEARANCE:.0e}. Where a phase fails, the excess is that of the last cage "
-            "reached; it may be negative.",
-            "* **Iterations** are those of the reinflation, or of the systems solved within quadratic programs.",
-            "* **Fairness.** One coarse mesh and one attempt for every method, the same for all: the fallback and the "
-            "several starts of `nested_cages` are off, but for the method of that name. All methods share one code "
-            "base, its predicates and its "
-            "collision detection, so times compare algorithms, not programmers. A run is ended after "
-            f"{LIMIT:.0f} s where nothing else is said. No parameter was changed for any shape; random shapes come "
-            "from fixed seeds. What is compared stands in `benchmarks/comparison/methods.py`, on what in "
-            "`benchmarks/comparison/cases.py`.",
-        ]),
+        "\n".join(remarks),
     ]

@@ -17,6 +17,8 @@ from ..errors import FlowError
 from .arrays import FloatArray
 from .mesh import Mesh
 
+__all__ = ["EvenSamples", "GaussLegendre", "Midpoint", "QuadraticFallOff", "Quadrature", "vertex_samples"]
+
 
 class EdgeRule(NamedTuple):
     """Sample points of a rule on an edge, seen from one end of it."""
