@@ -16,7 +16,7 @@ import numpy as np
 
 from nestedcages_core import Area, Mesh
 from nestedcages_core.contact.barrier_ranges import BarrierRanges
-from nestedcages_core.contact.incremental_potential import IncrementalPotential, Weights
+from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList
 from nestedcages_core.energies.restoring import Restoring
 
@@ -54,7 +54,7 @@ def ours(cage: Mesh, fine: Mesh, motion: np.ndarray) -> float:
             bodies,
             Area(),
             Restoring(fine.vertices * 1.001, bodies.fine_weight),
-            Weights(1e5, 1.0, 1.0),
+            PotentialWeights(1e5, 1.0, 1.0),
             ranges,
             CandidateList(bodies),
         )

@@ -18,6 +18,7 @@ from .contact import NoFilter as NoFilter
 from .contact import SequentialQP as SequentialQP
 from .contact import SmallestDistance as SmallestDistance
 from .contact import TimeOfImpact as TimeOfImpact
+from .contact import UniformGrid as UniformGrid
 from .contact.reinflation import Reinflation
 from .coordinates import Grids as Grids
 from .coordinates import Harmonic as Harmonic

@@ -252,7 +252,9 @@ STEP_FILTERS = {
 }
 
 BROAD_PHASES = {
-    "CELLS": Choice("Cells", "Pairs that are near each other, kept while little moves", lambda core, _: core.Cells()),
+    "CELLS": Choice(
+        "Uniform Grid", "Pairs near each other, kept while little moves", lambda core, _: core.UniformGrid()
+    ),
     "ALL_PAIRS": Choice(
         "All Pairs",
         "Every point with every edge, as the paper does: slow, for comparisons",
@@ -304,7 +306,7 @@ SETTINGS = {
         "Broad Phase",
         "Which pairs of points and edges IPC or the paper's contact look at",
         BROAD_PHASES,
-        ("CELLS", "Cells, or all pairs with the paper's contact"),
+        ("CELLS", "A uniform grid, or all pairs with the paper's contact"),
     ),
 }
 """All that has choices, by the names that properties have."""

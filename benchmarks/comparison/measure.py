@@ -15,7 +15,7 @@ from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies import CageEnergy
-from nestedcages_core.energies.containment import Containment
+from nestedcages_core.energies.containment_energy import ContainmentEnergy
 from nestedcages_core.hierarchy.units import Frame
 from nestedcages_core.solver import Solver
 
@@ -259,5 +259,5 @@ def _judge(result: Measurement, way: Reinflation, home: Mesh) -> None:
     result.certified, result.smallest = certificate.holds, certificate.clearance
     result.excess = 100.0 * certificate.excess
     start = np.concatenate([way.cage_steps[0], way.fine_steps[0]])
-    apart = Containment(result.cage.successor, home.successor).value(start) == 0.0
+    apart = ContainmentEnergy(result.cage.successor, home.successor).value(start) == 0.0
     result.free = apart and bool(verify_motion(result.cage, home, way.cage_steps, way.fine_steps))

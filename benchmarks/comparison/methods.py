@@ -13,7 +13,6 @@ from nestedcages_core import (
     ArcLength,
     Area,
     BoundaryARAP,
-    Cells,
     DouglasPeucker,
     EdgeCollapse,
     EvenSamples,
@@ -42,6 +41,7 @@ from nestedcages_core import (
     Tightening,
     TimeOfImpact,
     TwoSidedFlow,
+    UniformGrid,
     VelocityFilter,
     Visvalingam,
 )
@@ -84,7 +84,7 @@ FINITE = replace(PARITY, solver=DESCENT)
 HOME = replace(FINITE, contact=REPAIRED)
 BOUND = replace(HOME, contact=replace(REPAIRED, step_filter=SmallestDistance()))
 IMPACT = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact()))
-NEAR = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact(), broad_phase=Cells()))
+NEAR = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact(), broad_phase=UniformGrid()))
 NEWTON = replace(NEAR, solver=ProjectedNewton())
 LOCAL = replace(NEWTON, contact=IPC())
 TWO_SIDED = replace(LOCAL, flow=TwoSidedFlow())
@@ -129,7 +129,7 @@ WITHOUT_FINAL_PASS = ("none", "step displacement")
 """Energies that are at rest wherever the cage stands when the fine mesh is home."""
 
 FILTERS = {"none": NoFilter(), "smallest distance": SmallestDistance(), "time of impact": TimeOfImpact()}
-BROAD_PHASES = {"all pairs": AllPairs(), "cells": Cells()}
+BROAD_PHASES = {"all pairs": AllPairs(), "cells": UniformGrid()}
 
 
 QUADRATURES: dict[str, Quadrature] = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .base import Contact, ContactOutcome
 from .ipc import IPC
-from .pair_search import AllPairs, BroadPhase, Cells
+from .pair_search import AllPairs, BroadPhase, Cells, UniformGrid
 from .sequential_qp import SequentialQP
 from .step_filter import NoFilter, SmallestDistance, StepFilter, TimeOfImpact
 
@@ -20,4 +20,5 @@ __all__ = [
     "SmallestDistance",
     "StepFilter",
     "TimeOfImpact",
+    "UniformGrid",
 ]

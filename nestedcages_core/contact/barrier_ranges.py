@@ -9,6 +9,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
+from ..geometry.vectors import rotated_right
 from .pairs import Bodies, Pairs
 
 
@@ -71,7 +72,7 @@ def facing_gaps(vertices: FloatArray, successor: IntArray, predecessor: IntArray
     ends = vertices[successor]
     edge = ends - vertices
     length = np.maximum(np.hypot(edge[:, 0], edge[:, 1]), np.finfo(float).tiny)
-    normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]
+    normal = rotated_right(edge) / length[:, None]
     vertex_normal = normal + normal[predecessor]
     point, other = near_pairs(vertices, vertices, ends, reach)
     foreign = (point != other) & (point != successor[other])

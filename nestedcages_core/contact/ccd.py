@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.vectors import cross
 from .pairs import Pairs
 
 TOUCH = 0.05
@@ -65,9 +66,9 @@ def _first_impact(
 ) -> FloatArray:
     """(K,) first time in (0, 1] at which the point touches the edge, infinite where it does not; see the module's
     docstring."""
-    c0 = _cross(edge, to)
-    c1 = _cross(edge, to_v) + _cross(edge_v, to)
-    c2 = _cross(edge_v, to_v)
+    c0 = cross(edge, to)
+    c1 = cross(edge, to_v) + cross(edge_v, to)
+    c2 = cross(edge_v, to_v)
     discriminant = c1 * c1 - 4.0 * c0 * c2
     real = discriminant >= -NEGATIVE_DISCRIMINANT * c1 * c1
     # the numerically stable pair of roots: q / c2 and c0 / q
@@ -88,8 +89,3 @@ def _first_impact(
         hit = valid[touches]
         first[hit] = np.minimum(first[hit], root[hit])
     return first
-
-
-def _cross(u: FloatArray, w: FloatArray) -> FloatArray:
-    product: FloatArray = u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]
-    return product

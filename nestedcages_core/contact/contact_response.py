@@ -68,7 +68,7 @@ class Distances:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Response:
     """A motion of fine mesh and cage, and what can meet in it."""
 
     motion: FloatArray
@@ -82,7 +82,7 @@ class Answer:
 
 
 @dataclass(eq=False)
-class CageAnswer:
+class ContactResponse:
     """Finds answers; keeps the list of candidate pairs from one to the next."""
 
     bodies: Bodies
@@ -95,7 +95,7 @@ class CageAnswer:
         still = np.arange(self.bodies.m)
         self._proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (self.bodies.m, 2, 2)))
 
-    def to(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Answer:
+    def to(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Response:
         """The answer to a motion (n, 2) of the fine mesh at x (m + n, 2), at most ``radius`` along each axis."""
         m, gap = self.bodies.m, self.distances.gap
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
@@ -127,7 +127,7 @@ class CageAnswer:
         solution = self.solver.solve(program, ABSOLUTE_TOLERANCE * gap**2)
         if np.isfinite(solution.step).all():
             motion[:m] = solution.step
-        return Answer(motion, all_pairs, all_contacts, solution.iterations)
+        return Response(motion, all_pairs, all_contacts, solution.iterations)
 
     def _touched(self, fine_motion: FloatArray, x: FloatArray, reach: float) -> BoolArray:
         """(m,) cage vertices that are near a moving fine vertex, or beside one that is; all where most of them move."""

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..energies import Blocks, CageEnergy
-from ..energies.containment import Containment
+from ..energies.containment_energy import ContainmentEnergy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import PointEdge, distance_gradient
-from ..solver import Model
+from ..solver import NewtonModel
 from .barrier import BarrierTerms, barrier, barrier_hessian_factors
 from .barrier_ranges import BarrierRanges
 from .ccd import impacts
 from .condensation import newton_direction
-from .pair_search import Candidates
+from .pair_search import PairSource
 from .pairs import Bodies, Pairs
 from .step_filter import StepFilter, TimeOfImpact
 
@@ -40,7 +40,7 @@ EXACT = TimeOfImpact()
 
 
 @dataclass(frozen=True)
-class Weights:
+class PotentialWeights:
     """The paper's λ, in units of the fine mesh's size and per length of boundary."""
 
     restoring: float
@@ -52,8 +52,8 @@ class IncrementalPotential:
     """λ_R R + λ_cages E_cages + λ_B B as an objective for a solver; infinite (E_cont) where a step would pass through a
     contact.
 
-    Containment is kept by construction: the start is contained, and a step is only taken as far as continuous collision
-    detection shows that no point meets an edge on the way. The walls of the barrier make the line search agree.
+    Containment is kept by construction: the start is contained, and continuous collision detection bounds every step
+    so that no point meets an edge. The barrier makes the line search agree.
     """
 
     def __init__(
@@ -61,9 +61,9 @@ class IncrementalPotential:
         bodies: Bodies,
         energy: CageEnergy,
         restoring: Restoring,
-        weights: Weights,
+        weights: PotentialWeights,
         ranges: BarrierRanges,
-        candidates: Candidates,
+        candidates: PairSource,
         step_filter: StepFilter = EXACT,
     ) -> None:
         self.bodies = bodies
@@ -73,7 +73,7 @@ class IncrementalPotential:
         self.ranges = ranges
         self.candidates = candidates
         self.step_filter = step_filter
-        self.containment = None if step_filter.safe else Containment(bodies.cage_successor, bodies.fine_successor)
+        self.containment = None if step_filter.safe else ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
         self.skin = SKIN * bodies.cage_edge_length
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
@@ -94,7 +94,7 @@ class IncrementalPotential:
         """Value and gradient at x."""
         return self._slope(x, *self._barriers(x))
 
-    def newton(self, x: FloatArray) -> Model:
+    def newton(self, x: FloatArray) -> NewtonModel:
         """Value, gradient and projected Newton direction at x, all with respect to (C; F)."""
         pairs, pair, weight, terms = self._barriers(x)
         value, gradient = self._slope(x, pairs, pair, weight, terms)
@@ -103,7 +103,7 @@ class IncrementalPotential:
         factors = barrier_hessian_factors(terms, weight, pair, x[pairs.start], x[pairs.end])
         own = Blocks.sum([(self.weights.cages, self.energy.projected_hessian(cage, self.bodies.cage_successor))])
         stiffness = self.weights.restoring * self.restoring.weight
-        return Model(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
+        return NewtonModel(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` free of impacts, with a safety margin."""

@@ -15,8 +15,8 @@ from ..geometry.arrays import FloatArray
 from ..solver import Solver
 from .barrier_ranges import BarrierRanges
 from .base import ContactOutcome
-from .incremental_potential import IncrementalPotential, Weights
-from .pair_search import BroadPhase, Cells
+from .incremental_potential import IncrementalPotential, PotentialWeights
+from .pair_search import BroadPhase, UniformGrid
 from .pairs import Bodies
 from .step_filter import StepFilter, TimeOfImpact
 
@@ -65,7 +65,7 @@ class IPC:
     every iteration, and where much of the fine mesh is in reach of much of the cage, many iterations follow."""
     step_filter: StepFilter = field(default_factory=TimeOfImpact)
     """What bounds a step before the line search."""
-    broad_phase: BroadPhase = field(default_factory=Cells)
+    broad_phase: BroadPhase = field(default_factory=UniformGrid)
     """Which pairs are looked at."""
 
     def reinflate(
@@ -96,7 +96,7 @@ class IPC:
                     bodies,
                     step_energy,
                     Restoring(target, bodies.fine_weight),
-                    Weights(stiffness, self.cages, self.barrier),
+                    PotentialWeights(stiffness, self.cages, self.barrier),
                     local.scaled(shortening),
                     candidates,
                     self.step_filter,

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.distance import SMALLEST_LENGTH
+from ..geometry.vectors import cross, rotated_left
 from ..solver.banded import Rows
 from .pairs import Bodies, Pairs
 
@@ -93,7 +94,7 @@ def local_axes(bodies: Bodies, x: FloatArray) -> FloatArray:
     length = np.hypot(along[:, 0], along[:, 1])
     along = np.where(length[:, None] > SMALLEST_LENGTH, along, [1.0, 0.0])
     along /= np.maximum(length, SMALLEST_LENGTH)[:, None]
-    return np.stack([along, np.stack([-along[:, 1], along[:, 0]], axis=1)], axis=1)
+    return np.stack([along, rotated_left(along)], axis=1)
 
 
 def resolve_corners(
@@ -116,9 +117,9 @@ def resolve_corners(
     corner = np.where(at_start, start, end)
     edge, to = x[end] - x[start], x[point] - x[start]
     length = np.hypot(edge[:, 0], edge[:, 1])
-    offset = inner * _cross(edge, to) / length
+    offset = inner * cross(edge, to) / length
     before, after = x[corner] - x[bodies.predecessor[corner]], x[bodies.successor[corner]] - x[corner]
-    line = (inner * _cross(before, after) > 0.0) & (offset >= least)
+    line = (inner * cross(before, after) > 0.0) & (offset >= least)
     lone = at_start & (inner > 0.0) & ~line
     lone[lone] = _in_corner(bodies, x, corner[lone], point[lone]) & _in_corner(bodies, x, point[lone], corner[lone])
     keep[ends] = line | lone
@@ -144,8 +145,3 @@ def _in_corner(bodies: Bodies, x: FloatArray, corner: IntArray, point: IntArray)
     before, after = x[corner] - x[bodies.predecessor[corner]], x[bodies.successor[corner]] - x[corner]
     inside: BoolArray = ((to * before).sum(axis=1) >= 0.0) & ((to * after).sum(axis=1) <= 0.0)
     return inside
-
-
-def _cross(u: FloatArray, w: FloatArray) -> FloatArray:
-    product: FloatArray = u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]
-    return product

@@ -15,7 +15,7 @@ MOST_PAIRS = 20_000_000
 """Number of pairs beyond which looking at all of them does not fit into the memory of a small machine."""
 
 
-class Candidates(Protocol):
+class PairSource(Protocol):
     """Gives the pairs to look at."""
 
     def within(self, x: FloatArray, reach: float, skin: float) -> Pairs:
@@ -25,7 +25,7 @@ class Candidates(Protocol):
 class BroadPhase(Protocol):
     """A choice of broad phase before the bodies are known."""
 
-    def candidates(self, bodies: Bodies) -> Candidates:
+    def candidates(self, bodies: Bodies) -> PairSource:
         """The candidates of one reinflation."""
 
 
@@ -33,21 +33,25 @@ class BroadPhase(Protocol):
 class AllPairs:
     """Every point with every edge, at every evaluation: the paper's way."""
 
-    def candidates(self, bodies: Bodies) -> Candidates:
+    def candidates(self, bodies: Bodies) -> PairSource:
         """All pairs. Raises: NestedCagesError where they would not fit into memory."""
         count = bodies.m * (2 * bodies.n + bodies.m)
         if count > MOST_PAIRS:
-            raise NestedCagesError(f"AllPairs() cannot look at {count} pairs; use Cells() for meshes of this size.")
+            raise NestedCagesError(f"AllPairs() cannot hold {count} pairs; use UniformGrid() for meshes of this size.")
         return _Everything(find_pairs(bodies, np.zeros((bodies.m + bodies.n, 2)), np.inf))
 
 
 @dataclass(frozen=True)
-class Cells:
+class UniformGrid:
     """Pairs that are found near each other, kept while nothing has moved far."""
 
-    def candidates(self, bodies: Bodies) -> Candidates:
+    def candidates(self, bodies: Bodies) -> PairSource:
         """A list that is built anew when its skin is used up."""
         return CandidateList(bodies)
+
+
+Cells = UniformGrid
+"""Former name."""
 
 
 @dataclass(frozen=True, eq=False)

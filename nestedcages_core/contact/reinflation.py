@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..energies import CageEnergy
-from ..energies.containment import Containment
+from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -70,7 +70,7 @@ def reinflate(
     so far.
     """
     bodies = Bodies.of(coarse, fine)
-    containment = Containment(bodies.cage_successor, bodies.fine_successor)
+    containment = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
     start = np.concatenate([coarse.vertices, flow_steps[-1]])
     path = list(flow_steps[-2::-1])
     way = float(np.abs(flow_steps[-1] - flow_steps[0]).sum())

@@ -18,7 +18,7 @@ from ..geometry.arrays import FloatArray
 from ..solver import Solver
 from ..solver.quadratic_program import InteriorPoint
 from .base import ContactOutcome
-from .contact_response import CageAnswer, Distances
+from .contact_response import ContactResponse, Distances
 from .feasibility_rule import FeasibilityRule
 from .pairs import Bodies
 
@@ -117,7 +117,7 @@ class _Way:
         self.unit = bodies.cage_edge_length
         self.gap = settings.gap * self.unit
         distances = Distances(clearance, clearance, self.gap)
-        self.answer = CageAnswer(bodies, distances, settings.quadratic_programs)
+        self.answer = ContactResponse(bodies, distances, settings.quadratic_programs)
         self.rule = FeasibilityRule(bodies, clearance, self.gap)
         self.systems = 0
 

@@ -9,7 +9,8 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import triangulate
-from .rigidity import Cells, Freedom, Turning, stiffness_of
+from ..geometry.vectors import cross
+from .shape_matching import LocalFit, RotationFit, ShapeMatching, stiffness_of
 
 CELL = np.array([0, 1, 2, 3])
 """First corners of the four edges of a boundary cell, whose corners are two vertices, the middle one and two more."""
@@ -23,9 +24,9 @@ class BoundaryARAP:
     that an edge is in has a quarter of it; L is the mean coarse edge length (Chao et al. 2010 for spokes and rims).
     """
 
-    def at(self, coarse: Mesh) -> Cells:
+    def at(self, coarse: Mesh) -> ShapeMatching:
         """The energy of a cage that rests as the coarse mesh."""
-        return boundary_cells(coarse, Turning())
+        return boundary_cells(coarse, RotationFit())
 
 
 @dataclass(frozen=True)
@@ -35,31 +36,30 @@ class InteriorARAP:
     The triangles are the constrained Delaunay triangulation of the coarse mesh (Liu et al. 2008 for the energy).
     """
 
-    def at(self, coarse: Mesh) -> Cells:
+    def at(self, coarse: Mesh) -> ShapeMatching:
         """The energy of a cage that rests as the coarse mesh. Raises InvalidMeshError if that has no inside."""
         corners = triangulate(coarse).triangles
         stiffness = stiffness_of(3, *OPPOSITE, _cotangents(coarse, corners))
-        return Cells.of(corners, coarse.vertices, stiffness, Turning())
+        return ShapeMatching.of(corners, coarse.vertices, stiffness, RotationFit())
 
 
 OPPOSITE = (np.array([1, 2, 0]), np.array([2, 0, 1]))
 """First and second corner of the edge opposite to each corner of a triangle."""
 
 
-def boundary_cells(coarse: Mesh, freedom: Freedom) -> Cells:
-    """Cells of four edges around every vertex."""
+def boundary_cells(coarse: Mesh, freedom: LocalFit) -> ShapeMatching:
+    """ShapeMatching of four edges around every vertex."""
     before, after = coarse.predecessor, coarse.successor
     middle = np.arange(len(after))
     corners = np.stack([before[before], before, middle, after, after[after]], axis=1)
     lengths = coarse.edge_lengths
     weight = float(lengths.mean()) / (len(CELL) * lengths[corners[:, CELL]])
-    return Cells.of(corners, coarse.vertices, stiffness_of(5, CELL, CELL + 1, weight), freedom)
+    return ShapeMatching.of(corners, coarse.vertices, stiffness_of(5, CELL, CELL + 1, weight), freedom)
 
 
 def _cotangents(mesh: Mesh, corners: IntArray) -> FloatArray:
     """(T, 3) half the cotangent of the angle at each corner of triangles (T, 3)."""
     at = mesh.vertices[corners]
     one, other = at[:, OPPOSITE[0]] - at, at[:, OPPOSITE[1]] - at
-    cross = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
-    halves: FloatArray = 0.5 * (one * other).sum(axis=2) / cross
+    halves: FloatArray = 0.5 * (one * other).sum(axis=2) / cross(one, other)
     return halves

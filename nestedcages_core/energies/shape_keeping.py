@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..geometry.mesh import Mesh
 from .arap import boundary_cells
 from .area import Area
-from .rigidity import Growing
+from .shape_matching import ScaleFit
 from .weighted_sum import BoundSum
 
 
@@ -24,4 +24,4 @@ class ShapeKeeping:
 
     def at(self, coarse: Mesh) -> BoundSum:
         """The energy of a cage whose shape is that of the coarse mesh."""
-        return BoundSum(((1.0, Area()), (self.strength, boundary_cells(coarse, Growing()))))
+        return BoundSum(((1.0, Area()), (self.strength, boundary_cells(coarse, ScaleFit()))))

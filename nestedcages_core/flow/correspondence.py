@@ -14,6 +14,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.distance import SMALLEST_LENGTH
 from ..geometry.mesh import Mesh
+from ..geometry.vectors import rotated_right
 from .containment import Containment
 from .erosion import erode
 from .loop_matching import Matching
@@ -114,4 +115,4 @@ def _normals(mesh: Mesh) -> FloatArray:
     """(n, 2) unit normals at the vertices, out of the solid, from the chord of both edges."""
     chord = mesh.vertices[mesh.successor] - mesh.vertices[mesh.predecessor]
     length = np.maximum(np.hypot(chord[:, 0], chord[:, 1]), SMALLEST_LENGTH)
-    return np.asarray(np.stack([chord[:, 1], -chord[:, 0]], axis=1) / length[:, None], np.float64)
+    return np.asarray(rotated_right(chord) / length[:, None], np.float64)

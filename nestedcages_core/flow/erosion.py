@@ -7,6 +7,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import SMALLEST_LENGTH
 from ..geometry.mesh import Mesh
+from ..geometry.vectors import cross, rotated_left
 from .containment import Containment
 from .samples import local_margins
 
@@ -45,7 +46,7 @@ def _inward_mitres(mesh: Mesh) -> FloatArray:
     """(n, 2) motion of each vertex when its edges move inwards by one, cut short at sharp corners."""
     direction = mesh.vertices[mesh.successor] - mesh.vertices
     tangent = direction / np.maximum(mesh.edge_lengths, SMALLEST_LENGTH)[:, None]
-    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    normal = rotated_left(tangent)
     before = mesh.predecessor
     both = normal + normal[before]
     squared = (both * both).sum(axis=1)
@@ -53,5 +54,5 @@ def _inward_mitres(mesh: Mesh) -> FloatArray:
     length = np.hypot(*mitre.T)
     mitre *= (np.minimum(length, LONGEST_MITRE) / np.maximum(length, SMALLEST_LENGTH))[:, None]
     axis = tangent - tangent[before]
-    convex = tangent[before, 0] * tangent[:, 1] - tangent[before, 1] * tangent[:, 0] > 0.0
+    convex = cross(tangent[before], tangent) > 0.0
     return np.where((squared > SPIKE)[:, None], mitre, np.where(convex, 1.0, -1.0)[:, None] * axis)

@@ -17,6 +17,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import BoxTree, crossing_pairs
 from ..geometry.signed_distance import SignedDistance
+from ..geometry.vectors import rotated_left
 from .base import Obstacle
 from .loop_matching import Matching, loop_tree, windings
 from .samples import Spacing, coarse_samples, fine_samples
@@ -156,7 +157,7 @@ def _below(coarse: Mesh, margins: FloatArray, spacing: Spacing) -> list[FloatArr
     samples = coarse_samples(coarse, spacing)
     start = coarse.vertices[samples.edge]
     direction = coarse.vertices[coarse.successor[samples.edge]] - start
-    inwards = np.stack([-direction[:, 1], direction[:, 0]], axis=1) / np.maximum(np.hypot(*direction.T), TINY)[:, None]
+    inwards = rotated_left(direction) / np.maximum(np.hypot(*direction.T), TINY)[:, None]
     on_edge = start + samples.parameter[:, None] * direction
     return [on_edge + depth * margins[samples.edge][:, None] * inwards for depth in INSETS]
 

@@ -19,7 +19,7 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.signed_distance import SignedDistance
 from .loop_matching import Matching
-from .samples import Samples, Spacing, coarse_samples, fine_samples, local_margins
+from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_margins
 
 COMFORT = 1.0 / 3.0
 """Share of the margin from which the flow is content."""
@@ -107,7 +107,7 @@ class _Pushed(NamedTuple):
 class _FinePush:
     """One coarse loop pushes samples of the fine mesh."""
 
-    def __init__(self, matching: Matching, samples: Samples, loop: int) -> None:
+    def __init__(self, matching: Matching, samples: EdgeSamples, loop: int) -> None:
         coarse = matching.coarse
         self.samples = samples
         self.start = coarse.loops[loop]
@@ -146,7 +146,7 @@ class _CoarsePush:
     """Samples of the coarse mesh push one fine loop until they lie outside its solid (side 1) or inside (side -1)."""
 
     def __init__(
-        self, matching: Matching, samples: Samples, points: FloatArray, which: IntArray, fine_loop: int, side: float
+        self, matching: Matching, samples: EdgeSamples, points: FloatArray, which: IntArray, fine_loop: int, side: float
     ) -> None:
         self.points = points[which]
         self.weight = samples.weight[which]

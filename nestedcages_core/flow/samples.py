@@ -37,7 +37,7 @@ class Spacing(NamedTuple):
     """Most samples on one coarse edge."""
 
 
-class Samples(NamedTuple):
+class EdgeSamples(NamedTuple):
     """S points along the edges of a mesh."""
 
     edge: IntArray
@@ -48,25 +48,25 @@ class Samples(NamedTuple):
     """(S,) length of boundary that the sample stands for."""
 
 
-def fine_samples(mesh: Mesh, spacing: Spacing) -> Samples:
+def fine_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
     """Samples of the fine mesh: all vertices, and even points on edges longer than the spacing."""
     return _even_samples(mesh, spacing, spacing.fine_limit)
 
 
-def coarse_samples(mesh: Mesh, spacing: Spacing) -> Samples:
+def coarse_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
     """Samples of the coarse mesh; its vertices weigh more."""
     samples = _even_samples(mesh, spacing, spacing.coarse_limit)
     weight = np.where(samples.parameter == 0.0, VERTEX_WEIGHT * samples.weight, samples.weight)
     return samples._replace(weight=weight)
 
 
-def _even_samples(mesh: Mesh, spacing: Spacing, limit: int) -> Samples:
+def _even_samples(mesh: Mesh, spacing: Spacing, limit: int) -> EdgeSamples:
     lengths = mesh.edge_lengths
     counts = np.clip(np.ceil(lengths / spacing.length), 1, limit).astype(np.int64)
     edge = np.repeat(np.arange(len(counts)), counts)
     place = position_in_group(counts)
     weight = np.clip(lengths / counts, FEWEST_WEIGHT * spacing.unit, spacing.unit)
-    return Samples(edge, place / counts[edge], weight[edge])
+    return EdgeSamples(edge, place / counts[edge], weight[edge])
 
 
 def local_margins(coarse: Mesh, margin: float) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .base import Model, Objective, Solution, Solver
+from .base import NewtonModel, Objective, Solver, SolverResult
 from .newton import ProjectedNewton
 
-__all__ = ["Model", "Objective", "ProjectedNewton", "Solution", "Solver"]
+__all__ = ["NewtonModel", "Objective", "ProjectedNewton", "Solver", "SolverResult"]

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 from ..geometry.arrays import FloatArray
 
 
-class Model(NamedTuple):
+class NewtonModel(NamedTuple):
     """The objective near a state: enough to take a step."""
 
     value: float
@@ -30,7 +30,7 @@ class Objective(Protocol):
         """Value and gradient; the value may be infinite, the gradient may not."""
         ...
 
-    def newton(self, x: FloatArray) -> Model:
+    def newton(self, x: FloatArray) -> NewtonModel:
         """Value, gradient and projected Newton direction at a valid state."""
         ...
 
@@ -44,7 +44,7 @@ class Objective(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class SolverResult:
     """Where a solver ended."""
 
     x: FloatArray
@@ -56,6 +56,6 @@ class Solution:
 class Solver(Protocol):
     """Takes steps that lower an objective until there is nothing to gain."""
 
-    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> Solution:
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from the valid state x; ``on_step`` sees every accepted state and may raise to cancel."""
         ...

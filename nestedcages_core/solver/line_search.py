@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from .base import Model, Objective
+from .base import NewtonModel, Objective
 
 SUFFICIENT_DECREASE = 1e-4
 """Armijo's constant: the fraction of the predicted decrease that a step must achieve (Nocedal & Wright 2006, section
@@ -27,7 +27,7 @@ class Step(NamedTuple):
     fraction: float
 
 
-def backtrack(objective: Objective, x: FloatArray, model: Model) -> Step:
+def backtrack(objective: Objective, x: FloatArray, model: NewtonModel) -> Step:
     """Longest step along the model's direction, among halvings of the longest safe one, that lowers the objective
     enough."""
     slope = float((model.gradient * model.direction).sum())

@@ -31,7 +31,7 @@ NEGATIVE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class SoftestMotion:
+class NegativeCurvature:
     """A motion and its curvature."""
 
     motion: FloatArray
@@ -40,7 +40,7 @@ class SoftestMotion:
     """Second derivative of the energy along it; negative."""
 
 
-def softest_motion(program: QuadraticProgram, order: BandOrder, active: BoolArray) -> SoftestMotion | None:
+def negative_curvature(program: QuadraticProgram, order: BandOrder, active: BoolArray) -> NegativeCurvature | None:
     """A motion of negative curvature that keeps the active rows (K,) of the program true; None at a minimum."""
     hessian, rows = program.hessian, program.rows
     size = 2 * len(program.radius)
@@ -71,4 +71,4 @@ def softest_motion(program: QuadraticProgram, order: BandOrder, active: BoolArra
         return None
     motion = system.of_vertices(v)
     longest = np.sqrt((motion**2).sum(axis=1).max())
-    return SoftestMotion(motion / longest, curvature * float(v @ v) / float(longest) ** 2)
+    return NegativeCurvature(motion / longest, curvature * float(v @ v) / float(longest) ** 2)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from .base import Objective, Solution
+from .base import Objective, SolverResult
 from .line_search import backtrack
 
 STALLED_AFTER = 12
@@ -26,25 +26,25 @@ class ProjectedNewton:
     max_iterations: int = 100
     """Cap on the steps of one minimisation."""
 
-    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> Solution:
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""
         first_decrement = 0.0
         values: list[float] = []
         for iteration in range(self.max_iterations):
             if objective.finished(x):
-                return Solution(x, iteration, True)
+                return SolverResult(x, iteration, True)
             model = objective.newton(x)
             decrement = -float((model.gradient * model.direction).sum())
             first_decrement = max(first_decrement, decrement)
             if decrement <= self.tolerance * first_decrement:
-                return Solution(x, iteration, True)
+                return SolverResult(x, iteration, True)
             values.append(model.value)
             gain = values[-1 - STALLED_AFTER] - model.value if iteration >= STALLED_AFTER else np.inf
             if gain <= self.tolerance * first_decrement:
-                return Solution(x, iteration, False)
+                return SolverResult(x, iteration, False)
             step = backtrack(objective, x, model)
             if step.fraction == 0.0:
-                return Solution(x, iteration + 1, False)
+                return SolverResult(x, iteration + 1, False)
             x = step.x
             on_step(x)
-        return Solution(x, self.max_iterations, objective.finished(x))
+        return SolverResult(x, self.max_iterations, objective.finished(x))

@@ -87,7 +87,7 @@ class QuadraticProgram:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class QPSolution:
     """Where the method stopped."""
 
     step: FloatArray
@@ -116,7 +116,7 @@ class InteriorPoint:
     dual: float = 0.02
     """Longest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
 
-    def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> Solution:
+    def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> QPSolution:
         """Solve; ``absolute`` is a complementarity, in units of the energy, that is small enough in any case.
 
         Raises: NestedCagesError for an energy whose derivatives are not finite.
@@ -164,7 +164,7 @@ class _Iteration:
             self.primal[:K] += self.softness * self.z[:K]
         self.dual = self.G - self.system.transposed(self.z)
 
-    def run(self, absolute: float) -> Solution:
+    def run(self, absolute: float) -> QPSolution:
         method, K = self.method, self.K
         converged = False
         for iteration in range(method.iterations + 1):
@@ -179,7 +179,7 @@ class _Iteration:
                 break
             self._factorise()
             self._step(complementarity / len(self.s))
-        return Solution(self.system.of_vertices(self.D), self.z[:K].copy(), decrease, iteration, converged)
+        return QPSolution(self.system.of_vertices(self.D), self.z[:K].copy(), decrease, iteration, converged)
 
     def _factorise(self) -> None:
         """Factorise the Newton system, damped where it is not positive definite."""

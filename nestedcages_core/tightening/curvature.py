@@ -19,6 +19,7 @@ from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
+from ..geometry.vectors import rotated_left
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius
     edge = cage[bodies.cage_successor] - cage
     length = np.hypot(edge[:, 0], edge[:, 1])
     tangent = edge / length[:, None]
-    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    normal = rotated_left(tangent)
     tn = tangent[:, :, None] * normal[:, None, :]
     nt = tn.transpose(0, 2, 1)
     length = np.maximum(length, np.maximum(radius, radius[bodies.cage_successor]))

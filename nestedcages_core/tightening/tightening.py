@@ -22,10 +22,10 @@ import numpy as np
 from ..contact.pairs import Bodies, CandidateList
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
-from ..solver.negative_curvature import softest_motion
-from ..solver.quadratic_program import InteriorPoint, Solution
+from ..solver.negative_curvature import negative_curvature
+from ..solver.quadratic_program import InteriorPoint, QPSolution
 from .curvature import EdgeLoads
-from .model import Model, Wanted, model_at
+from .quadratic_model import QuadraticModel, Wanted, model_at
 from .trial import Trial, find_trial
 from .trust_region import TrustRegion
 from .widening import widen
@@ -139,7 +139,8 @@ class _Run:
         if widened.closest >= 0:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
         settings, energy, successor = self.settings, self.energy, self.bodies.cage_successor
-        region = TrustRegion.start(self.m, settings, self.bodies.cage_edge_length)
+        unit = self.bodies.cage_edge_length
+        region = TrustRegion.start(self.m, settings.first_radius * unit, settings.largest_radius * unit, unit)
         value = first_value = energy.value(self.x[: self.m], successor)
         negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
@@ -178,7 +179,7 @@ class _Run:
                 return self._outcome(iteration, False, "No step, however short, lowers the energy.")
         return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
 
-    def _try(self, model: Model, step: FloatArray, value: float, decrease: float) -> Trial:
+    def _try(self, model: QuadraticModel, step: FloatArray, value: float, decrease: float) -> Trial:
         return find_trial(
             self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy
         )  # fmt: skip
@@ -190,14 +191,14 @@ class _Run:
             self.on_step(self.x[: self.m].copy())
         return trial.value
 
-    def _escape(self, model: Model, solution: Solution, value: float) -> Trial | None:
+    def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
         """A step off a saddle that lowers the energy; None at a local minimum.
 
         The model is that of the step before, which was short; its contacts are measured anew.
         """
         multipliers = solution.multipliers
         active = multipliers > ACTIVE * multipliers.max(initial=0.0)
-        softest = softest_motion(model.program, self.bodies.cage_order, active)
+        softest = negative_curvature(model.program, self.bodies.cage_order, active)
         if softest is None:
             return None
         length = ESCAPE * self.settings.first_radius * self.bodies.cage_edge_length

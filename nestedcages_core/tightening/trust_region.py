@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..solver.quadratic_program import Solution
+from ..solver.quadratic_program import QPSolution
 from .trial import Trial
-
-if TYPE_CHECKING:
-    from .tightening import Tightening
 
 # How radii change with a step. A step was good where it was whole and restoration hardly changed it, and bad where it
 # was shortened or restoration undid most of it.
@@ -80,9 +76,9 @@ class TrustRegion:
     """Mean coarse edge length."""
 
     @classmethod
-    def start(cls, m: int, settings: Tightening, unit: float) -> TrustRegion:
-        first = settings.first_radius * unit
-        return cls(np.full(m, first), FIRST_SHIFT, first, settings.largest_radius * unit, unit)
+    def start(cls, m: int, first: float, largest: float, unit: float) -> TrustRegion:
+        """m vertices; first and largest Δ and the unit are lengths."""
+        return cls(np.full(m, first), FIRST_SHIFT, first, largest, unit)
 
     def reset(self) -> None:
         """All radii at least as large as at the start."""
@@ -93,7 +89,7 @@ class TrustRegion:
         """Whether all radii are too small to gain anything."""
         return float(self.radius.max()) < COLLAPSED_RADIUS * self.unit
 
-    def update(self, solution: Solution, trial: Trial, value: float, clearance: float, cage: FloatArray) -> None:
+    def update(self, solution: QPSolution, trial: Trial, value: float, clearance: float, cage: FloatArray) -> None:
         """Learn from a trial; value and cage (m, 2) are those before it."""
         step = np.hypot(solution.step[:, 0], solution.step[:, 1])
         longest = float(step.max())

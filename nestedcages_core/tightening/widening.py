@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..contact.ccd import impacts
-from ..contact.contact_response import CageAnswer, Distances
+from ..contact.contact_response import ContactResponse, Distances
 from ..contact.feasibility_rule import FeasibilityRule
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, CandidateList, Pairs
@@ -76,7 +76,7 @@ def widen(
         return Widened(moved, own, 0, -1)
 
     aim = AIM * clearance
-    answer = CageAnswer(bodies, Distances(aim, min(aim, AIM * own), clearance), solver)
+    answer = ContactResponse(bodies, Distances(aim, min(aim, AIM * own), clearance), solver)
     rule = FeasibilityRule(bodies, clearance, clearance)
     standing = np.zeros((bodies.n, 2))
     systems, least, since = 0, np.inf, 0

@@ -47,7 +47,7 @@ EXPECTED = {
     ("step_filter", "TIME_OF_IMPACT"): "TimeOfImpact()",
     ("step_filter", "SMALLEST_DISTANCE"): "SmallestDistance()",
     ("step_filter", "NONE"): "NoFilter()",
-    ("broad_phase", "CELLS"): "Cells()",
+    ("broad_phase", "CELLS"): "UniformGrid()",
     ("broad_phase", "ALL_PAIRS"): "AllPairs()",
 }
 # What has to be chosen too, so that a choice has a part in the cage.
@@ -118,7 +118,7 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
     newton = replace(paper, **others, flow="TWO_SIDED")
     settings = newton.settings(core, 1)
     assert settings.solver == core.ProjectedNewton() and settings.flow == core.TwoSidedFlow()
-    assert settings.contact == core.PaperContact(step_filter=core.TimeOfImpact(), broad_phase=core.Cells())
+    assert settings.contact == core.PaperContact(step_filter=core.TimeOfImpact(), broad_phase=core.UniformGrid())
 
 
 def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:

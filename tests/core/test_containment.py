@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core.energies import containment
-from nestedcages_core.energies.containment import Containment
+from nestedcages_core.energies import containment_energy
+from nestedcages_core.energies.containment_energy import ContainmentEnergy
 from shapes import annulus
 
 
@@ -27,7 +27,7 @@ def meets(cage: np.ndarray, cage_successor: np.ndarray, fine: np.ndarray, fine_s
 
 @pytest.mark.parametrize("limit", [0, 10**6], ids=["trees", "all pairs"])
 def test_contacts_are_those_that_shapely_sees(monkeypatch: pytest.MonkeyPatch, limit: int) -> None:
-    monkeypatch.setattr(containment, "ALL_PAIRS_LIMIT", limit)
+    monkeypatch.setattr(containment_energy, "ALL_PAIRS_LIMIT", limit)
     fine, coarse = annulus(20), annulus(10)
     random = np.random.default_rng(5)
     found = []
@@ -35,7 +35,7 @@ def test_contacts_are_those_that_shapely_sees(monkeypatch: pytest.MonkeyPatch, l
         inside = fine.vertices * np.where(np.arange(40) < 20, 0.9, 1.15)[:, None]
         cage = coarse.vertices + 0.06 * random.standard_normal((20, 2))
         expected = meets(cage, coarse.successor, inside, fine.successor)
-        contact = Containment(coarse.successor, fine.successor).first_contact(np.concatenate([cage, inside]))
+        contact = ContainmentEnergy(coarse.successor, fine.successor).first_contact(np.concatenate([cage, inside]))
         assert (contact is not None) == expected
         found.append(expected)
     assert True in found and False in found

@@ -23,7 +23,7 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.energies import Blocks, Energy
-from nestedcages_core.energies.containment import Containment
+from nestedcages_core.energies.containment_energy import ContainmentEnergy
 from nestedcages_core.energies.restoring import Restoring
 from shapes import annulus, assert_nested, octagon_with_hole, ring, star
 
@@ -230,7 +230,7 @@ def test_containment_agrees_with_shapely() -> None:
     for _ in range(200):
         cage = random.uniform(0.8, 2.5, (4, 1)) * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
         cage = cage + random.normal(scale=0.4, size=(4, 2))
-        energy = Containment(np.array([1, 2, 3, 0]), fine.successor)
+        energy = ContainmentEnergy(np.array([1, 2, 3, 0]), fine.successor)
         outline = shapely.LinearRing(cage)
         bad = bool(outline.intersects(shapely.LinearRing(fine.vertices)) or not outline.is_simple)
         assert (energy.value(np.concatenate([cage, fine.vertices])) == np.inf) == bad

@@ -10,11 +10,11 @@ import shapely
 
 from nestedcages_core import IPC, Area, Mesh, OnCurve, ProjectedNewton, ReinflationError, Settings, nested_cages
 from nestedcages_core.contact.barrier_ranges import BarrierRanges, facing_gaps
-from nestedcages_core.contact.incremental_potential import IncrementalPotential, Weights
+from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.restoring import Restoring
-from nestedcages_core.solver import Model
+from nestedcages_core.solver import NewtonModel
 from nestedcages_core.solver.newton import STALLED_AFTER
 from shapes import assert_nested, ring
 
@@ -66,7 +66,7 @@ def squeezed() -> tuple[Bodies, np.ndarray, IncrementalPotential]:
         bodies,
         Area(),
         Restoring(fine.vertices, bodies.fine_weight),
-        Weights(500.0, 1.0, 1.0),
+        PotentialWeights(500.0, 1.0, 1.0),
         ranges,
         CandidateList(bodies),
     )
@@ -189,8 +189,8 @@ class Walled:
     def slope(self, x: np.ndarray) -> tuple[float, np.ndarray]:
         return self.value(x), 2.0 * x
 
-    def newton(self, x: np.ndarray) -> Model:
-        return Model(self.value(x), 2.0 * x, -x)
+    def newton(self, x: np.ndarray) -> NewtonModel:
+        return NewtonModel(self.value(x), 2.0 * x, -x)
 
     def largest_step(self, x: np.ndarray, direction: np.ndarray) -> float:
         return 1e-6

@@ -11,7 +11,7 @@ from scipy.optimize import linprog, minimize
 from nestedcages_core import NestedCagesError
 from nestedcages_core.energies import Blocks
 from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
-from nestedcages_core.solver.negative_curvature import softest_motion
+from nestedcages_core.solver.negative_curvature import negative_curvature
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
 
 EXACT = InteriorPoint(iterations=80, complementarity=1e-10, primal=1e-10, dual=1e-10)
@@ -248,14 +248,14 @@ def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() ->
     program = QuadraticProgram(np.zeros((m, 2)), hessian, [held], np.zeros(m), np.ones(m), upright(m))
     order = BandOrder.of(m, ring, np.roll(ring, -1))
     some = ring < 4
-    softest = softest_motion(program, order, some)
+    softest = negative_curvature(program, order, some)
     assert softest is not None
     d = softest.motion.ravel()
     assert np.abs(softest.motion[some, 1]).max() < 1e-4
     assert np.hypot(*softest.motion.T).max() == pytest.approx(1.0)
     assert d @ hessian.dense(m) @ d == pytest.approx(softest.curvature, rel=1e-3)
     assert softest.curvature < -0.3
-    assert softest_motion(program, order, np.ones(m, bool)) is None
+    assert negative_curvature(program, order, np.ones(m, bool)) is None
 
 
 def test_matrices_that_no_damping_makes_definite_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -265,4 +265,4 @@ def test_matrices_that_no_damping_makes_definite_are_refused(monkeypatch: pytest
     with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
         InteriorPoint().solve(program)
     with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
-        softest_motion(program, BandOrder.of(7, np.arange(7), np.arange(7)), np.zeros(20, bool))
+        negative_curvature(program, BandOrder.of(7, np.arange(7), np.arange(7)), np.zeros(20, bool))

@@ -10,7 +10,7 @@ import shapely
 
 from nestedcages_core import ArcLength, Area, Mesh, ProjectedNewton, SequentialQP, TwoSidedFlow
 from nestedcages_core.contact import ContactOutcome
-from nestedcages_core.contact.contact_response import CageAnswer, Distances
+from nestedcages_core.contact.contact_response import ContactResponse, Distances
 from nestedcages_core.contact.feasibility_rule import FeasibilityRule
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, find_pairs
@@ -160,7 +160,7 @@ def pushed() -> tuple[Bodies, np.ndarray, np.ndarray]:
 
 def test_the_cage_answers_with_room_for_the_motion(pushed: tuple[Bodies, np.ndarray, np.ndarray]) -> None:
     bodies, x, motion = pushed
-    answer = CageAnswer(bodies, Distances(1e-3, 1e-3, 0.02), InteriorPoint()).to(motion, x, 0.3)
+    answer = ContactResponse(bodies, Distances(1e-3, 1e-3, 0.02), InteriorPoint()).to(motion, x, 0.3)
     np.testing.assert_array_equal(answer.motion[bodies.m :], motion)
     after = measure(answer.pairs, x + answer.motion)
     assert after.distance.min() > 0.01  # by first order 0.021, less the turning of the edges
@@ -171,7 +171,7 @@ def test_the_cage_stands_still_where_nothing_comes_near(pushed: tuple[Bodies, np
     bodies, x, motion = pushed
     far = x.copy()
     far[: bodies.m] *= 3.0
-    answer = CageAnswer(bodies, Distances(1e-3, 1e-3, 0.02), InteriorPoint()).to(motion, far, 0.3)
+    answer = ContactResponse(bodies, Distances(1e-3, 1e-3, 0.02), InteriorPoint()).to(motion, far, 0.3)
     assert np.abs(answer.motion[: bodies.m]).max() < 1e-6
 
 

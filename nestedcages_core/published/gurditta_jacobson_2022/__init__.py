@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from .contact import PaperContact, Repairs
+from .flow import PaperFlow
 from .gradient_descent import GradientDescent
-from .paper_contact import PaperContact, Repairs
-from .paper_flow import PaperFlow
-from .paper_potential import PaperWeights
+from .potential import PaperWeights
 from .signed_distance_flow import SignedDistanceFlow
 
 __all__ = ["GradientDescent", "PaperContact", "PaperFlow", "PaperWeights", "Repairs", "SignedDistanceFlow"]

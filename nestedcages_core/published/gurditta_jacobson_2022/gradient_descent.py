@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ...solver.base import Objective, Solution
+from ...solver.base import Objective, SolverResult
 
 
 @dataclass(frozen=True)
@@ -32,18 +32,18 @@ class GradientDescent:
     refuse_infinite: bool = False
     """Repair: an infinite energy is no decrease, even when it was infinite before."""
 
-    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> Solution:
+    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""
         for iteration in range(self.steps):
             if objective.finished(x):
-                return Solution(x, iteration, True)
+                return SolverResult(x, iteration, True)
             with np.errstate(over="ignore", invalid="ignore"):  # of meshes thrown by an infinite energy
                 step = self._step(objective, x)
             if step is None:
-                return Solution(x, iteration + 1, False)
+                return SolverResult(x, iteration + 1, False)
             x = step
             on_step(x)
-        return Solution(x, self.steps, objective.finished(x))
+        return SolverResult(x, self.steps, objective.finished(x))
 
     def _step(self, objective: Objective, x: FloatArray) -> FloatArray | None:
         """The state after one step; None when no step lowers the energy."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.vectors import cross
 
 
 def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
@@ -27,9 +28,9 @@ def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -
 def edges_meet(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> bool:
     """Whether any edge of a-b (E, 2) meets any of c-d (K, 2), in floating point; parallel edges are passed over."""
     u, w, apart = (b - a)[:, None], (d - c)[None], c[None] - a[:, None]
-    turn = _cross(u, w)
+    turn = cross(u, w)
     with np.errstate(divide="ignore", invalid="ignore"):
-        s, t = _cross(apart, w) / turn, _cross(apart, u) / turn
+        s, t = cross(apart, w) / turn, cross(apart, u) / turn
     return bool(((turn != 0.0) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)).any())
 
 
@@ -39,8 +40,3 @@ def contained_by_parity(cage: FloatArray, cage_successor: IntArray, fine: FloatA
     if not inside_by_parity(fine, cage, ends).all():
         return False
     return not edges_meet(cage, ends, fine, fine[fine_successor])
-
-
-def _cross(u: FloatArray, w: FloatArray) -> FloatArray:
-    product: FloatArray = u[..., 0] * w[..., 1] - u[..., 1] * w[..., 0]
-    return product

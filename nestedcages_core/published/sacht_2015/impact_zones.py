@@ -23,6 +23,7 @@ from ...contact.linearisation import Contacts, local_axes, measure
 from ...contact.pairs import Bodies, Pairs
 from ...energies import Blocks
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.vectors import rotated_left
 from ...solver.banded import Rows
 from ...solver.quadratic_program import InteriorPoint, QuadraticProgram
 
@@ -113,7 +114,7 @@ class ImpactZones:
         edge, to = end - start, x[p] + then * velocity[p] - start
         squared = np.maximum((edge * edge).sum(axis=1), np.finfo(float).tiny)
         parameter = np.clip((edge * to).sum(axis=1) / squared, 0.0, 1.0)
-        normal = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.sqrt(squared)[:, None]
+        normal = rotated_left(edge) / np.sqrt(squared)[:, None]
         before = x[p] - (1.0 - parameter)[:, None] * x[a] - parameter[:, None] * x[b]
         distance = (normal * before).sum(axis=1)
         normal[distance < 0.0] *= -1.0

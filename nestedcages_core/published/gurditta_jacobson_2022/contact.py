@@ -18,8 +18,8 @@ from ...contact.step_filter import NoFilter, StepFilter
 from ...energies import CageEnergy
 from ...geometry.arrays import FloatArray
 from ...solver import Solver
-from .paper_flow import PAPER_DIAGONAL
-from .paper_potential import PaperPotential, PaperWeights
+from .flow import PAPER_DIAGONAL
+from .potential import PaperPotential, PaperWeights
 
 STIFFER = 4.0
 """Repair of the home-coming: factor on λ_R while the fine mesh rests short of home."""

@@ -1,4 +1,4 @@
-"""Cells that like to keep their shape: the common form of the energies that measure strain.
+"""ShapeMatching that like to keep their shape: the common form of the energies that measure strain.
 
 A cell has k corners with rest places p, and a stiffness K, a symmetric positive semi-definite matrix (k, k) that
 vanishes on constants. With points as complex numbers, turning and growing are multiplications by a number r, and the
@@ -44,7 +44,7 @@ class Fit(NamedTuple):
     """(E,) a."""
 
 
-class Freedom(Protocol):
+class LocalFit(Protocol):
     """What a cell may do without strain."""
 
     def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
@@ -53,8 +53,8 @@ class Freedom(Protocol):
 
 
 @dataclass(frozen=True)
-class Turning:
-    """Cells may turn."""
+class RotationFit:
+    """ShapeMatching may turn."""
 
     def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
         """r = s / |s|."""
@@ -64,8 +64,8 @@ class Turning:
 
 
 @dataclass(frozen=True)
-class Growing:
-    """Cells may grow and shrink."""
+class ScaleFit:
+    """ShapeMatching may grow and shrink."""
 
     def fit(self, s: ComplexArray, moment: FloatArray) -> Fit:
         """r = Re s / M."""
@@ -73,7 +73,7 @@ class Growing:
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class ShapeMatching:
     """The energy of E cells of k corners each; see :class:`nestedcages_core.energies.base.CageEnergy`."""
 
     corners: IntArray
@@ -82,11 +82,11 @@ class Cells:
     """(E, k) p, the places at rest, relative to the first corner."""
     stiffness: FloatArray
     """(E, k, k) K; unit: none."""
-    freedom: Freedom
+    freedom: LocalFit
 
     @classmethod
-    def of(cls, corners: IntArray, places: FloatArray, stiffness: FloatArray, freedom: Freedom) -> Cells:
-        """Cells whose vertices rest at ``places`` (m, 2)."""
+    def of(cls, corners: IntArray, places: FloatArray, stiffness: FloatArray, freedom: LocalFit) -> ShapeMatching:
+        """ShapeMatching whose vertices rest at ``places`` (m, 2)."""
         return cls(corners, _complex(places, corners), stiffness, freedom)
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
@@ -106,7 +106,7 @@ class Cells:
         """Positive semi-definite, cell by cell, in closed form."""
         return self._blocks(vertices, 1.0)
 
-    def after(self, cage: FloatArray) -> Cells:
+    def after(self, cage: FloatArray) -> ShapeMatching:
         """Itself: shape is measured against the coarse mesh at all times."""
         return self
 

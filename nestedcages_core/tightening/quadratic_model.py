@@ -11,7 +11,7 @@ from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..contact.pruning import not_implied
 from ..energies import Blocks, CageEnergy
 from ..geometry.arrays import FloatArray
-from ..solver.quadratic_program import QuadraticProgram, Solution
+from ..solver.quadratic_program import QPSolution, QuadraticProgram
 from .curvature import EdgeLoads, contact_curvature
 from .trial import Surroundings
 from .trust_region import TrustRegion
@@ -51,7 +51,7 @@ class Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class QuadraticModel:
     """The program at a cage, and all contacts around it."""
 
     program: QuadraticProgram
@@ -60,11 +60,11 @@ class Model:
     _rows: Pairs
     _row_contacts: Contacts
 
-    def measured_at(self, x: FloatArray) -> Model:
+    def measured_at(self, x: FloatArray) -> QuadraticModel:
         """The same pairs at x (m + n, 2), not far from where the model was made."""
         return replace(self, around=replace(self.around, contacts=measure(self.around.pairs, x)))
 
-    def loads(self, solution: Solution) -> EdgeLoads:
+    def loads(self, solution: QPSolution) -> EdgeLoads:
         """The loads of the edges in the solution of the program."""
         m = len(self.program.radius)
         return EdgeLoads.of(self._rows, self._row_contacts, solution.multipliers, m)
@@ -78,7 +78,7 @@ def model_at(
     wanted: Wanted,
     region: TrustRegion,
     loads: EdgeLoads,
-) -> Model:
+) -> QuadraticModel:
     """The model at x (m + n, 2), with the curvature that the contacts have under the ``loads``."""
     m = bodies.m
     longest = LONGEST_MOTION * float(region.radius.max())
@@ -108,4 +108,4 @@ def model_at(
     )
     able = np.zeros(len(x))
     able[:m] = longest
-    return Model(program, Surroundings(pairs, contacts, required, able), some, contact)
+    return QuadraticModel(program, Surroundings(pairs, contacts, required, able), some, contact)

@@ -10,14 +10,14 @@ from ...contact.barrier import BarrierTerms, barrier, barrier_hessian_factors
 from ...contact.ccd import impacts
 from ...contact.condensation import newton_direction
 from ...contact.incremental_potential import REST_MARGIN, sum_at_corners
-from ...contact.pair_search import Candidates
+from ...contact.pair_search import PairSource
 from ...contact.pairs import Bodies, Pairs
 from ...contact.step_filter import StepFilter
 from ...energies import Blocks, CageEnergy
-from ...energies.containment import Containment
+from ...energies.containment_energy import ContainmentEnergy
 from ...geometry.arrays import FloatArray
 from ...geometry.distance import PointEdge, distance_gradient
-from ...solver import Model
+from ...solver import NewtonModel
 from .ray_parity import contained_by_parity
 
 TOUCHING = 1e-15
@@ -48,7 +48,7 @@ class PaperPotential:
         weights: PaperWeights,
         d_hat: float,
         *,
-        candidates: Candidates,
+        candidates: PairSource,
         step_filter: StepFilter,
         exact_containment: bool,
         ends_at_target: bool = False,
@@ -58,7 +58,7 @@ class PaperPotential:
         self.candidates, self.step_filter = candidates, step_filter
         self.ends_at_target = ends_at_target
         self._ceiling = np.inf
-        self._exact = Containment(bodies.cage_successor, bodies.fine_successor) if exact_containment else None
+        self._exact = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor) if exact_containment else None
 
     def value(self, x: FloatArray) -> float:
         """E at x (m + n, 2)."""
@@ -76,7 +76,7 @@ class PaperPotential:
         gradient[m:] += self.weights.restoring * (x[m:] - self.target)
         return self._ceiling, gradient
 
-    def newton(self, x: FloatArray) -> Model:
+    def newton(self, x: FloatArray) -> NewtonModel:
         """E, its gradient and its projected Newton direction, which the paper leaves as further work."""
         value, gradient = self.slope(x)
         pairs, pair = self._within_range(x)
@@ -86,7 +86,7 @@ class PaperPotential:
         cage = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
         own = Blocks.sum([(self.weights.cages, cage)])
         stiffness = np.full(self.bodies.n, self.weights.restoring)
-        return Model(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
+        return NewtonModel(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` that the step filter lets through."""

@@ -11,7 +11,7 @@ ALL_PAIRS_LIMIT = 6000
 """Number of pairs of edges up to which testing all of them is faster than trees (measured)."""
 
 
-class Containment:
+class ContainmentEnergy:
     """0 where no edges of cage and fine mesh meet and the cage does not meet itself, infinite elsewhere; exact.
 
     With a contained start and motions free of collisions, containment can only be lost together with this (Gurditta &
