@@ -96,6 +96,7 @@ IMPORTABLE = [
     "BatchProgress",
     "BoundaryARAP",
     "Cells",
+    "UniformGrid",
     "DouglasPeucker",
     "EdgeCollapse",
     "ElementEnergy",
