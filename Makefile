@@ -3,7 +3,6 @@
 
 DEMO_ENV := .venv-demo
 TEST_ENV := .venv-test
-DATA ?= ../shared/data
 
 # Any name of a Python that runs, has a matching version and can make virtual environments.
 USABLE := import sys, venv, ensurepip; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 13)))
@@ -25,7 +24,7 @@ help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
 	@echo "make test    runs every test of the core and of the add-on"
 	@echo "make lint    runs ruff and mypy"
-	@echo "make bench   measures time, tightness and growth (DATA=folder with paper/table1.csv and shapes/)"
+	@echo "make bench   measures time, tightness and growth"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
 	@echo "make clean   removes the environments and everything built"
@@ -44,10 +43,10 @@ lint: $(TEST_ENV)/ready
 
 bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
-	$(TEST_ENV)/bin/python benchmarks/table1.py --data "$(DATA)/paper/table1.csv"
-	$(TEST_ENV)/bin/python benchmarks/shapes.py --data "$(DATA)/shapes"
+	$(TEST_ENV)/bin/python benchmarks/table1.py
+	$(TEST_ENV)/bin/python benchmarks/shapes.py
 	$(TEST_ENV)/bin/python benchmarks/ipc_iteration.py
-	$(TEST_ENV)/bin/python benchmarks/iterations.py --data "$(DATA)/shapes" --plot build/iterations.png
+	$(TEST_ENV)/bin/python benchmarks/iterations.py --plot build/iterations.png
 	$(TEST_ENV)/bin/python benchmarks/growth.py --plot build/growth.png
 
 extension: $(DEMO_ENV)/ready

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-SHAPES = Path(__file__).resolve().parents[1].parent / "shared" / "data" / "shapes"
+from data import shape_names
+
 BENT = "glyph_g"  # the shape of the picture
 TURN = 0.5  # radians by which its top is turned against its bottom
 STYLES = ({"color": "#27364b"}, {"color": "#d55e00", "marker": ".", "linewidth": 1})  # of drawing and cage
@@ -18,14 +19,11 @@ STYLES = ({"color": "#27364b"}, {"color": "#d55e00", "marker": ".", "linewidth":
 def arguments(description: str | None) -> tuple[argparse.Namespace, list[str]]:
     """The options, and the names of the shapes."""
     options = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--data", type=Path, default=SHAPES, help="folder of the shapes")
+    options.add_argument("--data", type=Path, help="folder of your own shapes (name_V.csv, name_E.csv)")
     options.add_argument("--vertices", type=int, default=32, help="vertices of the cages (default: 32)")
     options.add_argument("--picture", type=Path, help="file for a picture of a bent glyph")
     given = options.parse_args()
-    names = sorted(path.name.removesuffix("_V.csv") for path in given.data.glob("*_V.csv"))
-    if not names:
-        options.error(f"{given.data} has no shapes")
-    return given, names
+    return given, shape_names(given.data)
 
 
 def bend(mesh: Any, about: np.ndarray) -> np.ndarray:

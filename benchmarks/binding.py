@@ -1,9 +1,9 @@
 """All ways to bind a drawing in Blender on every shape: errors at rest and under affine poses, and the time to bind.
 
-    python benchmarks/binding.py --data ../shared/data/shapes --picture build/binding.png
+    python benchmarks/binding.py --picture build/binding.png
 
-The shapes are pairs of files `name_V.csv` and `name_E.csv`. Needs Blender as a Python module (bpy); the picture, a bent
-glyph by each of them as Blender evaluates it, needs matplotlib.
+Needs Blender as a Python module (bpy) and matplotlib; the picture is a bent glyph by each, as Blender evaluates it.
+`--data FOLDER` takes your own shapes, pairs of files `name_V.csv` and `name_E.csv`.
 """
 
 from __future__ import annotations
@@ -13,18 +13,15 @@ import importlib.util
 import sys
 import time
 from importlib import import_module
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from bent import BENT, arguments, bend, draw, left_outside  # noqa: E402
-from data import read_shape  # noqa: E402
+from bent import BENT, arguments, bend, draw, left_outside
+from clone import ROOT
+from data import shape
 
 PACKAGE = "nested_cages_extension"  # any name: Blender gives extensions names of its own
 
@@ -70,7 +67,7 @@ def run(names: list[str], given: argparse.Namespace) -> None:
     print(f"{'shape':12s} {'bound by':20s} {'at rest':>9s} {'affine':>9s} {'seconds':>8s}")
     bent = {}
     for name in names:
-        fine = read_shape(given.data, name)
+        fine = shape(name, given.data)
         fine = core.Mesh(fine.vertices, fine.edges)  # as the extension's own core knows it
         cage = core.nested_cages(fine, [given.vertices]).cages[0]
         for method, kind in following.NAMES.items():

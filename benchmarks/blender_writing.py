@@ -16,21 +16,16 @@ from __future__ import annotations
 
 import argparse
 import atexit
-import sys
 import time
 from collections.abc import Callable
 from importlib import import_module
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from binding import PACKAGE, extension  # noqa: E402
+from binding import PACKAGE, extension
 
 FRAMES_PER_STEP = 4
 

@@ -1,10 +1,10 @@
 """Compares the methods and writes docs/comparison.md with its plots and runs; the only way that page is made.
 
-    python benchmarks/compare.py --data ../shared/data
+    python benchmarks/compare.py
     python benchmarks/compare.py --only energies "step filters" --out build    # a part of it, elsewhere
 
-The folder holds ``paper/table1.csv`` and ``shapes/name_V.csv, name_E.csv``; what is not there is left out. Needs
-matplotlib and shapely (``pip install nested-cages[comparison]``).
+``--paper FOLDER`` adds the meshes of the paper's figures: the folder ``data`` of its program, with
+``A_guy_fine_V.csv`` and others. Needs matplotlib and shapely (``pip install nested-cages[comparison]``).
 """
 
 from __future__ import annotations
@@ -17,11 +17,10 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
 for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before numpy loads them
-sys.path.insert(0, str(ROOT))
 
+from clone import ROOT  # noqa: E402
 from comparison import report, tables  # noqa: E402
 from comparison.cases import Inputs, read_inputs  # noqa: E402
 from comparison.experiments import EXPERIMENTS  # noqa: E402
@@ -35,13 +34,13 @@ def run(name: str, inputs: Inputs) -> Results:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data", help="folder (%(default)s)")
+    parser.add_argument("--paper", type=Path, help="folder of the paper's own meshes")
     parser.add_argument("--out", type=Path, default=ROOT / "docs", help="where the page goes (%(default)s)")
     parser.add_argument("--only", nargs="+", choices=list(EXPERIMENTS), help="run these experiments alone")
-    parser.add_argument("--shapes", nargs="+", help="use these shapes of the folder alone")
+    parser.add_argument("--shapes", nargs="+", help="use these shapes alone")
     parser.add_argument("--jobs", type=int, default=1, help="experiments at once, each on a core (%(default)s)")
     options = parser.parse_args()
-    inputs = read_inputs(options.data, options.shapes)
+    inputs = read_inputs(options.paper, options.shapes)
     pictures = options.out / "comparison"
     pictures.mkdir(parents=True, exist_ok=True)
 

@@ -1,24 +1,19 @@
 """Cage coordinates on every shape: errors at rest and under affine motions, least weights, time; a bent glyph by each.
 
-    python benchmarks/coordinates.py --data ../shared/data/shapes --picture build/coordinates.png
+    python benchmarks/coordinates.py --picture build/coordinates.png
 
-The shapes are pairs of files `name_V.csv` and `name_E.csv`. The picture needs matplotlib.
+`--data FOLDER` takes your own shapes, pairs of files `name_V.csv` and `name_E.csv`. Needs matplotlib.
 """
 
 from __future__ import annotations
 
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from bent import BENT, arguments, bend, draw, left_outside  # noqa: E402
-from data import read_shape  # noqa: E402
-from nestedcages_core import (  # noqa: E402
+from bent import BENT, arguments, bend, draw, left_outside
+from data import shape
+from nestedcages_core import (
     Harmonic,
     MeanValue,
     Mesh,
@@ -50,7 +45,7 @@ def main() -> None:
     bent: dict[str, tuple[Mesh, Mesh]] = {}
     at_rest: Mesh | None = None
     for name in names:
-        fine = read_shape(given.data, name)
+        fine = shape(name, given.data)
         cage = nested_cages(fine, [given.vertices]).cages[0]
         at_rest = cage if name == BENT else at_rest
         for kind, coordinates in KINDS.items():
@@ -69,7 +64,7 @@ def main() -> None:
                 moved = fine.moved(deform(weights, posed))
                 bent[f"{kind}, outside: {left_outside(moved, posed)}"] = (moved, posed)
     if given.picture and bent:
-        draw({"at rest": (read_shape(given.data, BENT), at_rest), **bent}, given.picture)
+        draw({"at rest": (shape(BENT, given.data), at_rest), **bent}, given.picture)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+import clone  # noqa: F401
 from nestedcages_core import Mesh, OnCurve, OuterHull, Settings, nested_cages
 
 SIZES = (3_000, 10_000, 30_000, 100_000)

@@ -1,4 +1,4 @@
-"""The cost of one Newton iteration of contact beside IPC Toolkit's, in the same run and on one thread.
+"""The cost of one Newton iteration of contact next to IPC Toolkit's, in the same run and on one thread.
 
     pip install ipctk && python benchmarks/ipc_iteration.py
 
@@ -9,11 +9,13 @@ fraction of a step. Ours also solves the condensed system.
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 
 import numpy as np
 
+import clone  # noqa: F401
 from nestedcages_core import Area, Mesh
 from nestedcages_core.contact.barrier_ranges import BarrierRanges
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
@@ -89,13 +91,16 @@ def toolkit(cage: Mesh, fine: Mesh, motion: np.ndarray) -> float:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="fine vertices (%(default)s)")
+    options = parser.parse_args()
     try:
         import ipctk  # noqa: F401
     except ImportError:
         print("IPC Toolkit is not installed: pip install ipctk, or pip install -e '.[benchmark]'.", file=sys.stderr)
         return 2
     print(f"{'fine':>8}{'ours s':>12}{'toolkit s':>12}{'ours / toolkit':>16}")
-    for count in SIZES:
+    for count in options.sizes:
         cage, fine = scene(count)
         motion = np.zeros((CAGE_CORNERS + count, 2))
         motion[CAGE_CORNERS:] = 1e-3 * fine.vertices

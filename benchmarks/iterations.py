@@ -1,8 +1,8 @@
 """One run step by step: the area of the cage, its distance to the fine mesh, and how far that still has to go.
 
-    python benchmarks/iterations.py --data ../shared/data/shapes --shape glyph_g --count 32 --plot docs/iterations.png
+    python benchmarks/iterations.py --shape glyph_g --count 32 --plot docs/iterations.png
 
-Without a folder of shapes, a flower is used. Prints a line per recorded step of reinflation and tightening.
+Prints a line per recorded step of reinflation and tightening.
 """
 
 from __future__ import annotations
@@ -12,17 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from data import read_shape
-from nestedcages_core import Level, Mesh, OnCurve, Settings, nested_cages
+import clone  # noqa: F401
+from data import shape, shape_names
+from nestedcages_core import Level, OnCurve, Settings, nested_cages
 from nestedcages_core.energies import signed_area
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
-
-
-def flower() -> Mesh:
-    angle = 2.0 * np.pi * np.arange(300) / 300
-    radius = 1.0 + 0.3 * np.cos(5.0 * angle)
-    return Mesh.from_loops([radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)])
 
 
 def measures(level: Level) -> np.ndarray:
@@ -39,12 +34,13 @@ def measures(level: Level) -> np.ndarray:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, help="folder of shapes")
+    parser.add_argument("--data", type=Path, help="folder of your own shapes (name_V.csv, name_E.csv)")
     parser.add_argument("--shape", default="glyph_g")
     parser.add_argument("--count", type=int, default=32)
     parser.add_argument("--plot", type=Path, help="write a plot here (needs matplotlib)")
     options = parser.parse_args()
-    fine = read_shape(options.data, options.shape) if options.data else flower()
+    (name,) = shape_names(options.data, [options.shape])
+    fine = shape(name, options.data)
     level = nested_cages(fine, [options.count], Settings(decimation=OnCurve())).levels[0]
     rows = measures(level)
     start = level.reinflation.tightening_start

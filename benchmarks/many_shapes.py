@@ -10,20 +10,18 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import suppress
-from pathlib import Path
 
 for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before numpy loads them: processes share the work instead
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np  # noqa: E402
 
+import clone  # noqa: E402, F401
 from nestedcages_core import Hierarchy, InvalidMeshError, Mesh, Outcome, nested_cages_many  # noqa: E402
 from random_shapes import glyph  # noqa: E402
 

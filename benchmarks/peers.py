@@ -73,7 +73,7 @@ def _search(
 
 def _corners(shape: shapely.Geometry) -> int:
     """Vertices of the rings, each counted once."""
-    rings = shapely.get_rings(shape)
+    rings = shapely.get_rings(shapely.get_parts(shape))
     return int(shapely.get_num_coordinates(rings).sum()) - len(rings)
 
 

@@ -1,29 +1,28 @@
-"""Tightness and time on shapes kept as CSV files, beside what is on record and what others make of them.
+"""Tightness and time on eight shapes, compared with the records and with what other programs make of them.
 
-    python benchmarks/shapes.py --data ../shared/data/shapes
+    python benchmarks/shapes.py
+    python benchmarks/shapes.py --data FOLDER    # your own shapes
 
-For every shape at 16, 32 and 64 vertices: our excess from outer-hull starts beside the record (the least excess of the
-methods ``best_known`` and ``prototype`` in peers.csv), that of our hull before it is tightened beside that of
-``prog_hull_strict`` there, and our time beside the recorded one of ``prototype``. Then, from resampled starts, the
+For every shape at 16, 32 and 64 vertices: our excess and time next to those on record (data/records.csv), and the
+excess of our outer hull before tightening next to that of a strict progressive hull. Then, from resampled starts, the
 share of cage edges that show the sign of a local optimum of the area: flush with the fine mesh around their middle, or
-touched at it. Then five levels around each other. Last, what shapely's buffer + simplify and GEOS's polygon hull make
-of the same shapes in the same run. Exit status 1 when a cage is not certified, an excess is above the allowed multiple
-of its record, or that of a hull above the peer's.
+touched at it. Then five nested levels. Last, what shapely's buffer + simplify and GEOS's polygon hull make of the same
+shapes in the same run. Exit status 1 if a cage is not certified, an excess is above the allowed multiple of its record,
+or a hull is looser than the progressive hull.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from data import read_shape
+import clone  # noqa: F401
+from data import Record, read_records, shape, shape_names
 from nestedcages_core import ArcLength, Level, Mesh, NestedCagesError, OuterHull, Settings, nested_cages, verify
 from nestedcages_core.geometry.broad_phase import near_pairs
 from nestedcages_core.geometry.distance import point_edge
@@ -49,61 +48,28 @@ TOUCHING = 1.2
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=Path("../shared/data/shapes"), help="folder of the shapes")
+    parser.add_argument("--data", type=Path, help="folder of your own shapes (name_V.csv, name_E.csv)")
     parser.add_argument("--shapes", nargs="*", help="only these")
     parser.add_argument("--repeats", type=int, default=3, help="runs of which the fastest counts")
     options = parser.parse_args()
-    try:
-        records = read_records(options.data / "peers.csv")
-    except OSError as error:
-        print(f"There are no shapes to measure: {error}. Name their folder with --data.", file=sys.stderr)
-        return 2
-    shapes = options.shapes or sorted({shape for shape, _ in records})
-    good = hull_starts(options.data, shapes, records, options.repeats)
-    good = resampled_starts(options.data, shapes) and good
-    good = five_levels(options.data, shapes) and good
-    peers(options.data, shapes)
+    shapes = {name: shape(name, options.data) for name in shape_names(options.data, options.shapes)}
+    good = hull_starts(shapes, {} if options.data else read_records(), options.repeats)
+    good = resampled_starts(shapes) and good
+    good = five_levels(shapes) and good
+    peers(shapes)
     return 0 if good else 1
 
 
-@dataclass
-class Record:
-    """What peers.csv says of a shape at a vertex count; nan where it says nothing."""
-
-    excess: float = np.nan
-    """Least one, in per cent."""
-    seconds: float = np.nan
-    """CPU seconds of the method ``prototype``."""
-    hull: float = np.nan
-    """Excess of a strict progressive hull, in per cent."""
-
-
-def read_records(path: Path) -> dict[tuple[str, int], Record]:
-    """The records by shape and vertex count."""
-    records: dict[tuple[str, int], Record] = {}
-    with path.open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            record = records.setdefault((row["shape"], int(row["m_target"])), Record())
-            if row["method"] in ("best_known", "prototype"):
-                record.excess = float(np.fmin(record.excess, float(row["excess_percent"])))
-            if row["method"] == "prototype" and row["seconds"]:
-                record.seconds = float(row["seconds"])
-            if row["method"] == "prog_hull_strict":
-                record.hull = float(row["excess_percent"])
-    return records
-
-
-def hull_starts(folder: Path, shapes: list[str], records: dict[tuple[str, int], Record], repeats: int) -> bool:
+def hull_starts(shapes: dict[str, Mesh], records: dict[tuple[str, int], Record], repeats: int) -> bool:
     """The table of outer-hull starts; whether all is as good as it should be."""
     columns = "fine", "cage", "certified", "excess %", "record %", "ratio", "hull %", "peer's %", "CPU s", "recorded s"
     print("Outer-hull starts\n" + f"{'shape':10}" + heading((*columns, "new record")))
     ratios, hull_ratios, certified = [], [], True
-    for name in shapes:
-        fine = read_shape(folder, name)
+    for name, fine in shapes.items():
         for count in COUNTS:
             level, ours = fastest(fine, count, Settings(), repeats)
             excess, hull = (100.0 * (area / fine.area - 1.0) for area in (level.cage.area, hull_area(fine, count)))
-            record = records[name, count]
+            record = records.get((name, count), Record())
             ratios.append(max(excess - CLEARANCE_ALLOWANCE, NEGLIGIBLE) / max(record.excess, NEGLIGIBLE))
             hull_ratios.append(hull / record.hull)
             certified &= is_certified(level)
@@ -112,6 +78,8 @@ def hull_starts(folder: Path, shapes: list[str], records: dict[tuple[str, int], 
                 f"{record.excess:11.3f}{ratios[-1]:11.3f}{hull:11.3f}{record.hull:11.3f}{ours:11.3f}"
                 f"{record.seconds:11.2f}{'yes' if excess < record.excess else '':>11}"
             )
+    if not records:
+        return certified
     print(f"ratio to the record: median {np.median(ratios):.3f}, largest {max(ratios):.3f} (allowed {ALLOWED})")
     print(f"hull before tightening, to the peer's: median {np.median(hull_ratios):.3f}, largest {max(hull_ratios):.3f}")
     return certified and max(ratios) <= ALLOWED and max(hull_ratios) <= 1.0
@@ -141,12 +109,11 @@ def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[L
     return hierarchy.levels[0], min(times)
 
 
-def peers(folder: Path, shapes: list[str]) -> None:
+def peers(shapes: dict[str, Mesh]) -> None:
     """The table of what others make of the same shapes, in the same run."""
     columns = ("cage", "buffer s", "excess %", "vertices", "verdict", "hull s", "excess %", "vertices", "verdict")
     print("\nshapely's buffer and simplify, and GEOS's polygon hull\n" + f"{'shape':10}" + heading(columns))
-    for name in shapes:
-        fine = read_shape(folder, name)
+    for name, fine in shapes.items():
         for count in COUNTS:
             line = f"{name:10}{count:11d}"
             for peer in (buffer_and_simplify(fine, count), polygon_hull(fine, count)):
@@ -161,12 +128,11 @@ def heading(columns: Sequence[str]) -> str:
     return "".join(f"{name:>11}" for name in columns)
 
 
-def resampled_starts(folder: Path, shapes: list[str]) -> bool:
+def resampled_starts(shapes: dict[str, Mesh]) -> bool:
     """The table of resampled starts with the sign of a local optimum; whether all cages are certified."""
     print("\nResampled starts\n" + f"{'shape':10}" + heading(("cage", "certified", "start", "excess %", "optimal %")))
     certified = True
-    for name in shapes:
-        fine = read_shape(folder, name)
+    for name, fine in shapes.items():
         for count in COUNTS:
             try:
                 level = nested_cages(fine, [count], Settings(decimation=ArcLength())).levels[0]
@@ -183,13 +149,12 @@ def resampled_starts(folder: Path, shapes: list[str]) -> bool:
     return certified
 
 
-def five_levels(folder: Path, shapes: list[str]) -> bool:
+def five_levels(shapes: dict[str, Mesh]) -> bool:
     """The table of cages around each other, each with its area beyond the shape's; whether all are certified."""
     columns = *(f"{count} v. %" for count in FIVE_LEVELS), "certified"
     print("\nFive levels\n" + f"{'shape':10}" + heading(columns))
     certified = True
-    for name in shapes:
-        fine = read_shape(folder, name)
+    for name, fine in shapes.items():
         levels = nested_cages(fine, FIVE_LEVELS).levels
         good = all(is_certified(level) and verify(level.cage, fine).holds for level in levels)
         certified &= good

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+import clone  # noqa: F401
 from nestedcages_core import (
     ArcLength,
     Hierarchy,

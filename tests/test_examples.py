@@ -89,10 +89,3 @@ def test_the_ten_lines_of_the_readme_run(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout
-
-
-def test_table1_says_what_is_missing(tmp_path: Path) -> None:
-    command = [sys.executable, "benchmarks/table1.py", "--data", str(tmp_path / "none.csv")]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 2
-    assert "--without-reference" in done.stderr

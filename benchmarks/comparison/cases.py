@@ -1,4 +1,4 @@
-"""What the methods are compared on: the discs of Table 1, the figures, a folder of shapes, and random shapes."""
+"""What the methods are compared on: the discs of Table 1, the figures, the drawn shapes, and random shapes."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from comparison.drawings import drawings, letter_a, letter_a_coarse
-from data import COARSE_RING_VERTICES, TABLE_1_WITHOUT_REFERENCE, Table1Row, annulus, read_shape, read_table1
+from data import COARSE_RING_VERTICES, Table1Row, annulus, read_shape, read_table1, shape, shape_names
 from nestedcages_core import Mesh, NestedCagesError, OnCurve
 from random_shapes import random_shape
 
-COUNT = 32  # vertices of the coarse meshes of the folder's shapes
+COUNT = 32  # vertices of the coarse meshes of the drawn shapes
 PAPER_PAIRS = (("A", "A_guy_fine", "A_guy_coarse"), ("octagon", "octagon_hole_hand", "square_hole_hand"))
 
 FIRST_SEED, RANDOM_CASES = 0, 60  # random shapes: seeds from the first on, until there are so many
@@ -38,18 +38,14 @@ class Inputs:
         return self.paper | drawings()
 
 
-def read_inputs(folder: Path, only: Sequence[str] | None = None) -> Inputs:
-    """``folder/paper/table1.csv`` and ``folder/shapes/*_V.csv``, as far as they are there; only the shapes named."""
-    reference = folder / "paper" / "table1.csv"
-    rows = read_table1(reference) if reference.is_file() else TABLE_1_WITHOUT_REFERENCE
-    names = sorted(path.name.removesuffix("_V.csv") for path in (folder / "shapes").glob("*_V.csv"))
+def read_inputs(folder: Path | None = None, only: Sequence[str] | None = None) -> Inputs:
+    """Table 1, the drawn shapes or those named, and the paper's meshes as far as they are in `folder`."""
     paper = {
-        f"the paper's {title}": (read_shape(folder / "paper", fine), read_shape(folder / "paper", coarse))
+        f"the paper's {title}": (read_shape(folder, fine), read_shape(folder, coarse))
         for title, fine, coarse in PAPER_PAIRS
-        if (folder / "paper" / f"{fine}_V.csv").is_file()
+        if folder and (folder / f"{fine}_V.csv").is_file()
     }
-    kept = [name for name in names if only is None or name in only]
-    return Inputs(rows, {name: read_shape(folder / "shapes", name) for name in kept}, paper)
+    return Inputs(read_table1(), {name: shape(name) for name in shape_names(only=only)}, paper)
 
 
 def disc(fine_vertices: int) -> Pair:
@@ -58,7 +54,7 @@ def disc(fine_vertices: int) -> Pair:
 
 
 def on_curve(shapes: dict[str, Mesh], names: Sequence[str]) -> dict[str, Pair]:
-    """Shapes of the folder in coarse meshes with their vertices on the curve, so that the flow has work to do."""
+    """Drawn shapes in coarse meshes with their vertices on the curve, so that the flow has work to do."""
     return {name: (shapes[name], OnCurve().decimate(shapes[name], COUNT)) for name in names if name in shapes}
 
 

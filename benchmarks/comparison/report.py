@@ -16,7 +16,7 @@ from comparison.methods import LEVEL_SETS
 from comparison.tables import count, median, number, table
 from nestedcages_core import __version__
 
-COMMAND = "python benchmarks/compare.py --data ../shared/data"
+COMMAND = "python benchmarks/compare.py"
 
 REFERENCES = (
     "R. Gurditta and A. Jacobson. *Augmenting Nested Cages with IPC.* 2022. (“The paper”, with its C++ program.)",

@@ -1,0 +1,118 @@
+"""What the benchmarks run on: the paper's discs and its Table 1, shapes drawn by formulas, and the records on them."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import clone  # noqa: F401
+from data.drawn import DRAWN, annulus, ring
+from nestedcages_core import Mesh
+
+__all__ = [
+    "COARSE_RING_VERTICES",
+    "TABLE_1",
+    "Record",
+    "Table1Row",
+    "annulus",
+    "read_records",
+    "read_shape",
+    "read_table1",
+    "ring",
+    "shape",
+    "shape_names",
+]
+
+HERE = Path(__file__).parent
+TABLE_1 = HERE / "table1.csv"
+RECORDS = HERE / "records.csv"
+COARSE_RING_VERTICES = 16  # vertices of each of the coarse annulus' two rings, the paper's
+
+
+@dataclass(frozen=True)
+class Table1Row:
+    """One row: `fine_vertices` in all, times in CPU seconds, excess in per cent; None where there is no figure."""
+
+    fine_vertices: int
+    reference_seconds: float | None = None
+    reference_excess: float | None = None
+    optimum_excess: float | None = None
+
+    @property
+    def fine_ring_vertices(self) -> int:
+        return self.fine_vertices // 2
+
+
+def read_table1(path: Path = TABLE_1) -> tuple[Table1Row, ...]:
+    """Rows of the reference table at `path`. Raises OSError, KeyError."""
+
+    def number(text: str) -> float | None:
+        return float(text) if text.strip() else None
+
+    with path.open(newline="", encoding="utf-8") as file:
+        return tuple(
+            Table1Row(
+                int(row["fine_vertices"]),
+                number(row["reference_cpp_cpu_s"]),
+                number(row["reference_cpp_excess_percent"]),
+                number(row["optimum_excess_percent"]),
+            )
+            for row in csv.DictReader(file)
+        )
+
+
+@dataclass(frozen=True)
+class Record:
+    """The best on record for a shape at a vertex count; nan where there is none."""
+
+    excess: float = np.nan
+    """Least one, in per cent."""
+    seconds: float = np.nan
+    """CPU seconds."""
+    hull: float = np.nan
+    """Excess of a strict progressive hull, in per cent."""
+
+
+def read_records(path: Path = RECORDS) -> dict[tuple[str, int], Record]:
+    """The records by shape and vertex count."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return {
+            (row["shape"], int(row["cage_vertices"])): Record(
+                float(row["excess_percent"]), float(row["cpu_seconds"]), float(row["hull_excess_percent"])
+            )
+            for row in csv.DictReader(file)
+        }
+
+
+def shape_names(folder: Path | None = None, only: Sequence[str] | None = None) -> list[str]:
+    """Names of the shapes that are drawn here, or of those in `folder`. Exits with a sentence where there are none."""
+    found = sorted(path.name.removesuffix("_V.csv") for path in folder.glob("*_V.csv")) if folder else sorted(DRAWN)
+    where = str(folder) if folder else "benchmarks/data"
+    unknown = [name for name in only or () if name not in found]
+    if unknown:
+        sys.exit(f"{where} has no shape called {unknown[0]!r}; it has {', '.join(found) or 'none'}.")
+    if not found:
+        sys.exit(f"{where} has no shapes: files name_V.csv (x, y in each line) and name_E.csv (two vertex indices).")
+    return list(only or found)
+
+
+def shape(name: str, folder: Path | None = None) -> Mesh:
+    """One of the shapes drawn here, or of those in `folder`."""
+    if folder:
+        return read_shape(folder, name)
+    try:
+        return DRAWN[name]()
+    except ModuleNotFoundError as error:
+        sys.exit(f"{name} is a glyph of a font that comes with {error.name}: pip install -e '.[benchmark]'.")
+
+
+def read_shape(folder: Path, name: str) -> Mesh:
+    """The mesh in `folder/name_V.csv` (x, y in each line) and `folder/name_E.csv` (two vertex indices in each line)."""
+    vertices = np.loadtxt(folder / f"{name}_V.csv", delimiter=",", ndmin=2)
+    edges = np.loadtxt(folder / f"{name}_E.csv", delimiter=",", ndmin=2)
+    return Mesh(vertices[:, :2], edges.astype(np.int64))

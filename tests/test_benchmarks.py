@@ -1,0 +1,113 @@
+"""The benchmarks run from a fresh clone, their shapes are the ones on record, and peers are counted in full."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import shapely
+
+ROOT = Path(__file__).resolve().parents[1]
+BENCHMARKS = ROOT / "benchmarks"
+NEED_BLENDER = ("binding.py", "blender_writing.py")
+PARTS = ("bent.py", "clone.py", "peers.py", "random_shapes.py")  # imported by the others
+
+
+@pytest.fixture
+def data(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import data
+
+    return data
+
+
+@pytest.mark.parametrize("script", sorted(path.name for path in BENCHMARKS.glob("*.py") if path.name not in PARTS))
+def test_a_benchmark_starts_in_a_clone_without_the_package(script: str, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    if script in NEED_BLENDER:
+        pytest.importorskip("bpy")
+    # runs as where the package is not installed: an editable installation is made known by a finder
+    run = f"""
+import runpy, sys
+sys.meta_path = [finder for finder in sys.meta_path if "editable" not in str(finder).lower()]
+sys.path = [entry for entry in sys.path if entry != {str(ROOT)!r}]
+sys.argv = [{str(BENCHMARKS / script)!r}, "--help"]
+sys.path.insert(0, {str(BENCHMARKS)!r})
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", run], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "usage:" in done.stdout
+
+
+def test_no_command_names_a_folder_outside_the_repository() -> None:
+    pages = [*BENCHMARKS.rglob("*.py"), *ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), ROOT / "Makefile"]
+    named = [path.name for path in pages if "../shared" in path.read_text(encoding="utf-8")]
+    assert named == []
+
+
+def test_drawn_shapes_are_the_ones_on_record(data: ModuleType) -> None:
+    # vertices and area of the shapes that the records were set on
+    expected = {
+        "blob_500": (500, 3.182349),
+        "blob_2000": (2000, 3.183747),
+        "comb": (401, 2.268),
+        "disc_64": (128, 2.352411),
+        "koch_4": (768, 2.048049),
+        "star200": (200, 1.322517),
+    }
+    for name, (count, area) in expected.items():
+        mesh = data.shape(name)
+        assert len(mesh.vertices) == count
+        assert mesh.area == pytest.approx(area, abs=1e-6), name
+    assert {name for name, _ in data.read_records()} == set(data.shape_names())
+
+
+def test_glyphs_are_the_ones_on_record(data: ModuleType) -> None:
+    pytest.importorskip("matplotlib")
+    assert len(data.shape("glyph_B").vertices) == 201
+    assert len(data.shape("glyph_g").vertices) == 293
+
+
+def test_table_1_has_the_rows_of_the_paper(data: ModuleType) -> None:
+    rows = data.read_table1()
+    assert [row.fine_vertices for row in rows] == [32, 48, 64, 96, 128, 192, 256, 512]
+    assert all(row.reference_seconds > 1.0 and row.reference_excess > 19.0 for row in rows)
+
+
+def test_an_unknown_shape_gets_a_sentence(data: ModuleType, tmp_path: Path) -> None:
+    with pytest.raises(SystemExit, match="benchmarks/data has no shape called 'none'"):
+        data.shape_names(only=["none"])
+    with pytest.raises(SystemExit, match="has no shapes: files"):
+        data.shape_names(tmp_path)
+
+
+def test_own_shapes_are_read(data: ModuleType, tmp_path: Path) -> None:
+    mesh = data.shape("star200")
+    np.savetxt(tmp_path / "mine_V.csv", mesh.vertices, delimiter=",")
+    np.savetxt(tmp_path / "mine_E.csv", mesh.edges, delimiter=",", fmt="%d")
+    assert data.shape_names(tmp_path) == ["mine"]
+    assert np.array_equal(data.shape("mine", tmp_path).vertices, mesh.vertices)
+
+
+def test_the_vertices_of_all_parts_of_a_peer_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import peers
+    from nestedcages_core import Mesh
+
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    ring = shapely.Polygon(3 * square, [square + 1.0])
+    assert peers._corners(ring) == 8
+    assert peers._corners(shapely.MultiPolygon([ring, shapely.Polygon(square + 5.0)])) == 12
+
+    turn = 2 * np.pi * np.arange(60) / 60
+    disc = np.column_stack([np.cos(turn), np.sin(turn)])
+    two = peers.buffer_and_simplify(Mesh.from_loops([disc, disc + 4.0]), 12)
+    assert 6 <= two.vertices <= 12
+    assert two.excess > 5.0  # no twelve vertices enclose two round discs more tightly
