@@ -1,10 +1,10 @@
-"""Builds the extension's zips, one per platform, with the scipy wheels that Blender lacks, and validates them.
+"""Builds the extension's zips, one per platform, with the wheels of packages that Blender lacks, and validates them.
 
     python packaging/build_extension.py [--output dist]
 
-Blender brings numpy but not scipy; its extension system installs wheels that a zip carries and picks those that match
-its Python. Needs Blender as a Python module (``pip install bpy``) for Blender's own build and validate commands, and
-pip for the wheels, which are never committed.
+Blender brings numpy, but not scipy and shapely; its extension system installs the wheels in a zip that match its
+Python. Needs Blender as a Python module (``pip install bpy``) for Blender's own build and validate commands, pip for
+the wheels, which are never committed, and markdown-it-py for the manual.
 """
 
 from __future__ import annotations
@@ -24,26 +24,32 @@ SHIPPED = ("__init__.py", "addon", "nestedcages_core", "LICENSE", "README.md", "
 """What goes into the zip beside the manifest and the wheels."""
 
 
-@dataclass(frozen=True)
-class Python:
-    """A Python that some Blender brings, and the scipy for it."""
-
-    version: str
-    scipy: str
-
-
-PYTHONS = (
-    Python("3.11", "1.15.3"),  # Blender 4.2 to 5.0; works with their numpy 1.24 and 1.26
-    Python("3.13", "1.17.1"),  # Blender 5.1 and 5.2
-)
-
 PLATFORMS = {
     "windows-x64": ("win_amd64",),
-    "macos-arm64": ("macosx_12_0_arm64",),
-    "macos-x64": ("macosx_10_14_x86_64", "macosx_10_13_x86_64"),
-    "linux-x64": ("manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
+    "macos-arm64": ("macosx_12_0_arm64", "macosx_11_0_arm64"),
+    "macos-x64": ("macosx_10_14_x86_64", "macosx_10_13_x86_64", "macosx_10_9_x86_64"),
+    "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
 }
 """Blender's names of platforms, and the tags of wheels that fit them, newest first."""
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """The packages for one Python that some Blender brings, as `package==version`."""
+
+    python: str
+    packages: tuple[str, ...]
+    platforms: tuple[str, ...] = tuple(PLATFORMS)
+
+
+BUNDLES = (
+    # Blender 4.2 to 5.0; scipy and shapely that work with their numpy, 1.24 and 1.26
+    Bundle("3.11", ("scipy==1.15.3", "shapely==2.1.2")),
+    # Blender 5.1 and 5.2
+    Bundle("3.13", ("scipy==1.17.1", "shapely==2.2.0")),
+    # Blender as Linux distributions build it, with their own Python
+    Bundle("3.14", ("scipy==1.17.1", "shapely==2.2.0"), ("linux-x64",)),
+)
 
 
 def main() -> int:
@@ -71,35 +77,28 @@ def main() -> int:
 
 
 def fetch_wheels(folder: Path) -> list[Path]:
-    """One scipy wheel per platform and Python, downloaded by pip where they are not there yet."""
-    folder.mkdir(parents=True, exist_ok=True)
-    wheels = []
-    for python in PYTHONS:
-        abi = "cp" + python.version.replace(".", "")
-        for tags in PLATFORMS.values():
-            pattern = f"scipy-{python.scipy}-{abi}-{abi}-*"
-            found = next((w for w in sorted(folder.glob(pattern)) if any(tag in w.name for tag in tags)), None)
-            if found is None:
-                found = download(folder, python, abi, tags)
-            wheels.append(found)
-    return wheels
+    """The wheels of all bundles, downloaded by pip where they are not there yet; one that fits any platform once."""
+    found = [
+        wheel(folder / bundle.python / platform, bundle.python, PLATFORMS[platform], package)
+        for bundle in BUNDLES
+        for platform in bundle.platforms
+        for package in bundle.packages
+    ]
+    return list({path.name: path for path in found}.values())
 
 
-def download(folder: Path, python: Python, abi: str, tags: tuple[str, ...]) -> Path:
-    """Download the wheel for one platform."""
-    before = set(folder.glob("*.whl"))
-    platforms = [argument for tag in tags for argument in ("--platform", tag)]
-    subprocess.run(
-        [
-            *(sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"),
-            *("--only-binary", ":all:", "--python-version", python.version, "--implementation", "cp", "--abi", abi),
-            *platforms,
-            *("--dest", str(folder), f"scipy=={python.scipy}"),
-        ],
-        check=True,
-    )
-    (wheel,) = set(folder.glob("*.whl")) - before
-    return wheel
+def wheel(folder: Path, python: str, tags: tuple[str, ...], package: str) -> Path:
+    """The wheel of a package, `name==version`, in `folder`. Raises SystemExit if there is none for these tags."""
+    name, _, version = package.partition("==")
+    pattern = f"{name.replace('-', '_')}-{version}-*.whl"
+    if not any(folder.glob(pattern)):
+        platforms = [argument for tag in tags for argument in ("--platform", tag)]
+        download = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"]
+        only = ["--only-binary", ":all:", "--python-version", python, "--implementation", "cp"]
+        if subprocess.run([*download, *only, *platforms, "--dest", str(folder), package], check=False).returncode:
+            raise SystemExit(f"There is no wheel of {package} for Python {python} and any of {', '.join(tags)}.")
+    (found,) = folder.glob(pattern)
+    return found
 
 
 def stage(folder: Path, wheels: list[Path]) -> Path:
@@ -112,10 +111,10 @@ def stage(folder: Path, wheels: list[Path]) -> Path:
         else:
             shutil.copy(ROOT / name, folder / name)
     write_pages(folder / "manual")
-    for wheel in wheels:
-        shutil.copy(wheel, folder / "wheels" / wheel.name)
+    for path in wheels:
+        shutil.copy(path, folder / "wheels" / path.name)
     manifest = (ROOT / "blender_manifest.toml").read_text(encoding="utf-8")
-    names = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in wheels)
+    names = "".join(f'  "./wheels/{path.name}",\n' for path in wheels)
     platforms = ", ".join(f'"{platform}"' for platform in PLATFORMS)
     keys, table, tables = manifest.partition("\n[")
     listed = f"platforms = [{platforms}]\nwheels = [\n{names}]\n"

@@ -2,8 +2,7 @@
 
     python packaging/manual_pages.py FOLDER
 
-Reads the part of Markdown that the guide is written in: headings, paragraphs, lists with pictures in them, tables,
-code, links, emphasis and inline HTML.
+Needs markdown-it-py (``pip install markdown-it-py``), which reads Markdown as code hosts do.
 """
 
 from __future__ import annotations
@@ -13,8 +12,12 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ("docs/guide/*.md", "docs/exchange.md", "README.md")
@@ -29,7 +32,7 @@ kbd { border: 1px solid #aaa; border-radius: 3px; padding: 0 .3em; background: #
 @media (prefers-color-scheme: dark) { body { background: #222; color: #ddd } a { color: #8bf }
   pre, code, kbd { background: #333 } }
 """
-ITEM = re.compile(r"( *)([-*]|\d+\.) +(.*)")
+MARKDOWN = MarkdownIt("commonmark", {"html": True, "xhtmlOut": False}).enable("table")
 
 
 def main() -> int:
@@ -41,118 +44,71 @@ def main() -> int:
 
 
 def write_pages(folder: Path) -> int:
-    """Writes all pages and their pictures; returns how many pages. Raises: FileNotFoundError for a lost picture."""
+    """Write all pages and their pictures; return the number of pages. Raises FileNotFoundError if one is missing."""
     sources = [path for pattern in PAGES for path in sorted(ROOT.glob(pattern))]
     for source in sources:
         target = folder / source.relative_to(ROOT).with_suffix(".html")
         target.parent.mkdir(parents=True, exist_ok=True)
-        text = source.read_text(encoding="utf-8")
-        target.write_text(_Page(source, sources).whole(text), encoding="utf-8")
-        for name in re.findall(r"\]\(([^)\s]+\.(?:png|gif))\)", text):
+        page, pictures = page_of(source, sources)
+        target.write_text(page, encoding="utf-8")
+        for name in pictures:
             picture = folder / os.path.relpath(source.parent / name, ROOT)
             picture.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(source.parent / name, picture)
     return len(sources)
 
 
-class _Page:
-    """One page; `sources` are all that become pages, so that links between them stay links."""
+def page_of(source: Path, sources: Sequence[Path]) -> tuple[str, list[str]]:
+    """HTML of one page, and the pictures that it shows or links; links to other `sources` lead to their pages."""
+    text = source.read_text(encoding="utf-8")
+    tokens = MARKDOWN.parse(text)
+    pictures = [name for token in flattened(tokens) if (name := picture_of(token))]
+    for heading, content in pairwise(tokens):
+        if heading.type == "heading_open":
+            heading.attrSet("id", anchor(content.content))
+    for token in tokens:
+        if token.children:
+            token.children = list(with_working_links(token.children, source, sources))
+    body = MARKDOWN.renderer.render(tokens, MARKDOWN.options, {})
+    title = html.escape(text.partition("\n")[0].lstrip("# "))
+    head = f'<meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
+    return f"<!DOCTYPE html>\n<html><head>{head}</head><body>\n{body}</body></html>\n", pictures
 
-    def __init__(self, source: Path, sources: list[Path]) -> None:
-        self.source, self.sources = source, sources
 
-    def whole(self, text: str) -> str:
-        body = "\n".join(self.blocks(text.splitlines()))
-        title = html.escape(text.partition("\n")[0].lstrip("# "))
-        head = f'<meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
-        return f"<!DOCTYPE html>\n<html><head>{head}</head><body>\n{body}\n</body></html>\n"
+def flattened(tokens: Sequence[Token]) -> Iterator[Token]:
+    """All tokens, those of inline text included."""
+    for token in tokens:
+        yield token
+        yield from flattened(token.children or ())
 
-    def blocks(self, lines: list[str]) -> Iterator[str]:
-        """HTML of the blocks that the lines make."""
-        at = 0
-        while at < len(lines):
-            line = lines[at]
-            end = at + 1
-            if line.startswith("```"):
-                while not lines[end].startswith("```"):
-                    end += 1
-                yield f"<pre>{html.escape(chr(10).join(lines[at + 1 : end]))}</pre>"
-                end += 1
-            elif heading := re.fullmatch(r"(#+) (.*)", line):
-                anchor = re.sub(r"[^\w\- ]", "", heading[2].lower()).replace(" ", "-")
-                size = len(heading[1])
-                yield f'<h{size} id="{anchor}">{self.inline(heading[2])}</h{size}>'
-            elif ITEM.fullmatch(line):
-                # A list goes on over lines that are indented, or empty with such a line after them.
-                while end < len(lines) and (
-                    ITEM.fullmatch(lines[end])
-                    or lines[end].startswith("  ")
-                    or (not lines[end] and end + 1 < len(lines) and re.match(r"  +\S|\d+\. |- ", lines[end + 1]))
-                ):
-                    end += 1
-                yield from self.items(lines[at:end])
-            elif line.startswith("|"):
-                while end < len(lines) and lines[end].startswith("|"):
-                    end += 1
-                yield from self.table(lines[at:end])
-            elif line.strip():
-                while end < len(lines) and lines[end].strip() and not re.match(r"#|```|\||[-*] |\d+\. ", lines[end]):
-                    end += 1
-                yield f"<p>{self.inline(' '.join(part.strip() for part in lines[at:end]))}</p>"
-            at = end
 
-    def items(self, lines: list[str]) -> Iterator[str]:
-        """A list, whose items may hold any blocks."""
-        first = ITEM.fullmatch(lines[0])
-        kind = "ul" if first[2] in "-*" else "ol"
-        start = "" if kind == "ul" else f' start="{first[2][:-1]}"'
-        yield f"<{kind}{start}>"
-        starts = [i for i, line in enumerate(lines) if (item := ITEM.fullmatch(line)) and item[1] == first[1]]
-        for begin, end in zip(starts, [*starts[1:], len(lines)], strict=True):
-            rest = lines[begin + 1 : end]
-            indent = min((len(line) - len(line.lstrip()) for line in rest if line.strip()), default=0)
-            inner = [ITEM.fullmatch(lines[begin])[3], *(line[indent:] for line in rest)]
-            yield f"<li>{''.join(self.blocks(inner))}</li>"
-        yield f"</{kind}>"
+def picture_of(token: Token) -> str | None:
+    """The file of the picture that a token shows or links."""
+    address = token.attrGet({"image": "src", "link_open": "href"}.get(token.type, ""))
+    return str(address) if address and re.fullmatch(r"[^:]+\.(png|gif)", str(address)) else None
 
-    def table(self, lines: list[str]) -> Iterator[str]:
-        """A table, whose second line is the rule under its head."""
-        yield "<table>"
-        for number, line in enumerate(lines):
-            if number != 1:
-                tag = "td" if number else "th"
-                cells = "".join(f"<{tag}>{self.inline(cell.strip())}</{tag}>" for cell in line.strip("|").split("|"))
-                yield f"<tr>{cells}</tr>"
-        yield "</table>"
 
-    def inline(self, text: str) -> str:
-        """Emphasis, code, pictures and links; inline HTML stays."""
-        codes: list[str] = []
+def anchor(heading: str) -> str:
+    """The id of a heading, as code hosts make it."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
-        def keep(match: re.Match[str]) -> str:
-            codes.append(f"<code>{html.escape(match[1])}</code>")
-            return f"\0{len(codes) - 1}\0"
 
-        text = re.sub(r"`([^`]+)`", keep, text)
-        text = re.sub(r"&(?!\w+;)", "&amp;", text)
-        text = re.sub(r"<(?!/?\w)", "&lt;", text)
-        text = re.sub(r"!\[([^\]]*)\]\(([^)]+)\)", r'<img alt="\1" src="\2">', text)
-        text = re.sub(r"\[([^\]]*)\]\(([^)]+)\)", self.link, text)
-        text = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", text)
-        text = re.sub(r"\*([^*\s](?:[^*]*[^*\s])?)\*", r"<em>\1</em>", text)
-        return re.sub(r"\0(\d+)\0", lambda match: codes[int(match[1])], text)
-
-    def link(self, match: re.Match[str]) -> str:
-        """A link to another page, to a place of this one or to the web; of others the text."""
-        words, address = match[1], match[2]
-        path, mark, place = address.partition("#")
-        if "://" in address or not path:
-            return f'<a href="{address}">{words}</a>'
-        if (self.source.parent / path).resolve() in self.sources:
-            return f'<a href="{path.removesuffix(".md")}.html{mark}{place}">{words}</a>'
-        if re.fullmatch(r".*\.(png|gif)", path):
-            return f'<a href="{path}">{words}</a>'
-        return words
+def with_working_links(tokens: Sequence[Token], source: Path, sources: Sequence[Path]) -> Iterator[Token]:
+    """Inline tokens whose links lead to pages, pictures or the web; links to anything else become plain text."""
+    dropped: list[bool] = []
+    for token in tokens:
+        if token.type == "link_open":
+            address = str(token.attrGet("href"))
+            path, mark, place = address.partition("#")
+            to_page = bool(path) and "://" not in address and (source.parent / path).resolve() in sources
+            if to_page:
+                token.attrSet("href", f"{path.removesuffix('.md')}.html{mark}{place}")
+            dropped.append(not (to_page or "://" in address or not path or picture_of(token)))
+            if dropped[-1]:
+                continue
+        elif token.type == "link_close" and dropped.pop():
+            continue
+        yield token
 
 
 if __name__ == "__main__":
