@@ -21,6 +21,7 @@ STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "regions
 NEED_BLENDER = ("waving",)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("story", STORIES)
 def test_a_story_runs_and_draws_its_picture(story: str, tmp_path: Path) -> None:
     if story in NEED_BLENDER:

@@ -34,6 +34,7 @@ def assert_same(before, after) -> None:
             np.testing.assert_array_equal(points, others)
 
 
+@pytest.mark.slow
 @slotted
 def test_one_action_plays_what_many_did(cages) -> None:
     collection, *objects = cages
@@ -48,6 +49,7 @@ def test_one_action_plays_what_many_did(cages) -> None:
     assert len(action.slots) == 2 * len(objects) - 1  # the fine mesh is never hidden
 
 
+@pytest.mark.slow
 @slotted
 def test_one_action_survives_binding_and_goes_with_new_cages(cages) -> None:
     collection, *_ = cages
@@ -65,6 +67,7 @@ def test_one_action_survives_binding_and_goes_with_new_cages(cages) -> None:
     assert "Drawing Cages" not in bpy.data.actions
 
 
+@pytest.mark.slow
 def test_without_the_animation_the_cages_stay(cages) -> None:
     scene = bpy.context.scene
     collection, *objects = cages

@@ -66,6 +66,7 @@ def turned(points):
 EXACT = ("AUTO", "HARMONIC", "LINEAR", "SURFACE_DEFORM")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "error"), [*((method, 2e-6) for method in EXACT), ("MESH_DEFORM", 0.15)])
 def test_the_drawing_follows_affine_poses_through_all_levels(method, error) -> None:
     _, _, fine, cages = bound(method=method)
@@ -75,6 +76,7 @@ def test_the_drawing_follows_affine_poses_through_all_levels(method, error) -> N
         assert np.abs(evaluated(obj) - turned(base(obj))).max() <= error * 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "error"), [("AUTO", 2e-5), ("LINEAR", 2e-5), ("SURFACE_DEFORM", 2e-5), ("MESH_DEFORM", 0.15)]
 )
@@ -96,6 +98,7 @@ def made_by(fine):
     return fine["nested_cages_link"].split(",")[0]
 
 
+@pytest.mark.slow
 def test_the_method_chosen_is_exact_where_triangles_are_thin(extension, core) -> None:
     following, filling = following_of(extension), sys.modules[f"{extension.__name__}.addon.scene.filling"]
     inner = wire("Inner", [circle(90)])
@@ -160,6 +163,7 @@ def test_a_drawing_that_leaves_its_posed_cage_is_found() -> None:
     assert cage["nested_cages_check"] == f"Broken on frame {bpy.context.scene.frame_current}"
 
 
+@pytest.mark.slow
 def test_an_armature_on_the_cage_moves_the_drawing() -> None:
     _, _, fine, cages = bound()
     rest, cage = evaluated(fine), cages[-1]
@@ -179,6 +183,7 @@ def test_an_armature_on_the_cage_moves_the_drawing() -> None:
     assert np.abs(evaluated(fine) - rest - (0.25, 0.5, 0.0)).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_keys_on_the_cage_play() -> None:
     _, _, fine, cages = bound()
     rest = evaluated(fine)
@@ -194,6 +199,7 @@ def test_keys_on_the_cage_play() -> None:
     assert np.abs(evaluated(fine, at_frame(11)) - turned(rest)).max() < 2e-5
 
 
+@pytest.mark.slow
 def test_a_finer_cage_adds_its_own_edits() -> None:
     _, _, fine, cages = bound()
     finer, coarser = cages
@@ -206,6 +212,7 @@ def test_a_finer_cage_adds_its_own_edits() -> None:
     assert np.abs(evaluated(fine) - bent - (0.5, 0.0, 0.0)).max() < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["HARMONIC", "LINEAR"])
 def test_edits_of_a_finer_cage_turn_with_the_coarser_one(method) -> None:
     _, _, fine, cages = bound(method=method)
@@ -222,6 +229,7 @@ def test_edits_of_a_finer_cage_turn_with_the_coarser_one(method) -> None:
         assert np.abs(evaluated(obj) - (before @ turn.T + (0.3, -0.2, 0.0))).max() < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [poly_curve, wire])
 def test_the_original_follows(draw) -> None:
     source, _, fine, cages = bound(draw)
@@ -269,6 +277,7 @@ def test_a_grease_pencil_is_followed_by_its_mesh() -> None:
     assert np.abs(evaluated(fine) - base(fine) - (1.0, 0.0, 0.0)).max() < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [poly_curve, wire])
 def test_unbinding_takes_it_all_back(draw) -> None:
     source = draw("Drawing", [star() * 2.0])
@@ -291,6 +300,7 @@ def test_unbinding_takes_it_all_back(draw) -> None:
     assert not bpy.ops.object.nested_cages_unbind.poll()
 
 
+@pytest.mark.slow
 def test_rebinding_takes_the_cage_as_it_is() -> None:
     _, _, fine, cages = bound(levels="12")
     rest = base(fine)
@@ -341,6 +351,7 @@ def test_a_cage_moved_out_of_the_plane_is_refused() -> None:
         bpy.ops.object.nested_cages_rebind()
 
 
+@pytest.mark.slow
 def test_generating_again_binds_again() -> None:
     source, collection, _, cages = bound(method="MESH_DEFORM")
     put(cages[-1], turned(base(cages[-1])))
@@ -366,6 +377,7 @@ def test_generating_again_binds_again() -> None:
     assert len(bpy.data.meshes) == 2
 
 
+@pytest.mark.slow
 def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> None:
     source, collection, _, _ = bound(levels="12")
     for obj in bpy.data.objects:
@@ -403,6 +415,7 @@ for name, rest in zip(names, before):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("draw", "method"), [(poly_curve, "AUTO"), (wire, "AUTO"), (wire, "MESH_DEFORM")])
 def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
     bound(draw, method=method)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 
+@pytest.mark.slow
 @given(sizes=st.lists(st.integers(2, 7), min_size=1, max_size=5), closed=st.integers(0, 31), seed=st.integers(0, 2**16))
 def test_shuffled_edges_come_back_as_lines(sizes, closed, seed) -> None:
     from nested_cages_extension.addon.scene.chains import chains

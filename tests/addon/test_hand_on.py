@@ -175,6 +175,7 @@ def outline_of(obj):
     return shapely.normalize(shapely.geometry.shape(solid(obj)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["SVG", "GEOJSON", "ENGINE"])
 @pytest.mark.parametrize("flip_y", [True, False])
 def test_what_is_exported_comes_back_the_same(cages, core, tmp_path, kind, flip_y) -> None:

@@ -144,6 +144,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_the_operator_gives_the_core_s_cages(addon, core, tmp_path, name) -> None:
     make, values, count = KINDS[name]

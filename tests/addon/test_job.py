@@ -75,6 +75,7 @@ def test_disabling_the_add_on_ends_the_job(extension, addon) -> None:
 STAGES = ("decimation", "flow", "reinflation", "tightening", "verification")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [1, 2])
 @pytest.mark.parametrize("stage", STAGES)
 def test_a_job_that_is_dropped_at_any_stage_leaves_the_scene(addon, stage, level) -> None:
@@ -158,6 +159,7 @@ def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, moda
     assert len(bpy.data.collections["Drawing Cages"].objects) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["escape", "button", "Blender"])
 @pytest.mark.parametrize("ticks", [0, 1, 4, 8])
 def test_in_a_window_cancelling_leaves_the_scene(addon, modal, ticks, how) -> None:
@@ -192,6 +194,7 @@ def test_a_drawing_that_is_deleted_meanwhile_ends_in_a_sentence(addon, modal) ->
     assert not bpy.data.objects and addon.generation.job.running() is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{"levels": "12"}, {"frames_per_step": 9}, {"energy": "SHAPE_KEEPING"}])
 def test_the_redo_panel_leaves_nothing_of_the_first_result(addon, change) -> None:
     """What Blender does when a setting is changed there: it undoes the operator and executes it anew."""

@@ -72,6 +72,7 @@ def test_the_table_is_complete(addon) -> None:
             assert not description.endswith("."), key  # Blender adds it
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "key"), EXPECTED)
 def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, key) -> None:
     methods = addon.properties.methods.Methods(**WITH.get(name, {}) | {name: key})
@@ -163,6 +164,7 @@ def test_what_is_dimmed_follows_the_contact(addon) -> None:
     assert methods().has_use_for("clearance")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "key"), [*EXPECTED, ("expansion_energy", "NONE"), ("expansion_energy", "SAME")])
 def test_each_choice_makes_a_certified_cage(addon, name, key) -> None:
     poly_curve("Drawing", [star(24)])
@@ -185,6 +187,7 @@ def test_other_advanced_settings_reach_the_core(addon, core, option) -> None:
     assert bpy.ops.object.nested_cages_generate(levels="10", **option) == {"FINISHED"}
 
 
+@pytest.mark.slow
 def test_the_paper_as_written_fails_in_its_documented_way() -> None:
     poly_curve("Drawing", [star(24)])
     as_written = {"contact": "PAPER", "repairs": set(), "tighten": False, "fall_back": False}
@@ -193,6 +196,7 @@ def test_the_paper_as_written_fails_in_its_documented_way() -> None:
     assert [obj.name for obj in bpy.data.objects] == ["Drawing"]
 
 
+@pytest.mark.slow
 def test_where_parts_merge_the_cage_says_so() -> None:
     poly_curve("Drawing", [star(24) * 0.5, star(24) * 0.5 + (1.3, 0.0)])
     bpy.ops.object.nested_cages_generate(levels="8", decimation="LEVEL_SET_MERGING")

@@ -308,6 +308,7 @@ def everything():
     return snapshot(), shown, {owner.name: {key: str(value) for key, value in owner.items()} for owner in owners}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("before", ["plain", "baked", "keyed", "thick"])
 @pytest.mark.parametrize("place", ["first level", "second level", "second drawing", "markers", "thickness"])
 def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, place) -> None:
@@ -488,6 +489,7 @@ REFUSALS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REFUSALS)
 def test_a_refusal_is_a_sentence_and_changes_nothing(addon, name) -> None:
     make, properties, sentence = REFUSALS[name]

@@ -97,6 +97,7 @@ def test_a_cage_stays_home_until_its_own_flow_begins_out_of_sight() -> None:
     np.testing.assert_array_equal(evaluated(cages[0], at_frame(end)), home)
 
 
+@pytest.mark.slow
 def test_the_length_is_known_for_other_timings(addon) -> None:
     poly_curve("Drawing", [star()])
     collection, _, _ = generate()

@@ -74,6 +74,7 @@ def test_any_two_objects_can_be_checked(addon) -> None:
     assert not selected(inner) and not selected(outer)
 
 
+@pytest.mark.slow
 def test_a_copy_of_a_cage_is_none_of_the_levels(cages) -> None:
     """Blender copies our marks with the object."""
     _, inner, outer = cages
@@ -130,6 +131,7 @@ def keyed(addon):
     return fine, cage
 
 
+@pytest.mark.slow
 def test_the_first_frame_with_a_fault_is_found(keyed) -> None:
     fine, cage = keyed
     scene = bpy.context.scene
@@ -183,6 +185,7 @@ def test_a_frame_that_cannot_be_read_is_named(addon) -> None:
     assert bpy.context.scene.frame_current == 3
 
 
+@pytest.mark.slow
 def test_steps_that_cross_on_purpose_are_no_fault(cages) -> None:
     scene = bpy.context.scene
     before = scene.frame_current

@@ -14,7 +14,7 @@ LARGEST_PAIRS = 100_000
 """Product of the vertex counts of cage and fine mesh up to which a level is judged."""
 
 STEPS_JUDGED = 4
-"""Motions between steps that are judged of each level, spread evenly; all of them in the slow tests."""
+"""Motions between steps that are judged of each level, spread evenly; all of them in thorough tests."""
 
 
 def faults_of_level(level: Any, *, all_steps: bool = False) -> list[str]:
@@ -44,7 +44,7 @@ def judged(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> I
             small = len(level.cage.vertices) * len(level.fine.vertices) <= LARGEST_PAIRS
             if small and id(level) not in seen:
                 seen[id(level)] = level  # kept, so that no other level gets its id
-                faults = faults_of_level(level, all_steps="slow" in request.keywords)
+                faults = faults_of_level(level, all_steps="thorough" in request.keywords)
                 assert not faults, f"the judge found: {'; '.join(faults[:5])}"
 
     monkeypatch.setattr(hierarchy, "__init__", made)

@@ -180,12 +180,14 @@ def check(make: Any) -> None:
     assert sum(len(loop) for loop in mesh.loops) == len(mesh.vertices)
 
 
+@pytest.mark.slow
 @given(hnp.arrays(np.float64, st.tuples(st.integers(0, 12), st.just(2)), elements=numbers))
 @settings(max_examples=400, deadline=None)
 def test_any_loop_of_doubles(points: np.ndarray) -> None:
     check(lambda: Mesh.from_loops([points]))
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=200, deadline=None)
 def test_any_edges(data: st.DataObject) -> None:
@@ -195,6 +197,7 @@ def test_any_edges(data: st.DataObject) -> None:
     check(lambda: Mesh(vertices, edges))
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=200, deadline=None)
 def test_arrays_of_any_kind(data: st.DataObject) -> None:
@@ -217,6 +220,7 @@ def test_loops_of_different_kinds_are_named() -> None:
         Mesh.from_loops([np.array(SQUARE), np.array(SQUARE).astype("M8[s]")])
 
 
+@pytest.mark.slow
 @given(st.recursive(st.none() | numbers | st.text(max_size=3) | st.integers(), st.lists, max_leaves=20))
 @settings(max_examples=200, deadline=None)
 def test_lists_of_anything(garbage: Any) -> None:

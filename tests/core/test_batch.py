@@ -60,6 +60,7 @@ def executor(request: pytest.FixtureRequest, processes: Executor) -> Iterator[ob
         yield {"here": None, "processes": processes, "maker": lambda: ProcessPoolExecutor(1)}[request.param]
 
 
+@pytest.mark.slow
 def test_results_come_in_order_and_equal_single_runs(executor: Executor | None) -> None:
     shapes = glyphs(4)
     seen: list[BatchProgress] = []
@@ -74,6 +75,7 @@ def test_results_come_in_order_and_equal_single_runs(executor: Executor | None) 
     assert {each.outcome.key for each in seen} == set(range(4))
 
 
+@pytest.mark.slow
 def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
     shapes = {"a": star(5, 50), "bow tie": BOW_TIE, "text": "no shape", "b": shapely.Point(0, 0).buffer(1)}
     outcomes = nested_cages_many(shapes, [12], executor=executor)
@@ -86,6 +88,7 @@ def test_a_failure_does_not_lose_the_others(executor: Executor | None) -> None:
     assert isinstance(small.error, NestingError)
 
 
+@pytest.mark.slow
 def test_levels_by_key_and_by_function(executor: Executor | None) -> None:
     shapes = {"a": star(5, 50), "b": star(4, 60)}
     by_key = nested_cages_many(shapes, {"a": [20, 10], "b": [8]}, executor=executor)
@@ -100,6 +103,7 @@ def test_an_empty_batch() -> None:
     assert nested_cages_many([], [8], executor=ThreadPoolExecutor) == []
 
 
+@pytest.mark.slow
 def test_cancelled_and_gone_on_with(executor: Executor | None) -> None:
     def stop(progress: BatchProgress) -> None:
         if progress.finished == 3:
@@ -156,6 +160,7 @@ class Deadly:
         return star(5, 50).__geo_interface__
 
 
+@pytest.mark.slow
 def test_none_is_lost_when_a_worker_is_killed(tmp_path: Path) -> None:
     shapes: list[object] = [*glyphs(8)]
     shapes.insert(5, Deadly(tmp_path / "mark"))
@@ -167,6 +172,7 @@ def test_none_is_lost_when_a_worker_is_killed(tmp_path: Path) -> None:
     assert [outcome.error for outcome in outcomes] == [None] * 9
 
 
+@pytest.mark.slow
 def test_a_deadly_shape_is_found_out_and_the_others_survive() -> None:
     shapes: dict[str, object] = {f"glyph {k}": shape for k, shape in enumerate(glyphs(6))}
     shapes["deadly"] = Deadly()
@@ -225,6 +231,7 @@ def test_meshes_settings_and_results_travel() -> None:
     assert pickle.loads(pickle.dumps(Settings(clearance=0.1))) == Settings(clearance=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [NestedCagesError, InvalidMeshError, FlowError, ReinflationError, NestingError])
 def test_errors_travel_with_what_was_finished(kind: type[NestedCagesError]) -> None:
     error = kind("Too small at (1, 2).", partial=np.arange(3))

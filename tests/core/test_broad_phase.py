@@ -23,6 +23,7 @@ def all_pairs(points: np.ndarray, starts: np.ndarray, ends: np.ndarray, radius: 
     return set(zip(*(k.tolist() for k in np.nonzero(distance < radius)), strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [1e-4, 0.003, 0.05, 0.5])
 @pytest.mark.parametrize("long_share", [0.0, 0.1, 1.0])
 def test_cells_find_each_close_pair_once(radius: float, long_share: float) -> None:

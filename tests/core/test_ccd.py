@@ -15,6 +15,7 @@ def pairs_of(count: int) -> Pairs:
     return Pairs(first, first + 1, first + 2, slice(0, count), slice(count, count), slice(count, count))
 
 
+@pytest.mark.slow
 def test_random_motions_agree_with_sampling() -> None:
     """A sign change of the side while beside the edge is a crossing: found by 4000 samples, it must be found here, and
     not later."""

@@ -34,6 +34,7 @@ def inradius(mesh: Mesh) -> float:
     return float(shapely.maximum_inscribed_circle(shapely.Polygon(mesh.vertices[mesh.loops[1]]), 1e-7).length)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10_000))
 def test_the_largest_circle_is_that_of_shapely(seed: int) -> None:
@@ -45,6 +46,7 @@ def test_the_largest_circle_is_that_of_shapely(seed: int) -> None:
     assert hole.exterior.distance(shapely.Point(circle.centre)) == pytest.approx(circle.radius, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fine", [annulus(32, 0.22), l_shaped_hole(), star_with_hole(0), star_with_hole(1)])
 @pytest.mark.parametrize("share", [0.7, 0.94, NEARLY_ALL])
 def test_a_clearance_may_fill_a_hole_nearly(fine: Mesh, share: float) -> None:
@@ -53,6 +55,7 @@ def test_a_clearance_may_fill_a_hole_nearly(fine: Mesh, share: float) -> None:
     assert verify(level.cage, fine, clearance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fine", [annulus(32, 0.22), l_shaped_hole(), star_with_hole(0)])
 def test_a_clearance_that_a_hole_has_no_room_for_is_refused_with_the_hole_and_the_largest_possible(fine: Mesh) -> None:
     with pytest.raises(NestingError, match=r"in loop 1 of the mesh inside it, a hole: the largest circle") as caught:
@@ -66,6 +69,7 @@ def test_a_clearance_that_a_hole_has_no_room_for_is_refused_with_the_hole_and_th
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.1, 0.01])
 @pytest.mark.parametrize("part", [ring(4, 1.0, np.pi / 4), ring(40)], ids=["square", "disc"])
 def test_two_components_share_the_gap_between_them(gap: float, part: np.ndarray) -> None:
@@ -78,6 +82,7 @@ def test_two_components_share_the_gap_between_them(gap: float, part: np.ndarray)
         assert f"ask for less than {0.5 * gap:.6g}," in str(caught.value)
 
 
+@pytest.mark.slow
 def test_an_island_shares_its_hole() -> None:
     fine = Mesh.from_loops([ring(40), ring(40, 0.6), ring(40, 0.3)])
     with pytest.raises(NestingError, match=r"between loops 1 and 2 of the mesh inside it: they are 0\.299"):
@@ -90,6 +95,7 @@ def test_a_slit_within_one_loop_is_filled(width: float) -> None:
     assert verify(nested_cages(fine, [16], Settings(clearance=0.02)).cages[0], fine, 0.02)
 
 
+@pytest.mark.slow
 def test_too_few_vertices_are_told_from_too_little_room() -> None:
     """Between the island and its hole there is room for the clearance, but not for loops of eight vertices."""
     fine = Mesh.from_loops([ring(40), ring(40, 0.6), ring(40, 0.3)])

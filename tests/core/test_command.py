@@ -47,6 +47,7 @@ def png(opaque: np.ndarray) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + parts
 
 
+@pytest.mark.slow
 def test_a_drawing_becomes_all_kinds_of_files(drawing: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     svg, geojson, outline = (tmp_path / f"out{kind}" for kind in (".svg", ".geojson", ".json"))
     status = main([str(drawing), "--levels", "48", "24", "-o", str(svg), "-o", str(geojson), "-o", str(outline)])
@@ -65,6 +66,7 @@ def test_a_drawing_becomes_all_kinds_of_files(drawing: Path, tmp_path: Path, cap
     assert polygon(from_engine_json(outline.read_bytes())).equals(polygon(outer))
 
 
+@pytest.mark.slow
 def test_the_module_runs_and_keeps_quiet(drawing: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "nestedcages_core", str(drawing), "--levels", "24", "--quiet", "-o", "out.svg"]
     done = subprocess.run(
@@ -81,6 +83,7 @@ def test_without_an_output_the_cages_are_certified_only(drawing: Path, capsys: p
     assert float(found[1]) >= 0.01
 
 
+@pytest.mark.slow
 def test_a_picture_becomes_an_outline(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     y, x = np.indices((60, 80))
     opaque = np.hypot(x - 40, y - 25) < 20

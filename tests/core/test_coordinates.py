@@ -37,6 +37,7 @@ def dense(weights: object) -> np.ndarray:
     return weights if isinstance(weights, np.ndarray) else weights.toarray()  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=repr)
 @pytest.mark.parametrize("name", ["letter", "star", "islands"])
 def test_rows_sum_to_one_and_the_cage_at_rest_gives_the_drawing(
@@ -49,6 +50,7 @@ def test_rows_sum_to_one_and_the_cage_at_rest_gives_the_drawing(
     assert np.abs(deform(weights, cage) - fine.vertices).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=repr)
 def test_affine_motions_are_reproduced(nested: dict[str, tuple[Mesh, Mesh]], kind: object) -> None:
     fine, cage = nested["letter"]
@@ -60,6 +62,7 @@ def test_affine_motions_are_reproduced(nested: dict[str, tuple[Mesh, Mesh]], kin
         assert np.abs(moved - (fine.vertices @ matrix.T + shift)).max() < 1e-12 * (1 + np.abs(matrix).sum())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Harmonic(), PiecewiseLinear()], ids=repr)
 @pytest.mark.parametrize("name", ["letter", "star", "islands"])
 def test_weights_that_promise_it_are_never_negative(
@@ -96,6 +99,7 @@ def test_all_coordinates_of_a_triangle_are_barycentric(kind: object) -> None:
     assert np.abs(dense(weights) - share).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_harmonic_coordinates_agree_with_random_walks() -> None:
     """A coordinate is the chance that a Brownian path leaves near its vertex (Kakutani); walks on spheres sample it."""
     cage = annulus(6, 0.4)
@@ -148,6 +152,7 @@ def test_mean_value_coordinates_on_the_cage_are_linear_along_its_edges() -> None
     assert weights[10:] == pytest.approx(0.25 * np.eye(10) + 0.75 * np.eye(10)[cage.successor], abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=repr)
 @pytest.mark.parametrize(("scale", "shift"), [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e3)])
 def test_coordinates_do_not_depend_on_place_and_scale(kind: object, scale: float, shift: float) -> None:
@@ -188,6 +193,7 @@ def test_a_bent_cage_bends_the_drawing_smoothly(nested: dict[str, tuple[Mesh, Me
     assert shapely.MultiPoint(posed).convex_hull.buffer(1e-9).covers(shapely.MultiPoint(moved))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Harmonic(), PiecewiseLinear()], ids=repr)
 @pytest.mark.parametrize("name", ["letter", "islands"])
 def test_gradients_are_differences(nested: dict[str, tuple[Mesh, Mesh]], name: str, kind: object) -> None:
@@ -208,6 +214,7 @@ def test_gradients_are_differences(nested: dict[str, tuple[Mesh, Mesh]], name: s
         assert (off > 1e-3).mean() < 0.1  # where an edge of the elements is crossed
 
 
+@pytest.mark.slow
 def test_linear_coordinates_keep_the_drawing_inside_while_no_triangle_turns_over(
     nested: dict[str, tuple[Mesh, Mesh]],
 ) -> None:
@@ -239,6 +246,7 @@ def test_harmonic_coordinates_keep_the_drawing_inside_a_convex_pose() -> None:
     assert polygon(posed).covers(polygon(moved))
 
 
+@pytest.mark.slow
 def test_prolongation_keeps_linear_functions_on_every_level() -> None:
     hierarchy = nested_cages(letter_a(3), [80, 40, 24])
     for spacing in (None, 0.2, [0.1, 0.3, 0.5, 1.0]):

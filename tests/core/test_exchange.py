@@ -327,6 +327,7 @@ def blob(seed: int, count: int = 24) -> np.ndarray:
     return ring(count) * rng.uniform(0.4, 1.0, count)[:, None] + rng.uniform(-0.6, 0.6, 2)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.integers(0, 10_000), min_size=1, max_size=6, unique=True))
 def test_overlapping_shapes_are_united(seeds: list[int]) -> None:
@@ -337,6 +338,7 @@ def test_overlapping_shapes_are_united(seeds: list[int]) -> None:
     assert len(shapely.get_parts(found)) == len(shapely.get_parts(expected))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.integers(0, 10_000), min_size=2, max_size=4, unique=True))
 def test_evenodd_is_the_symmetric_difference(seeds: list[int]) -> None:

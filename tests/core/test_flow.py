@@ -123,6 +123,7 @@ def test_the_mesh_itself_as_its_coarse_mesh(shape: object) -> None:
     assert_inside(result, fine, fine)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("count", [16, 33, 60])
 def test_slits_of_any_width(width: float, count: int) -> None:

@@ -47,6 +47,7 @@ FAST = Settings(starts=1, decimation=OuterHull(restarts=2), fallback=OuterHull(r
 SHAPES = [letter_a, star, islands, lambda: annulus(64), lambda: comb(3, 0.02)]
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from([OuterHull(restarts=2), OnCurve(), ArcLength()]))
 def test_random_shapes_get_certified_cages(seed: int, decimation: object) -> None:
@@ -111,6 +112,7 @@ ROUND_OFF, AFTER_A_WAY = 1e-10, 1e-8
 """Distances in diagonals; coordinates of 70 alone are rounded by 1e-14, and the way home makes more of that."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
 def test_the_cage_moves_with_the_shape(scale: float, motion: Callable[[np.ndarray], np.ndarray]) -> None:
     fine, clearance = lopsided(), 1e-4
@@ -121,6 +123,7 @@ def test_the_cage_moves_with_the_shape(scale: float, motion: Callable[[np.ndarra
     assert polygon(cage_moved).hausdorff_distance(expected) < ROUND_OFF * moved.diagonal
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scale", "motion"), MOTIONS.values(), ids=MOTIONS.keys())
 def test_the_way_from_an_own_coarse_mesh_moves_too(scale: float, motion: Callable[[np.ndarray], np.ndarray]) -> None:
     fine, coarse, clearance = lopsided(), resampled(lopsided(), 30), 1e-4
@@ -140,6 +143,7 @@ def test_far_from_the_origin_the_cage_is_as_good_as_coordinates_allow(distance: 
     assert cage_moved.area / moved.area == pytest.approx(cage.area / fine.area, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [lopsided, letter_a, islands], ids=lambda shape: shape.__name__)
 def test_the_start_of_loops_and_their_order_do_not_matter(shape: Callable[[], Mesh]) -> None:
     fine = shape()
@@ -149,6 +153,7 @@ def test_the_start_of_loops_and_their_order_do_not_matter(shape: Callable[[], Me
     assert polygon(cage).hausdorff_distance(polygon(cage_other)) < 1e-6 * fine.diagonal
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES, ids=["letter", "star", "islands", "annulus", "comb"])
 def test_five_levels(shape: Callable[[], Mesh]) -> None:
     fine = shape()
@@ -204,6 +209,7 @@ def test_a_cage_may_have_as_many_loops_of_other_kinds() -> None:
     assert polygon(level.cage).contains_properly(polygon(fine))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi / 3.0, 12, endpoint=False))
 def test_a_disc_in_a_triangle_s_ring_in_every_rotation(angle: float) -> None:
     """Figure 5: the coarse mesh is reached by the flow itself, not from the outer hull."""
@@ -288,6 +294,7 @@ HARD: dict[str, tuple[Mesh, list[int | Mesh]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("fine", "levels"), HARD.values(), ids=HARD.keys())
 def test_hard_inputs_get_certified_cages(fine: Mesh, levels: list[int | Mesh]) -> None:
     hierarchy = nested_cages(fine, levels, FAST)

@@ -90,6 +90,7 @@ def test_letter_with_its_own_coarse_mesh() -> None:
     assert hierarchy.levels[0].report.start == "flow"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("decimation", [OuterHull(restarts=4), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
 @pytest.mark.parametrize("shape", [letter_a, star, islands], ids=lambda s: s.__name__)
 def test_several_levels_by_every_decimation(shape: object, decimation: object) -> None:
@@ -100,6 +101,7 @@ def test_several_levels_by_every_decimation(shape: object, decimation: object) -
     assert len(hierarchy.levels[1].cage.vertices) <= 24
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clearance", [0.0, 1e-4, 0.05, 0.1])
 def test_the_wanted_clearance_is_kept(clearance: float) -> None:
     hierarchy = nested_cages(letter_a(), [24], Settings(clearance=clearance))
@@ -121,6 +123,7 @@ def test_the_fine_mesh_is_not_changed() -> None:
 
 
 class TestRun:
+    @pytest.mark.slow
     def test_it_reports_and_gives_the_same_result(self) -> None:
         fine = letter_a()
         run = NestedCagesRun(fine, [40, 20])

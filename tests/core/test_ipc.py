@@ -171,6 +171,7 @@ def needles() -> Mesh:
     return Mesh.from_loops([radius[:, None] * ring(200)])
 
 
+@pytest.mark.slow
 def test_a_crowd_of_pairs_is_left_to_the_next_contact() -> None:
     """All of the core is within reach of all of the cage there, so that one iteration costs as much as fifty others."""
     fine, coarse = needles(), OnCurve().decimate(needles(), 40)

@@ -136,9 +136,9 @@ def test_levels_are_judged_when_they_are_made() -> None:
         Hierarchy(hierarchy.fine, (wrong,))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_every_motion_of_random_shapes_by_the_judge() -> None:
-    """All steps of 300 shapes, since this test is marked slow; see the hook."""
+    """All steps of 300 shapes, since this test is marked thorough; see the hook."""
     from benchmarks.random_shapes import random_shape
 
     judged = 0

@@ -50,6 +50,7 @@ def test_no_contour_where_no_value_is_below() -> None:
     assert Field(np.zeros(2), 1.0, np.ones((4, 4))).contour(0.0) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "count"), [(letter_a, 30), (star, 24), (lambda: annulus(60), 16)])
 def test_it_encloses_strictly_with_the_loops_of_the_mesh(shape: object, count: int) -> None:
     fine: Mesh = shape()  # type: ignore[operator]
@@ -68,6 +69,7 @@ def test_numbers_per_loop_are_kept() -> None:
     assert [len(loop) for loop in coarse.loops] == [12, 5]
 
 
+@pytest.mark.slow
 def test_more_vertices_need_less_offset() -> None:
     areas = [COARSE_GRID.decimate(letter_a(), count).area for count in (24, 48, 96)]
     assert areas == sorted(areas, reverse=True)

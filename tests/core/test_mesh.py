@@ -371,6 +371,7 @@ def is_accepted(loops: list[np.ndarray]) -> bool:
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("corners", [3, 4, 5, 6, 7])
 def test_loops_on_a_grid_are_accepted_if_and_only_if_they_are_simple(corners: int) -> None:
     random = np.random.default_rng(corners)
@@ -384,6 +385,7 @@ def test_loops_on_a_grid_are_accepted_if_and_only_if_they_are_simple(corners: in
     assert accepted > 5
 
 
+@pytest.mark.slow
 def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart() -> None:
     random = np.random.default_rng(2)
     verdicts = []
@@ -401,6 +403,7 @@ def test_two_loops_on_a_grid_are_accepted_if_and_only_if_they_stay_apart() -> No
     assert 50 < sum(verdicts) < len(verdicts) - 50
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.sampled_from([3, 5, 30, 400]), st.integers(-130, 130), st.floats(0, 7))
 @settings(max_examples=60, deadline=None)
 def test_stars_are_accepted_at_every_scale(seed: int, count: int, exponent: int, turn: float) -> None:
@@ -428,6 +431,7 @@ def test_walls_a_few_doubles_apart_are_told_from_walls_that_touch(gap: int) -> N
         Mesh.from_loops([left, other])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["star", "slanted comb", "spiral", "straight", "crossing"])
 def test_crowded_shapes_are_no_trouble(shape: str) -> None:
     random = np.random.default_rng(4)

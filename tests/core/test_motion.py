@@ -12,6 +12,7 @@ from nestedcages_core.verification.motion import _never_meet
 from shapes import annulus, letter_a, letter_a_coarse, ring, star
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fine", "level", "settings"),
     [

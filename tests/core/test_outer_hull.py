@@ -57,6 +57,7 @@ def solid(outline: Outline) -> shapely.Geometry:
 # The hull
 
 
+@pytest.mark.slow
 @SHAPES
 @pytest.mark.parametrize("part", [0.0, 0.1, 0.4, 1.0])
 def test_it_encloses_strictly_with_exactly_the_wanted_vertices(shape: object, part: float) -> None:
@@ -83,6 +84,7 @@ def test_each_loop_belongs_to_that_of_the_mesh(shape: object) -> None:
         assert shapely.Polygon(outer.vertices[around]).contains(shapely.Polygon(inner.vertices[inside]))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(-6.0, 6.0), st.floats(0.0, 1.0))
 def test_random_shapes_with_holes_at_all_scales(seed: int, exponent: float, part: float) -> None:
@@ -229,6 +231,7 @@ def test_two_components_with_hardly_a_gap_stay_apart() -> None:
     assert_nested(QUICK.decimate(fine, 8, clearance=1e-5), fine)
 
 
+@pytest.mark.slow
 def test_a_large_clearance_is_kept_around_needles_and_dense_vertices() -> None:
     needle = np.array([(0, 0), (1, 0), (1, 0.2), (0.501, 0.2), (0.5, 2.0), (0.499, 0.2), (0, 0.2)])
     for fine in (Mesh.from_loops([needle]), Mesh.from_loops([ring(900)]), letter_a(20)):
@@ -266,6 +269,7 @@ def test_the_numbering_of_vertices_and_loops_changes_nothing() -> None:
         assert (other.vertices[other.loops[k]] == coarse.vertices[coarse.loops[mine]]).all()
 
 
+@pytest.mark.slow
 @SHAPES
 def test_motion_and_scale_change_round_off_only(shape: object) -> None:
     fine: Mesh = shape()  # type: ignore[operator]
@@ -285,6 +289,7 @@ def test_the_same_input_gives_the_same_output() -> None:
 # What it is made of
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_every_move_only_adds_area(seed: int) -> None:

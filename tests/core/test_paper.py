@@ -62,6 +62,7 @@ def test_repaired_it_comes_home_to_the_last_bit() -> None:
     assert_nested(coarse.moved(way.cage_steps[-1]), fine)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step_filter", [NoFilter(), SmallestDistance(), TimeOfImpact()])
 @pytest.mark.parametrize("broad_phase", [AllPairs(), UniformGrid()])
 def test_any_filter_and_broad_phase_serve_both_energies(step_filter: StepFilter, broad_phase: BroadPhase) -> None:

@@ -187,6 +187,7 @@ def test_the_boundary_follows_the_pixels(opaque: np.ndarray) -> None:
     assert_boundary(opaque, boundary_of_pixels(opaque))
 
 
+@pytest.mark.slow
 def test_dense_noise_has_a_boundary() -> None:
     opaque = np.random.default_rng(0).random((60, 50)) < 0.5
     assert_boundary(opaque, boundary_of_pixels(opaque))
@@ -238,6 +239,7 @@ def assert_wrapped(alpha: np.ndarray, outline: Mesh, padding: float, threshold: 
     assert shapely.distance(solid.boundary, pixels).min() >= padding * (1 - 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("holes", [False, True])
 @pytest.mark.parametrize(("padding", "threshold"), [(0.0, 0.0), (1.5, 0.0), (0.5, 0.5)])
 def test_an_outline_misses_no_opaque_pixel(padding: float, threshold: float, holes: bool) -> None:
@@ -261,6 +263,7 @@ def test_parts_without_room_for_the_padding_are_joined() -> None:
     assert len(apart.vertices) == 8  # two rectangles have no use for more
 
 
+@pytest.mark.slow
 def test_a_sprite_of_4096_boundary_pixels_in_16_vertices() -> None:
     y, x = np.indices((1500, 1500)) - 750.0
     turn, far = np.arctan2(y, x), np.hypot(x, y)

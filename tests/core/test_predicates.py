@@ -68,6 +68,7 @@ def test_orientation_of_plain_triples() -> None:
     assert orientation(np.zeros((0, 2)), a, b).shape == (0,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("a", "b", "c"),
     [
@@ -174,6 +175,7 @@ def exact_intersection(a: tuple, b: tuple, c: tuple, d: tuple) -> bool:
     return first[0] <= second[1] and second[0] <= first[1]
 
 
+@pytest.mark.slow
 def test_all_pairs_of_segments_on_a_grid() -> None:
     grid = list(itertools.product(range(3), range(3)))
     quadruples = np.array(list(itertools.product(grid, repeat=4)), dtype=float)
@@ -181,6 +183,7 @@ def test_all_pairs_of_segments_on_a_grid() -> None:
     assert found.tolist() == [exact_intersection(*(tuple(p) for p in q)) for q in quadruples.tolist()]
 
 
+@pytest.mark.slow
 def test_segments_that_almost_touch() -> None:
     random = np.random.default_rng(3)
     a, b, c = near_degenerate(random, 3000)
@@ -231,6 +234,7 @@ def as_set(pairs: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int]]:
     return set(listed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 15, 16, 17, 63, 64, 65, 300])
 def test_pairs_of_boxes(kind: str, count: int) -> None:
@@ -257,6 +261,7 @@ def test_pairs_do_not_depend_on_the_order_of_segments(kind: str) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_blocks_join_to_the_whole(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     a, b = segments_of(kind, 500, np.random.default_rng(12))
@@ -270,6 +275,7 @@ def test_blocks_join_to_the_whole(kind: str, monkeypatch: pytest.MonkeyPatch) ->
     assert as_set(tree.pairs(other)) == pairs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("crowded", [0, box_tree.CROWDED])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("exponent", [-1070, -1000, -300, 0, 300, 1000, 1020])
@@ -330,6 +336,7 @@ def exact_winding(point: tuple[int, int], starts: list[tuple[int, int]], ends: l
     return total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("crowded", [-1, box_tree.CROWDED])
 @pytest.mark.parametrize("shuffled", [False, True])
 @given(data=st.data())

@@ -76,6 +76,7 @@ def test_longer_edges_weigh_more(rule: Quadrature) -> None:
     assert share == pytest.approx([0.75, 0.25])
 
 
+@pytest.mark.slow
 @BY_NAME
 def test_the_flow_of_the_paper_gets_inside_with_every_rule(rule: Quadrature) -> None:
     settings = Settings(flow=SignedDistanceFlow(quadrature=rule), fallback=None)

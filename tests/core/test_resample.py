@@ -35,6 +35,7 @@ def test_the_vertices_lie_on_their_loops_in_order(decimation: Decimation, shape:
         assert (np.diff(np.append(along, along[0])) < 0.0).sum() == 1  # once around, forwards
 
 
+@pytest.mark.slow
 @given(st.integers(3, 60), st.floats(0.1, 0.9), st.integers(6, 40))
 def test_even_spacing_shared_out_by_length(corners: int, inner: float, count: int) -> None:
     fine = Mesh.from_loops([ring(corners), ring(corners, inner)])

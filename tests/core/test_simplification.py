@@ -103,6 +103,7 @@ def test_the_choice_follows_rotation_scale_and_numbering(decimation: Decimation)
         assert polygon(other).symmetric_difference(polygon(expected)).area < 1e-9
 
 
+@pytest.mark.slow
 @BY_NAME
 def test_cages_from_it_are_certified(decimation: Decimation) -> None:
     for fine, count in ((letter_a(), 24), (islands(), 40)):

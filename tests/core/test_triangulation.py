@@ -78,6 +78,7 @@ def boundary_segments(grid: Triangulation, mesh: Mesh) -> np.ndarray:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 def test_the_triangles_tile_the_solid_and_are_delaunay(shape: str, sampling: str) -> None:

@@ -68,6 +68,7 @@ def test_without_impacts_every_wish_comes_true() -> None:
     assert systems == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("energy", [NoEnergy(), Area()])
 @pytest.mark.parametrize(
     ("fine", "coarse"),
@@ -82,6 +83,7 @@ def test_cages_and_animations_are_certified(fine: Mesh, coarse: Mesh | int, ener
     assert verify_motion(level.cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
 
 
+@pytest.mark.slow
 def test_gaps_narrower_than_the_proximity_are_passed() -> None:
     """A plate with a slit that is half as wide as the distance at which pairs are pushed apart."""
     gap = 0.5 * VelocityFilter().room

@@ -241,6 +241,7 @@ def test_one_double_decides() -> None:
     assert len(set(verdicts)) == 2
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=150, deadline=None)
 def test_random_pairs_against_shapely(seed: int) -> None:
@@ -268,6 +269,7 @@ def test_random_pairs_against_shapely(seed: int) -> None:
         assert certificate.loops_kept == (kept and len(cage.loops) == len(fine.loops))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["outer", "hole"])
 def test_strict_pairs_occur(kind: str) -> None:
     random = np.random.default_rng(3)
@@ -292,6 +294,7 @@ def test_the_verdict_does_not_depend_on_the_unit(exponent: int) -> None:
         assert there.excess == here.excess
 
 
+@pytest.mark.slow
 def test_crowded_pairs_are_no_trouble() -> None:
     random = np.random.default_rng(5)
     spikes = star(random, 10_000)
