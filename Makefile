@@ -3,12 +3,16 @@
 
 DEMO_ENV := .venv-demo
 TEST_ENV := .venv-test
+DOCS_ENV := .venv-docs
 
 # Any name of a Python that runs, has a matching version and can make virtual environments.
 USABLE := import sys, venv, ensurepip; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 13)))
 FOUND := $(shell for name in python3.11 python3.13 python3 python; do \
 	if $$name -c '$(USABLE)' >/dev/null 2>&1; then echo $$name; break; fi; done)
 PYTHON ?= $(FOUND)
+
+# Tests share the cores; more than four processes with Blender in each need more memory than they save time.
+WORKERS ?= -n auto --maxprocesses 4
 
 # The matrices here are small: threads of the linear algebra would only wait for each other where cores are few.
 export OPENBLAS_NUM_THREADS ?= 1
@@ -18,12 +22,14 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint bench extension test-blender clean
+.PHONY: help demo test test-fast lint docs bench extension test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
 	@echo "make test    runs every test of the core and of the add-on"
+	@echo "make test-fast     leaves out the slow ones, for use while working"
 	@echo "make lint    runs ruff and mypy"
+	@echo "make docs    builds the site with the API reference: build/site/README.html"
 	@echo "make bench   measures time, tightness and growth"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
@@ -35,11 +41,21 @@ demo: $(DEMO_ENV)/ready
 
 test: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py
-	$(if $(LIMIT),$(LIMIT) 840) $(TEST_ENV)/bin/python -m pytest
+	$(if $(LIMIT),$(LIMIT) 840) $(TEST_ENV)/bin/python -m pytest $(WORKERS)
+
+test-fast: $(TEST_ENV)/ready
+	@$(TEST_ENV)/bin/python examples/check_bpy.py
+	$(if $(LIMIT),$(LIMIT) 300) $(TEST_ENV)/bin/python -m pytest -q $(WORKERS) -m "not slow and not thorough"
 
 lint: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m ruff check .
+	$(TEST_ENV)/bin/python -m ruff format --check .
 	$(TEST_ENV)/bin/python -m mypy
+
+docs: $(DOCS_ENV)/ready
+	$(DOCS_ENV)/bin/python packaging/docs_pages.py
+	NO_MKDOCS_2_WARNING=1 $(DOCS_ENV)/bin/python -m mkdocs build --strict --quiet
+	@echo "Open build/site/README.html"
 
 bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
@@ -49,10 +65,10 @@ bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python benchmarks/iterations.py --plot build/iterations.png
 	$(TEST_ENV)/bin/python benchmarks/growth.py --plot build/growth.png
 
-extension: $(DEMO_ENV)/ready
-	@$(DEMO_ENV)/bin/python examples/check_bpy.py
-	$(DEMO_ENV)/bin/python packaging/build_extension.py
-	$(DEMO_ENV)/bin/python packaging/try_extension.py
+extension: $(TEST_ENV)/ready
+	@$(TEST_ENV)/bin/python examples/check_bpy.py
+	$(TEST_ENV)/bin/python packaging/build_extension.py
+	$(TEST_ENV)/bin/python packaging/try_extension.py
 
 # Blender as a Python module comes for one Python each; those of a Python that is not here are left out. A Python that
 # pyenv has installed counts, even if it is not the one in use. IF_POSSIBLE=1: so are those that cannot be downloaded.
@@ -71,7 +87,7 @@ test-blender-$(1)-$(2):
 	if [ -z "$$$$python" ]; then echo "== Blender $(2) is left out: no Python $(1) here"; exit 0; fi; \
 	env=.venv-bpy-$(2); \
 	if [ ! -e $$$$env/ready ]; then "$$$$python" -m venv --clear $$$$env && $$$$env/bin/python -m pip install --quiet \
-		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely hypothesis && \
+		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely hypothesis markdown-it-py && \
 		touch $$$$env/ready || { echo "== Blender $(2) cannot be installed"; exit $$(if $$(IF_POSSIBLE),0,1); }; fi; \
 	echo "== Blender $(2)"; \
 	$(if $(LIMIT),$(LIMIT) 600) $$$$env/bin/python -m pytest -q tests/addon
@@ -79,7 +95,7 @@ endef
 $(foreach version,3.11 3.13,$(foreach blender,$(BLENDERS_$(version)),$(eval $(call blender_tests,$(version),$(blender)))))
 
 clean:
-	rm -rf .venv-bpy-* $(DEMO_ENV) $(TEST_ENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+	rm -rf .venv-bpy-* $(DEMO_ENV) $(TEST_ENV) $(DOCS_ENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
 
 # $(1): environment, $(2): extras of pyproject.toml. The file `ready` says that the installation went through.
 define environment
@@ -88,10 +104,11 @@ $(1)/ready: pyproject.toml
 		echo "Nested Cages needs Python 3.11 or 3.13 with its venv module: install python3.11 and python3.11-venv" \
 			"(Debian, Ubuntu), python3.11 (Fedora, Homebrew) or a release from python.org," \
 			"or name one with 'make PYTHON=/path/to/python3.11'." >&2; exit 1; fi
-	@echo "Making $(1) with $$$$("$$(PYTHON)" --version) (first run: this downloads Blender as a Python module)"
+	@echo "Making $(1) with $$$$("$$(PYTHON)" --version) (first run: this downloads what it needs)"
 	"$$(PYTHON)" -m venv --clear $(1)
 	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[$(2)]"
 	@touch $$@
 endef
 $(eval $(call environment,$(DEMO_ENV),blender))
 $(eval $(call environment,$(TEST_ENV),dev))
+$(eval $(call environment,$(DOCS_ENV),docs))

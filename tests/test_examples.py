@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import nestedcages_core
 from examples import check_bpy
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -62,16 +63,19 @@ def test_the_loader_is_asked() -> None:
 
 
 def test_project_and_extension_have_one_version() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    whole = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project, dynamic = whole["project"], whole["tool"]["setuptools"]["dynamic"]
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
-    assert manifest["version"] == project["version"]
+    assert "version" not in project
+    assert dynamic["version"]["attr"] == "nestedcages_core.__version__"
+    assert manifest["version"] == nestedcages_core.__version__
     assert manifest["license"] == [f"SPDX:{project['license']}"]
 
 
 def test_the_commands_of_the_readme_exist() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    named = set(re.findall(r"`make ([a-z]+)", readme)) | set(re.findall(r"^make ([a-z]+)", readme, flags=re.MULTILINE))
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    named = set(re.findall(r"(?:^|`)make ([a-z-]+)", readme, flags=re.MULTILINE))
     assert {"demo", "test"} <= named <= set(targets)
     for path in re.findall(r"\]\(((?!https?:)[^)#]+)\)|src=\"([^\"]+)\"", readme):
         assert (ROOT / "".join(path)).exists(), f"the README names {path}, which is not there"
