@@ -1,9 +1,9 @@
 """Nested cages in the plane: coarse outlines that strictly enclose a detailed shape, and the safe way there.
 
-Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. The main entry is :func:`nested_cages`.
+Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. The main entry is `nested_cages`.
 
 ``__all__`` lists what most programs need. Method objects, such as contacts, energies and decimations, can be imported
-from here as well; each room (:mod:`.contact`, :mod:`.energies`, :mod:`.decimation`, ...) documents its own.
+from here as well; each room (`contact`, `energies`, `decimation`, ...) documents its own.
 """
 
 from __future__ import annotations

@@ -1,0 +1,129 @@
+"""The documentation is true: links lead somewhere, Python runs, the picture of the rooms is up to date."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import os
+import pkgutil
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import nestedcages_core
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [
+    path
+    for folder in (".", "docs", "docs/guide", "docs/comparison", "benchmarks", "examples")
+    for path in sorted((ROOT / folder).glob("*.md"))
+]
+PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+
+
+def anchors(page: Path) -> set[str]:
+    """The ids of a page's headings, as code hosts make them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page: Path) -> None:
+    for address in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        if address.startswith(("http://", "https://")):
+            continue
+        name, _, place = address.partition("#")
+        target = (page.parent / name).resolve() if name else page
+        assert target.is_file(), address
+        assert not place or place in anchors(target), address
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_nested_blocks_of_lists_are_indented_by_four(page: Path) -> None:
+    # three spaces nest on code hosts, but not on the site
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    assert re.findall(r"^ {1,3}(?:[-*] |!\[|\d+\. )", text, flags=re.MULTILINE) == []
+
+
+def test_the_architecture_names_files_that_are_there() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    published = ROOT / "nestedcages_core" / "published" / "gurditta_jacobson_2022"
+    named = re.findall(r"`([\w/]+(?:/|\.py))`", text)
+    assert len(named) > 40
+    folders = (ROOT, ROOT / "nestedcages_core", published)
+    assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []
+
+
+@pytest.fixture
+def packaging(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(ROOT / "packaging"))
+    return importlib.import_module("docs_pages")
+
+
+@pytest.mark.slow
+def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType) -> None:
+    rooms = packaging.draw_rooms.imported_rooms()
+    drawn = (ROOT / "docs" / "rooms.svg").read_text(encoding="utf-8")
+    again = "run: python packaging/draw_rooms.py"
+    assert set(re.findall(r'class="room" id="([\w-]+)"', drawn)) == set(rooms), again
+    arrows = {f"{room}-{other}" for room, others in packaging.draw_rooms.arrows(rooms).items() for other in others}
+    assert set(re.findall(r'class="arrow" id="([\w-]+)"', drawn)) == arrows, again
+
+
+def test_the_reference_has_every_public_name(packaging: ModuleType) -> None:
+    page = packaging.core_page()
+    assert re.findall(r"^::: nestedcages_core\.(\w+)$", page, flags=re.MULTILINE) == list(nestedcages_core.__all__)
+    assert page.count("\n## ") >= 5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
+    blocks = PYTHON.findall(page.read_text(encoding="utf-8"))
+    if not blocks:
+        return
+    source = "\n".join(blocks)
+    if "bpy" in source:
+        pytest.importorskip("bpy")
+        enable = 'bpy.ops.preferences.addon_enable(module="bl_ext.user_default.nested_cages")'
+        assert enable in source
+        # the installed extension is tried by packaging/try_extension.py; here it is the one of this clone
+        source = source.replace(enable, REGISTER).replace("/tmp/", f"{tmp_path.as_posix()}/") + UNREGISTER
+    script = tmp_path / "page.py"
+    script.write_text(source, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr + done.stdout
+
+
+REGISTER = f"""
+import importlib.util, sys
+root = {str(ROOT)!r}
+spec = importlib.util.spec_from_file_location("extension", root + "/__init__.py", submodule_search_locations=[root])
+extension = sys.modules["extension"] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(extension)
+extension.register()
+"""
+UNREGISTER = "\nextension.unregister()\n"
+
+
+@pytest.mark.slow
+def test_the_examples_in_docstrings_run() -> None:
+    tried = 0
+    for module in pkgutil.walk_packages(nestedcages_core.__path__, "nestedcages_core."):
+        if not module.name.endswith("__main__"):
+            outcome = doctest.testmod(importlib.import_module(module.name), optionflags=doctest.NORMALIZE_WHITESPACE)
+            assert outcome.failed == 0, module.name
+            tried += outcome.attempted
+    assert tried > 0
