@@ -74,9 +74,9 @@ def hull_starts(shapes: dict[str, Mesh], records: dict[tuple[str, int], Record],
             hull_ratios.append(hull / record.hull)
             certified &= is_certified(level)
             print(
-                f"{name:10}{len(fine.vertices):11d}{count:11d}{yes(is_certified(level))}{excess:11.3f}"
-                f"{record.excess:11.3f}{ratios[-1]:11.3f}{hull:11.3f}{record.hull:11.3f}{ours:11.3f}"
-                f"{record.seconds:11.2f}{'yes' if excess < record.excess else '':>11}"
+                f"{name:10}{len(fine.vertices):12d}{count:12d}{yes(is_certified(level))}{excess:12.3f}"
+                f"{record.excess:12.3f}{ratios[-1]:12.3f}{hull:12.3f}{record.hull:12.3f}{ours:12.3f}"
+                f"{record.seconds:12.2f}{'yes' if excess < record.excess else '':>12}"
             )
     if not records:
         return certified
@@ -96,7 +96,7 @@ def is_certified(level: Level) -> bool:
 
 
 def yes(good: bool) -> str:
-    return f"{'yes' if good else 'NO':>11}"
+    return f"{'yes' if good else 'NO':>12}"
 
 
 def fastest(fine: Mesh, count: int, settings: Settings, repeats: int) -> tuple[Level, float]:
@@ -115,17 +115,17 @@ def peers(shapes: dict[str, Mesh]) -> None:
     print("\nshapely's buffer and simplify, and GEOS's polygon hull\n" + f"{'shape':10}" + heading(columns))
     for name, fine in shapes.items():
         for count in COUNTS:
-            line = f"{name:10}{count:11d}"
+            line = f"{name:10}{count:12d}"
             for peer in (buffer_and_simplify(fine, count), polygon_hull(fine, count)):
                 if peer is None:
-                    line += f"{'-':>11}" * 4
+                    line += f"{'-':>12}" * 4
                 else:
-                    line += f"{peer.seconds:11.4f}{peer.excess:11.3f}{peer.vertices:11d}{peer.verdict:>11}"
+                    line += f"{peer.seconds:12.4f}{peer.excess:12.3f}{peer.vertices:12d}{peer.verdict:>12}"
             print(line)
 
 
 def heading(columns: Sequence[str]) -> str:
-    return "".join(f"{name:>11}" for name in columns)
+    return "".join(f"{name:>12}" for name in columns)
 
 
 def resampled_starts(shapes: dict[str, Mesh]) -> bool:
@@ -137,14 +137,14 @@ def resampled_starts(shapes: dict[str, Mesh]) -> bool:
             try:
                 level = nested_cages(fine, [count], Settings(decimation=ArcLength())).levels[0]
             except NestedCagesError as error:
-                print(f"{name:10}{count:11d}{yes(False)}  {error}")
+                print(f"{name:10}{count:12d}{yes(False)}  {error}")
                 certified = False
                 continue
             certified &= is_certified(level)
             share = 100.0 * optimal_edges(level.cage, fine, level.report.wanted_clearance)
             print(
-                f"{name:10}{count:11d}{yes(is_certified(level))}{level.report.start:>11}"
-                f"{100.0 * level.report.excess:11.3f}{share:11.1f}"
+                f"{name:10}{count:12d}{yes(is_certified(level))}{level.report.start:>12}"
+                f"{100.0 * level.report.excess:12.3f}{share:12.1f}"
             )
     return certified
 
@@ -159,7 +159,7 @@ def five_levels(shapes: dict[str, Mesh]) -> bool:
         good = all(is_certified(level) and verify(level.cage, fine).holds for level in levels)
         certified &= good
         excess = [100.0 * (level.cage.area / fine.area - 1.0) for level in levels]
-        print(f"{name:10}" + "".join(f"{number:11.3f}" for number in excess) + yes(good))
+        print(f"{name:10}" + "".join(f"{number:12.3f}" for number in excess) + yes(good))
     return certified
 
 
