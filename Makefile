@@ -29,7 +29,7 @@ help:
 	@echo "make test    runs every test of the core and of the add-on"
 	@echo "make test-fast     leaves out the slow ones, for use while working"
 	@echo "make lint    runs ruff and mypy"
-	@echo "make docs    builds the site with the API reference: build/site/README.html"
+	@echo "make docs    builds the site with the API reference: build/site/index.html"
 	@echo "make bench   measures time, tightness and growth"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
@@ -55,7 +55,7 @@ lint: $(TEST_ENV)/ready
 docs: $(DOCS_ENV)/ready
 	$(DOCS_ENV)/bin/python packaging/docs_pages.py
 	NO_MKDOCS_2_WARNING=1 $(DOCS_ENV)/bin/python -m mkdocs build --strict --quiet
-	@echo "Open build/site/README.html"
+	@echo "Open build/site/index.html"
 
 bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
