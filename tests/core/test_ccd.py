@@ -77,3 +77,58 @@ def test_a_spinning_edge_hits() -> None:
     hit, time = impacts(pairs, x, v, pairs.measure(x).distance)
     assert hit.tolist() == [0]
     assert time[0] == pytest.approx(1.0 / 3.0)
+
+
+def collinear_motions(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions and displacements (3 count, 2) of pairs that stay on a moving line of any direction, and when they
+    meet (count,), infinite if they do not."""
+    random = np.random.default_rng(3)
+    place, motion = random.normal(size=(count, 3)), random.normal(size=(count, 3))
+    place[:, 0] = np.where(random.random(count) < 0.5, place[:, 1:].min(axis=1) - 0.1, place[:, 1:].max(axis=1) + 0.1)
+    angle = random.uniform(0.0, 2.0 * np.pi, count)
+    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)[:, None]
+    x = random.normal(size=(count, 1, 2)) + place[:, :, None] * direction
+    v = random.normal(size=(count, 1, 2)) + motion[:, :, None] * direction
+    to_ends = -(place[:, :1] - place[:, 1:]) / (motion[:, :1] - motion[:, 1:])
+    meets = np.where((to_ends > 0.0) & (to_ends <= 1.0), to_ends, np.inf).min(axis=1)
+    return x.reshape(-1, 2), v.reshape(-1, 2), meets
+
+
+def test_collinear_motion_is_found_from_any_direction() -> None:
+    count = 2000
+    pairs = pairs_of(count)
+    x, v, meets = collinear_motions(count)
+    hit, time = impacts(pairs, x, v, pairs.measure(x).distance)
+    expected = np.flatnonzero(np.isfinite(meets))
+    assert len(expected) > 400
+    found = np.full(count, np.inf)
+    found[hit] = time
+    assert (found[expected] <= meets[expected] + 1e-12).all()
+    assert len(np.setdiff1d(hit, expected)) <= 0.02 * len(expected)  # ends that stop within the hit distance
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_point_stops_short_of_the_end_of_an_edge_on_its_own_line(axis: int) -> None:
+    x, v = np.zeros((3, 2)), np.zeros((3, 2))
+    x[:, axis] = 3.0, 0.0, 1.0
+    v[0, axis] = -4.0
+    pairs = pairs_of(1)
+    hit, time = impacts(pairs, x, v, pairs.measure(x).distance)
+    assert hit.tolist() == [0] and time[0] == pytest.approx(0.5)
+    step = largest_safe_step(pairs, x, v, pairs.measure(x).distance)
+    assert pairs.measure(x + step * v).distance[0] == pytest.approx(0.2)
+
+
+def test_an_edge_that_turns_with_the_point_on_its_line_does_not_hit() -> None:
+    """p = 2 b at all times, so the quadratic vanishes, and the edge never becomes a point."""
+    x = np.array([[2.0, 0.0], [0.0, 0.0], [1.0, 0.0]])
+    v = np.array([[-3.0, 2.0], [0.0, 0.0], [-1.5, 1.0]])
+    pairs = pairs_of(1)
+    assert largest_safe_step(pairs, x, v, pairs.measure(x).distance) == 1.0
+
+
+def test_points_that_slide_along_a_wall_next_to_it_are_free() -> None:
+    x = np.array([[-1.0, 1e-6], [0.0, 0.0], [1.0, 0.0]])
+    v = np.array([[4.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    pairs = pairs_of(1)
+    assert largest_safe_step(pairs, x, v, pairs.measure(x).distance) == 1.0
