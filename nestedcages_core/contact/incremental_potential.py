@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..energies import Blocks, CageEnergy
+from ..energies.blocks import assembled_gradient
 from ..energies.containment_energy import ContainmentEnergy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
@@ -99,11 +100,10 @@ class IncrementalPotential:
         pairs, pair, weight, terms = self._barriers(x)
         value, gradient = self._slope(x, pairs, pair, weight, terms)
         cage = x[: self.bodies.m]
-        corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1)
         factors = barrier_hessian_factors(terms, weight, pair, x[pairs.start], x[pairs.end])
         own = Blocks.sum([(self.weights.cages, self.energy.projected_hessian(cage, self.bodies.cage_successor))])
         stiffness = self.weights.restoring * self.restoring.weight
-        return NewtonModel(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
+        return NewtonModel(value, gradient, newton_direction(pairs.corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` free of impacts, with a safety margin."""
@@ -144,7 +144,8 @@ class IncrementalPotential:
             + self.weights.cages * self.energy.value(cage, successor)
             + float(weight @ terms.value)
         )
-        gradient = sum_at_corners(pairs, (weight * terms.first)[:, None] * distance_gradient(pair), len(x))
+        push = (weight * terms.first)[:, None] * distance_gradient(pair)
+        gradient = assembled_gradient(pairs.corners, push.reshape(-1, 3, 2), len(x))
         gradient[:m] += self.weights.cages * self.energy.gradient(cage, successor)
         gradient[m:] += self.weights.restoring * self.restoring.gradient(fine)
         return value, gradient
@@ -171,13 +172,3 @@ class IncrementalPotential:
         weight[pairs.cage_cage] = OWN_VERTEX_WEIGHT * self.bodies.cage_edge_length
         weight *= self.weights.barrier / d_hat
         return weight
-
-
-def sum_at_corners(pairs: Pairs, push: FloatArray, count: int) -> FloatArray:
-    """(count, 2) sum of what K pairs contribute at their corners: ``push`` (K, 6) in the order (point, start, end)."""
-    corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1).ravel()
-    shares = push.reshape(-1, 2)
-    total = np.empty((count, 2))
-    for axis in (0, 1):
-        total[:, axis] = np.bincount(corners, shares[:, axis], count)
-    return total

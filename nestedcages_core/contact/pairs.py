@@ -104,6 +104,11 @@ class Pairs:
     def __len__(self) -> int:
         return len(self.point)
 
+    @property
+    def corners(self) -> IntArray:
+        """(K, 3) the vertices of each pair: point, start and end of the edge."""
+        return np.stack([self.point, self.start, self.end], axis=1)
+
     def measure(self, x: FloatArray) -> PointEdge:
         """Distances of all pairs at the positions x (m + n, 2)."""
         return point_edge(x.take(self.point, axis=0), x.take(self.start, axis=0), x.take(self.end, axis=0))

@@ -1,28 +1,29 @@
-"""Energies of the cage, and the terms of reinflation that are not contact."""
+"""Energies of the cage: value, gradient and Hessian."""
 
 from __future__ import annotations
 
 from .arap import BoundaryARAP, InteriorARAP
 from .area import Area, signed_area
-from .base import Blocks, CageEnergy, Energy
+from .base import CageEnergy, Energy
+from .blocks import Blocks
 from .displacement import InitialDisplacement, StepDisplacement
 from .element_energy import ElementEnergy
 from .no_energy import NoEnergy
 from .shape_keeping import ShapeKeeping
 from .weighted_sum import WeightedSum
 
-__all__ = [
-    "Area",
-    "Blocks",
-    "BoundaryARAP",
-    "CageEnergy",
-    "ElementEnergy",
-    "Energy",
-    "InitialDisplacement",
-    "InteriorARAP",
-    "NoEnergy",
-    "ShapeKeeping",
-    "StepDisplacement",
-    "WeightedSum",
-    "signed_area",
+__all__ = [  # noqa: RUF022 - in the order of explanation
+    "Energy",  # what is chosen: the energy of a cage, once its rest shape is known
+    "CageEnergy",  # base class: a new energy is its value, gradient and Hessian
+    "Blocks",  # a Hessian, in 2 x 2 blocks over the vertices
+    "Area",  # the paper's: the area of the cage
+    "ShapeKeeping",  # area, and no part of the cage turns
+    "BoundaryARAP",  # as rigid as possible along the curve
+    "InteriorARAP",  # as rigid as possible inside
+    "InitialDisplacement",  # distance from the coarse mesh
+    "StepDisplacement",  # distance from the previous step
+    "NoEnergy",  # zero: the cage moves only where it is pushed
+    "WeightedSum",  # several of them
+    "ElementEnergy",  # any formula per vertex, edge or turn, by automatic differentiation
+    "signed_area",  # area enclosed by oriented loops
 ]

@@ -1,4 +1,4 @@
-"""Area by Green's theorem: the paper's energy E_cages that keeps a cage tight."""
+"""Area by Green's theorem: the paper's E_cages, which keeps a cage tight (Gurditta & Jacobson 2022, section 3.2)."""
 
 from __future__ import annotations
 
@@ -7,32 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.mesh import Mesh
-from .base import Blocks
+from .base import CageEnergy
+from .blocks import Blocks
 
 
 @dataclass(frozen=True)
-class Area:
-    """½ Σ (x_a y_b - x_b y_a) over the edges a → b; infinite when negative (Gurditta & Jacobson 2022, section 3.2).
+class Area(CageEnergy):
+    """½ Σ (x_a y_b - x_b y_a) over the edges a → b; infinite where negative.
 
-    Holes run clockwise, so their area counts negatively, and the sum is the area between the loops.
+    Holes run clockwise, so their area counts negatively: the sum is the area of the solid.
     """
 
-    def at(self, coarse: Mesh) -> Area:
-        """Itself: area needs no state of rest."""
-        return self
-
-    def after(self, cage: FloatArray) -> Area:
-        """Itself: area does not remember steps."""
-        return self
-
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
-        """The enclosed area (unit: length²); infinite when negative."""
+        """The enclosed area, a length²; infinite where negative."""
         area = signed_area(vertices, successor)
         return area if area >= 0.0 else float("inf")
 
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
-        """(m, 2): half the chord from the previous to the next vertex, turned clockwise by a right angle."""
+        """(m, 2) half the chord from the previous to the next vertex, rotated clockwise by 90°."""
         following = vertices[successor]
         gradient = np.empty_like(vertices)
         gradient[:, 0], gradient[:, 1] = 0.5 * following[:, 1], -0.5 * following[:, 0]
@@ -42,13 +34,12 @@ class Area:
         return gradient
 
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Constant: the block ½ (0 1; -1 0) for every edge a → b."""
+        """Constant: the block ½ (0 1; -1 0) for each edge a → b."""
         m = len(successor)
         return Blocks(np.arange(m), successor, np.broadcast_to(0.5 * QUARTER_TURN, (m, 2, 2)))
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """Element-wise projection in closed form: an edge's 4 × 4 Hessian A has A² = I/4, so its positive part is (A +
-        I/2)/2."""
+        """Edge by edge in closed form: the 4 × 4 Hessian A has A² = I/4, so its positive part is (A + I/2)/2."""
         m = len(successor)
         vertex = np.arange(m)
         return Blocks(
@@ -65,7 +56,7 @@ QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
 def signed_area(vertices: FloatArray, successor: IntArray) -> float:
-    """½ Σ x_a × x_b over the edges, about the first vertex so that far origins cost no digits. Unit: length²."""
+    """½ Σ x_a × x_b over the edges, a length². Taken about the first vertex, to lose no digits far from the origin."""
     centred = vertices - vertices[0]
     following = centred[successor]
     return 0.5 * float(centred[:, 0] @ following[:, 1] - centred[:, 1] @ following[:, 0])

@@ -1,21 +1,21 @@
-"""E_cont, infinite when the fine mesh is not inside the cage."""
+"""E_cont, infinite where the cage meets the fine mesh or itself."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import BoxTree, crossing_pairs, segments_intersect
 
 ALL_PAIRS_LIMIT = 6000
-"""Number of pairs of edges up to which testing all of them is faster than trees (measured)."""
+"""Number of pairs of edges up to which testing all of them is faster than box trees (measured)."""
 
 
 class ContainmentEnergy:
     """0 where no edges of cage and fine mesh meet and the cage does not meet itself, infinite elsewhere; exact.
 
-    With a contained start and motions free of collisions, containment can only be lost together with this (Gurditta &
-    Jacobson 2022, section 3.2, test it by a parity count, which a ray through a vertex deceives).
+    From a contained start and by motion without collisions, containment cannot be lost in any other way. (Gurditta &
+    Jacobson 2022, section 3.2, use the parity of ray crossings, which fails for rays through a vertex.)
     """
 
     def __init__(self, cage_successor: IntArray, fine_successor: IntArray) -> None:
@@ -30,8 +30,7 @@ class ContainmentEnergy:
         return 0.0 if self.first_contact(x) is None else np.inf
 
     def first_contact(self, x: FloatArray) -> int | None:
-        """Index into x of a vertex whose edge meets the cage; None where the cage meets neither the fine mesh nor
-        itself."""
+        """Index into x of a vertex whose edge meets the cage; None if nothing meets the cage."""
         cage, fine = x[: self._m], x[self._m :]
         if self._all_pairs is not None:
             a, b = self._all_pairs
@@ -43,15 +42,17 @@ class ContainmentEnergy:
         if len(fine_edge):
             return self._m + int(fine_edge[0])
         one, other = crossing_pairs(cage_tree)
-        foreign = (self._cage_successor[one] != other) & (self._cage_successor[other] != one)
-        if foreign.any():
-            return int(one[foreign][0])
-        return None
+        apart = self._not_neighbours(one, other)
+        return int(one[apart][0]) if apart.any() else None
+
+    def _not_neighbours(self, one: IntArray, other: IntArray) -> BoolArray:
+        """Whether pairs of cage edges share no vertex."""
+        apart: BoolArray = (self._cage_successor[one] != other) & (self._cage_successor[other] != one)
+        return apart
 
     def _pairs(self) -> tuple[IntArray, IntArray]:
-        """All pairs of edges that must not meet: those of the fine mesh with those of the cage, and of the cage
-        itself."""
+        """All pairs of edges that must not meet: fine edge and cage edge, and cage edges that share no vertex."""
         fine, cage = np.divmod(np.arange(self._m * (len(self._successor) - self._m)), self._m)
         one, other = np.triu_indices(self._m, 1)
-        foreign = (self._cage_successor[one] != other) & (self._cage_successor[other] != one)
-        return np.concatenate([fine + self._m, one[foreign]]), np.concatenate([cage, other[foreign]])
+        apart = self._not_neighbours(one, other)
+        return np.concatenate([fine + self._m, one[apart]]), np.concatenate([cage, other[apart]])

@@ -1,6 +1,6 @@
-"""An energy from a formula for one element: derivatives and their assembly come from automatic differentiation.
+"""An energy from the formula of one element, with derivatives by automatic differentiation.
 
-A new energy in ten lines, edges that keep their lengths, beside the area:
+For example edges that keep their lengths, added to the area:
 
 >>> import numpy as np
 >>> from nestedcages_core import Area, ElementEnergy, Mesh, Settings, WeightedSum, nested_cages
@@ -24,52 +24,53 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from .assembly import add_up, blocks_of, positive_part
 from .autodiff import Jet, Number, Point, plain_points_of, points_of
-from .base import Blocks
+from .base import CageEnergy
+from .blocks import Blocks, assembled_gradient, assembled_hessian, positive_part
 
 Corners: TypeAlias = tuple[Point, ...]
-"""The k corners of all E elements; the coordinates of a corner are jets or arrays (E,)."""
+"""The k corners of all E elements, with coordinates that are jets or arrays (E,)."""
 
 Formula: TypeAlias = Callable[[Corners, Corners], Number]
-"""f(now, rest): one number per element from its k corners now and in the coarse mesh; lengths in bounding-box diagonals
-of the fine mesh."""
+"""f(now, rest): one number per element, from its k corners now and in the coarse mesh. Unit of length: the bounding-box
+diagonal of the fine mesh."""
 
 
 @dataclass(frozen=True)
 class ElementEnergy:
-    """Σ f(corners) over elements of a few vertices each, for any formula f."""
+    """Σ f(now, rest) over elements of a few vertices each, for any formula f."""
 
     elements: Callable[[Mesh], IntArray]
-    """The corners (E, k) of the elements of a coarse mesh: any choice of its vertices."""
+    """Maps a coarse mesh to the corners (E, k) of the elements, indices of its vertices."""
     formula: Formula
+    """f."""
 
     @classmethod
     def per_vertex(cls, formula: Formula) -> ElementEnergy:
-        """Elements of one vertex each."""
+        """One element per vertex."""
         return cls(lambda mesh: np.arange(len(mesh.vertices))[:, None], formula)
 
     @classmethod
     def per_edge(cls, formula: Formula) -> ElementEnergy:
-        """Elements of an edge each: its start and its end, the solid on its left."""
+        """One element per edge: its start and its end, with the solid on the left."""
         return cls(lambda mesh: np.stack([np.arange(len(mesh.vertices)), mesh.successor], axis=1), formula)
 
     @classmethod
     def per_turn(cls, formula: Formula) -> ElementEnergy:
-        """Elements of a vertex with its two neighbours: the one before, itself, the one after."""
+        """One element per vertex: its predecessor, itself, its successor."""
         return cls(
             lambda mesh: np.stack([mesh.predecessor, np.arange(len(mesh.vertices)), mesh.successor], axis=1), formula
         )
 
     def at(self, coarse: Mesh) -> BoundElementEnergy:
-        """The energy of a cage that starts as the coarse mesh."""
+        """The energy of a cage whose rest shape is the coarse mesh."""
         corners = self.elements(coarse)
         return BoundElementEnergy(corners, plain_points_of(coarse.vertices[corners]), self.formula)
 
 
 @dataclass(frozen=True, eq=False)
-class BoundElementEnergy:
-    """An element energy of a given cage; see :class:`nestedcages_core.energies.base.CageEnergy`."""
+class BoundElementEnergy(CageEnergy):
+    """An element energy of one cage."""
 
     corners: IntArray
     """(E, k)."""
@@ -78,7 +79,7 @@ class BoundElementEnergy:
     formula: Formula
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
-        """The sum over the elements, without derivatives; infinite where the formula has no value."""
+        """The sum over the elements; infinite where the formula is not finite."""
         with np.errstate(divide="ignore", invalid="ignore"):
             values = np.asarray(self.formula(plain_points_of(vertices[self.corners]), self.rest), np.float64)
         total = float(values.sum())
@@ -86,24 +87,20 @@ class BoundElementEnergy:
 
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2)."""
-        forces = self._jet(vertices).gradient
-        return add_up(self.corners, forces.reshape(*self.corners.shape, 2), len(vertices))
+        gradients = self._jet(vertices).gradient
+        return assembled_gradient(self.corners, gradients.reshape(*self.corners.shape, 2), len(vertices))
 
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Exact."""
-        return blocks_of(self.corners, self._jet(vertices).hessian)
+        return assembled_hessian(self.corners, self._jet(vertices).hessian)
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """Each element's Hessian without its negative eigenvalues."""
-        return blocks_of(self.corners, positive_part(self._jet(vertices).hessian))
-
-    def after(self, cage: FloatArray) -> BoundElementEnergy:
-        """Itself: formulas do not see steps."""
-        return self
+        return assembled_hessian(self.corners, positive_part(self._jet(vertices).hessian))
 
     def _jet(self, vertices: FloatArray) -> Jet:
-        """f of every element with its derivatives."""
+        """f of each element, with derivatives."""
         jet = self.formula(points_of(vertices[self.corners]), self.rest)
         if not isinstance(jet, Jet):
-            raise TypeError("The formula of an energy must depend on the corners as they are now.")
+            raise TypeError("The formula of an energy must depend on the current corners, its first argument.")
         return jet

@@ -7,21 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.mesh import Mesh
-from .base import Blocks
+from .base import CageEnergy
+from .blocks import Blocks
 
 
 @dataclass(frozen=True)
-class NoEnergy:
+class NoEnergy(CageEnergy):
     """Zero everywhere (the choice "None" of Sacht et al. 2015, section 4.3)."""
-
-    def at(self, coarse: Mesh) -> NoEnergy:
-        """Itself."""
-        return self
-
-    def after(self, cage: FloatArray) -> NoEnergy:
-        """Itself."""
-        return self
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """0."""
@@ -32,9 +24,5 @@ class NoEnergy:
         return np.zeros_like(vertices)
 
     def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """No blocks."""
-        return Blocks.sum(())
-
-    def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
         """No blocks."""
         return Blocks.sum(())

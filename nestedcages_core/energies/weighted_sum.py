@@ -1,4 +1,4 @@
-"""Several energies at once."""
+"""A weighted sum of energies."""
 
 from __future__ import annotations
 
@@ -7,27 +7,40 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from .base import Blocks, CageEnergy, Energy
+from .base import CageEnergy, Energy
+from .blocks import Blocks
 
 
 @dataclass(frozen=True)
 class WeightedSum:
-    """Σ w E over pairs (w, E) with weights w ≥ 0."""
+    """Σ w E over pairs (w, E) with finite weights w ≥ 0."""
 
     terms: tuple[tuple[float, Energy], ...]
 
+    def __post_init__(self) -> None:
+        for weight, energy in self.terms:
+            if not 0.0 <= weight < np.inf:
+                raise NestedCagesError(f"WeightedSum: weights must be finite and at least 0, not {weight!r}.")
+            if isinstance(energy, type) or not callable(getattr(energy, "at", None)):
+                raise NestedCagesError(f"WeightedSum: a term must be an energy such as Area(), not {energy!r}.")
+
     def at(self, coarse: Mesh) -> BoundSum:
-        """The sum for a cage that starts as the coarse mesh."""
+        """The sum for a cage whose rest shape is the coarse mesh."""
         return BoundSum(tuple((weight, energy.at(coarse)) for weight, energy in self.terms))
 
 
 @dataclass(frozen=True, eq=False)
-class BoundSum:
-    """A weighted sum for a given cage; see :class:`nestedcages_core.energies.base.CageEnergy`."""
+class BoundSum(CageEnergy):
+    """A weighted sum for one cage."""
 
     terms: tuple[tuple[float, CageEnergy], ...]
+
+    def after(self, cage: FloatArray) -> BoundSum:
+        """The sum for the next step."""
+        return BoundSum(tuple((weight, energy.after(cage)) for weight, energy in self.terms))
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """Infinite where one of the energies is."""
@@ -45,12 +58,8 @@ class BoundSum:
         return self._blocks(lambda energy: energy.hessian(vertices, successor))
 
     def projected_hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
-        """The sum of the projected Hessians."""
+        """Sum of the projected Hessians."""
         return self._blocks(lambda energy: energy.projected_hessian(vertices, successor))
-
-    def after(self, cage: FloatArray) -> BoundSum:
-        """The sum for the next step."""
-        return BoundSum(tuple((weight, energy.after(cage)) for weight, energy in self.terms))
 
     def _blocks(self, part: Callable[[CageEnergy], Blocks]) -> Blocks:
         return Blocks.sum((weight, part(energy)) for weight, energy in self.terms)

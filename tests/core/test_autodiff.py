@@ -23,8 +23,8 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.energies import Blocks, Energy, autodiff, element_energy
-from nestedcages_core.energies.assembly import blocks_of, positive_part
 from nestedcages_core.energies.autodiff import Jet, plain_points_of, points_of
+from nestedcages_core.energies.blocks import assembled_hessian, positive_part
 from nestedcages_core.geometry.triangulation import triangulate
 from shapes import ring
 
@@ -107,7 +107,7 @@ def test_elements_may_meet_themselves() -> None:
     gather = np.zeros((8, 6))
     for corner, vertex in enumerate(corners[0]):
         gather[2 * corner : 2 * corner + 2, 2 * vertex : 2 * vertex + 2] = np.eye(2)
-    assert blocks_of(corners, hessian).dense(3) == pytest.approx(gather.T @ hessian[0] @ gather, abs=1e-13)
+    assert assembled_hessian(corners, hessian).dense(3) == pytest.approx(gather.T @ hessian[0] @ gather, abs=1e-13)
 
 
 def test_the_positive_part_has_no_negative_eigenvalues_and_keeps_the_others() -> None:
@@ -231,7 +231,7 @@ def test_a_formula_without_a_value_is_infinite(plate: Mesh) -> None:
 
 def test_a_formula_must_depend_on_the_corners_as_they_are(plate: Mesh) -> None:
     constant = ElementEnergy.per_vertex(lambda now, rest: rest[0].dot(rest[0])).at(plate)
-    with pytest.raises(TypeError, match="must depend on the corners"):
+    with pytest.raises(TypeError, match="must depend on the current corners"):
         constant.gradient(plate.vertices, plate.successor)
 
 

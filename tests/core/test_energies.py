@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from nestedcages_core import (
     InitialDisplacement,
     InteriorARAP,
     Mesh,
+    NestedCagesError,
     NoEnergy,
     Settings,
     ShapeKeeping,
@@ -22,7 +24,7 @@ from nestedcages_core import (
     WeightedSum,
     nested_cages,
 )
-from nestedcages_core.energies import Blocks, Energy
+from nestedcages_core.energies import Blocks, CageEnergy, Energy
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
 from nestedcages_core.energies.restoring import Restoring
 from shapes import annulus, assert_nested, octagon_with_hole, ring, star
@@ -37,7 +39,33 @@ def plate() -> Mesh:
     return Mesh.from_loops([ring(10, 1.0) + wobble[:10], ring(6, 0.5) + wobble[10:]])
 
 
+@dataclass(frozen=True)
+class Springs(CageEnergy):
+    """Σ (|b - a| - 1/3)² over the edges a → b, with what an energy of one's own has to define."""
+
+    def value(self, vertices: np.ndarray, successor: np.ndarray) -> float:
+        return float(((np.hypot(*(vertices[successor] - vertices).T) - REST) ** 2).sum())
+
+    def gradient(self, vertices: np.ndarray, successor: np.ndarray) -> np.ndarray:
+        edge = vertices[successor] - vertices
+        pull = 2.0 * (1.0 - REST / np.hypot(*edge.T))[:, None] * edge
+        gradient = -pull
+        gradient[successor] += pull
+        return gradient
+
+    def hessian(self, vertices: np.ndarray, successor: np.ndarray) -> Blocks:
+        edge = vertices[successor] - vertices
+        length, vertex = np.hypot(*edge.T)[:, None, None], np.arange(len(edge))
+        along = edge[:, :, None] * edge[:, None, :] / length**2
+        block = 2.0 * ((1.0 - REST / length) * np.eye(2) + REST / length * along)
+        one = Blocks.sum([(1.0, Blocks(vertex, vertex, block)), (1.0, Blocks(successor, successor, block))])
+        return Blocks.sum([(1.0, one), (-1.0, Blocks(vertex, successor, block))])
+
+
+REST = 1.0 / 3.0
+
 ENERGIES: list[Energy] = [
+    Springs(),
     Area(),
     NoEnergy(),
     StepDisplacement(),
@@ -236,3 +264,27 @@ def test_containment_agrees_with_shapely() -> None:
         assert (energy.value(np.concatenate([cage, fine.vertices])) == np.inf) == bad
         seen.add(bad)
     assert seen == {True, False}
+
+
+def test_an_energy_of_ones_own_makes_cages() -> None:
+    energy = WeightedSum(((1.0, Area()), (0.1, Springs())))
+    level = nested_cages(star(5, 60), [12], Settings(energy=energy, starts=1)).levels[0]
+    assert_nested(level.cage, star(5, 60))
+
+
+@pytest.mark.parametrize("weight", [-1.0, np.inf, np.nan])
+def test_a_weighted_sum_takes_weights_from_zero(weight: float) -> None:
+    with pytest.raises(NestedCagesError, match="WeightedSum: weights must be finite and at least 0, not"):
+        WeightedSum(((1.0, Area()), (weight, NoEnergy())))
+
+
+@pytest.mark.parametrize("term", [Area, "area", None])
+def test_a_weighted_sum_takes_energies(term: object) -> None:
+    with pytest.raises(NestedCagesError, match=r"WeightedSum: a term must be an energy such as Area\(\), not"):
+        WeightedSum(((1.0, term),))
+
+
+@pytest.mark.parametrize("strength", [-1.0, np.inf, np.nan, "much"])
+def test_shape_keeping_takes_a_strength_from_zero(strength: object) -> None:
+    with pytest.raises(NestedCagesError, match="ShapeKeeping: strength must be at least 0, not"):
+        ShapeKeeping(strength)

@@ -9,11 +9,12 @@ import numpy as np
 from ...contact.barrier import BarrierTerms, barrier, barrier_hessian_factors
 from ...contact.ccd import impacts
 from ...contact.condensation import newton_direction
-from ...contact.incremental_potential import REST_MARGIN, sum_at_corners
+from ...contact.incremental_potential import REST_MARGIN
 from ...contact.pair_search import PairSource
 from ...contact.pairs import Bodies, Pairs
 from ...contact.step_filter import StepFilter
 from ...energies import Blocks, CageEnergy
+from ...energies.blocks import assembled_gradient
 from ...energies.containment_energy import ContainmentEnergy
 from ...geometry.arrays import FloatArray
 from ...geometry.distance import PointEdge, distance_gradient
@@ -70,8 +71,8 @@ class PaperPotential:
         self._ceiling = np.inf
         self._ceiling = self._value(x, pair)
         m, successor = self.bodies.m, self.bodies.cage_successor
-        push = self.weights.barrier * self._barrier(pair).first
-        gradient = sum_at_corners(pairs, push[:, None] * distance_gradient(pair), len(x))
+        push = (self.weights.barrier * self._barrier(pair).first)[:, None] * distance_gradient(pair)
+        gradient = assembled_gradient(pairs.corners, push.reshape(-1, 3, 2), len(x))
         gradient[:m] += self.weights.cages * self.energy.gradient(x[:m], successor)
         gradient[m:] += self.weights.restoring * (x[m:] - self.target)
         return self._ceiling, gradient
@@ -82,11 +83,10 @@ class PaperPotential:
         pairs, pair = self._within_range(x)
         weight = np.full(len(pairs), self.weights.barrier)
         factors = barrier_hessian_factors(self._barrier(pair), weight, pair, x[pairs.start], x[pairs.end])
-        corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1)
         cage = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
         own = Blocks.sum([(self.weights.cages, cage)])
         stiffness = np.full(self.bodies.n, self.weights.restoring)
-        return NewtonModel(value, gradient, newton_direction(corners, factors, stiffness, own, gradient))
+        return NewtonModel(value, gradient, newton_direction(pairs.corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` that the step filter lets through."""

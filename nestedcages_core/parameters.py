@@ -1,0 +1,44 @@
+"""Checks of the parameters of method objects, called from their ``__post_init__``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .errors import NestedCagesError
+
+
+def check_positive(method: object, *names: str) -> None:
+    """NestedCagesError unless the named parameters are numbers above 0; infinity is allowed."""
+    _check(method, names, lambda value: value > 0.0, "must be positive")
+
+
+def check_not_negative(method: object, *names: str) -> None:
+    """NestedCagesError unless the named parameters are finite numbers of at least 0."""
+    _check(method, names, lambda value: 0.0 <= value < math.inf, "must be at least 0")
+
+
+def check_fraction(method: object, *names: str) -> None:
+    """NestedCagesError unless the named parameters are numbers above 0 and at most 1."""
+    _check(method, names, lambda value: 0.0 < value <= 1.0, "must be above 0 and at most 1")
+
+
+def check_count(method: object, *names: str, least: int = 1) -> None:
+    """NestedCagesError unless the named parameters are whole numbers of at least ``least``."""
+    for name in names:
+        value = getattr(method, name)
+        if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
+            raise _error(method, name, f"must be a whole number of at least {least}", value)
+
+
+def _check(method: object, names: tuple[str, ...], valid: Callable[[float], bool], rule: str) -> None:
+    for name in names:
+        value = getattr(method, name)
+        if not isinstance(value, int | float | np.number) or isinstance(value, bool) or not valid(float(value)):
+            raise _error(method, name, rule, value)
+
+
+def _error(method: object, name: str, rule: str, value: object) -> NestedCagesError:
+    return NestedCagesError(f"{type(method).__name__}: {name} {rule}, not {value!r}.")
