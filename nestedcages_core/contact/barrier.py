@@ -2,8 +2,8 @@
 
     b(d) = -(d - d̂)² log(d / d̂) for 0 < d < d̂,  0 beyond,  infinite at contact          (Li et al. 2020, equation 6)
 
-The sum over the pairs is B of Gurditta & Jacobson 2022, section 3.2. Every pair has its own range d̂ and weight here,
-because a single range locks where two walls of the fine mesh face each other across a slit narrower than the range.
+B in Gurditta & Jacobson 2022, section 3.2, is the sum over all pairs. Here each pair has its own range d̂ and weight: a
+single range locks where two walls of the fine mesh face each other across a slit narrower than the range.
 """
 
 from __future__ import annotations
@@ -17,16 +17,18 @@ from ..geometry.distance import PointEdge, bending, coefficients, interior, tang
 
 
 class BarrierTerms(NamedTuple):
-    """The barrier of K pairs and its derivatives with respect to the distance; unit: length² and its quotients by
-    length."""
+    """The barrier of K pairs and its derivatives with respect to the distance."""
 
     value: FloatArray
+    """(K,) b, a length²."""
     first: FloatArray
+    """(K,) b', a length."""
     second: FloatArray
+    """(K,) b'', without unit."""
 
 
 def barrier(distance: FloatArray, d_hat: FloatArray) -> BarrierTerms:
-    """b(d), b'(d), b''(d) for (K,) distances and their ranges d̂ (K,); value and slope are infinite where d ≤ 0."""
+    """b(d), b'(d), b''(d) for distances (K,) and ranges d̂ (K,); infinite where d ≤ 0."""
     inside = (distance < d_hat) & (distance > 0.0)
     d = np.where(inside, distance, d_hat)
     gap = d - d_hat
@@ -44,12 +46,12 @@ def barrier(distance: FloatArray, d_hat: FloatArray) -> BarrierTerms:
 def barrier_hessian_factors(
     terms: BarrierTerms, weight: FloatArray, pair: PointEdge, a: FloatArray, b: FloatArray
 ) -> FloatArray:
-    """Factors U (K, 3, 6) with Uᵀ U the positive semi-definite part of the weighted Hessian of each pair's barrier.
+    """Factors U (K, 3, 6): Uᵀ U is a positive semi-definite part of the weighted Hessian of each pair's barrier.
 
-    weight: (K,); a, b: (K, 2) ends of the edges. The Hessian is w (b'' ∂d ∂dᵀ + b' ∂²d) with b' < 0. Its parts are
-    projected one by one, which needs no eigenvalues: b'' ∂d ∂dᵀ and the d q qᵀ of -∂²d are semi-definite as they are;
-    c_t qᵀ + q c_tᵀ has, as c_t ⊥ q, the eigenvalues ± |c_t| |q|, and the eigenvector (ĉ_t + q̂)/√2 of the positive one;
-    next to an end point -∂²d has no positive part.
+    weight: (K,); a, b: (K, 2) ends of the edges. The Hessian is w (b'' ∂d ∂dᵀ + b' ∂²d) with b' < 0. Its terms are
+    projected one by one, without an eigensolver. b'' ∂d ∂dᵀ and the d q qᵀ of -∂²d are semi-definite. Since c_t ⊥ q,
+    c_t qᵀ + q c_tᵀ has the eigenvalues ± |c_t| |q|, the positive one with the eigenvector (ĉ_t + q̂)/√2. Where an end
+    point is closest, -∂²d has no positive part.
     """
     c = coefficients(pair)
     gradient = (c[:, :, None] * pair.normal[:, None, :]).reshape(-1, 6)

@@ -1,4 +1,4 @@
-"""How far the barrier of each feature reaches: d̂, shorter where walls face each other."""
+"""Ranges d̂ of the barrier, shorter where walls face each other."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.vectors import rotated_right
@@ -15,25 +15,27 @@ from .pairs import Bodies, Pairs
 
 @dataclass(frozen=True, eq=False)
 class BarrierRanges:
-    """d̂ of every feature; a pair uses the smaller one of its point and its edge (unit: length)."""
+    """d̂ of each vertex and edge, lengths."""
 
     cage_vertex: FloatArray
-    """(m,)"""
+    """(m,) against the cage itself."""
     cage_edge: FloatArray
-    """(m,) by start vertex; only against the cage itself."""
+    """(m,) by start vertex, against the cage itself."""
     fine_vertex: FloatArray
-    """(n,)"""
+    """(n,) against cage edges."""
     fine_edge: FloatArray
-    """(n,) by start vertex."""
+    """(n,) by start vertex, against cage vertices."""
 
     @classmethod
     def local(cls, bodies: Bodies, cage: FloatArray, home: FloatArray, base: float) -> BarrierRanges:
-        """``base``, or less where walls face each other: half of the gap, at home for the fine mesh, at the start for
-        the cage."""
+        """``base`` (a length), or half the gap between walls that face each other where that is less.
+
+        home, cage: final positions (n, 2) of the fine mesh and positions (m, 2) of the cage, where gaps are measured.
+        """
         fine_gap = facing_gaps(home, bodies.fine_successor, bodies.fine_predecessor, 2.0 * base)
         cage_gap = facing_gaps(cage, bodies.cage_successor, bodies.cage_predecessor, 2.0 * base)
         fine = np.minimum(base, 0.5 * fine_gap)
-        own = np.minimum(base, 0.5 * cage_gap)
+        own = np.minimum(base, 0.5 * cage_gap)  # cage against cage
         return cls(
             own,
             np.minimum(own, own[bodies.cage_successor]),
@@ -42,13 +44,13 @@ class BarrierRanges:
         )
 
     def scaled(self, factor: float) -> BarrierRanges:
-        """All ranges times ``factor``."""
+        """All ranges times a factor."""
         return BarrierRanges(
             factor * self.cage_vertex, factor * self.cage_edge, factor * self.fine_vertex, factor * self.fine_edge
         )
 
     def of(self, bodies: Bodies, pairs: Pairs) -> FloatArray:
-        """(K,) d̂ of the pairs."""
+        """(K,) d̂ of each pair; of a vertex and an edge of the cage, the smaller one."""
         m = bodies.m
         d_hat = np.empty(len(pairs))
         d_hat[pairs.fine_cage] = self.fine_vertex[pairs.point[pairs.fine_cage] - m]
@@ -59,29 +61,28 @@ class BarrierRanges:
 
     @property
     def largest(self) -> float:
-        """Pairs farther apart than this feel nothing."""
+        """Distance beyond which no pair has a barrier."""
         return float(max(self.cage_vertex.max(), self.fine_vertex.max()))
 
 
 def facing_gaps(vertices: FloatArray, successor: IntArray, predecessor: IntArray, reach: float) -> FloatArray:
     """(k,) distance from each vertex to the nearest edge that faces it across the outside, infinite beyond ``reach``.
 
-    Two places face each other when each lies on the outer side of the other and their outward normals point against
-    each other.
+    A vertex and an edge face each other if each is on the outer side of the other and their normals are opposed.
     """
     ends = vertices[successor]
     edge = ends - vertices
-    length = np.maximum(np.hypot(edge[:, 0], edge[:, 1]), np.finfo(float).tiny)
+    length = np.maximum(np.hypot(edge[:, 0], edge[:, 1]), TINY)
     normal = rotated_right(edge) / length[:, None]
     vertex_normal = normal + normal[predecessor]
     point, other = near_pairs(vertices, vertices, ends, reach)
     foreign = (point != other) & (point != successor[other])
     point, other = point[foreign], other[foreign]
     pair = point_edge(vertices[point], vertices[other], ends[other])
-    outside = (pair.normal * normal[other]).sum(axis=1) > 0.0
-    towards = (pair.normal * vertex_normal[point]).sum(axis=1) < 0.0
+    beyond_edge = (pair.normal * normal[other]).sum(axis=1) > 0.0
+    beyond_vertex = (pair.normal * vertex_normal[point]).sum(axis=1) < 0.0
     opposed = (vertex_normal[point] * normal[other]).sum(axis=1) < 0.0
-    facing = outside & towards & opposed
+    facing = beyond_edge & beyond_vertex & opposed
     gap = np.full(len(vertices), np.inf)
     np.minimum.at(gap, point[facing], pair.distance[facing])
     return gap

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.vectors import cross
 from .pairs import Pairs
 
@@ -100,7 +100,7 @@ def _first_impact(
         s = time[valid][:, None]
         e = edge[valid] + s * edge_v[valid]
         t = to[valid] + s * to_v[valid]
-        squared = np.maximum((e * e).sum(axis=1), np.finfo(float).tiny)
+        squared = np.maximum((e * e).sum(axis=1), TINY)
         t = t - np.clip((e * t).sum(axis=1) / squared, 0.0, 1.0)[:, None] * e
         touches = (t * t).sum(axis=1) < near[valid] ** 2
         hit = valid[touches]
@@ -111,5 +111,5 @@ def _first_impact(
 def _closest_time(offset: FloatArray, velocity: FloatArray) -> FloatArray:
     """(K,) time at which offset + s velocity is shortest; 0 without motion."""
     squared = (velocity * velocity).sum(axis=1)
-    time: FloatArray = -(offset * velocity).sum(axis=1) / np.maximum(squared, np.finfo(float).tiny)
+    time: FloatArray = -(offset * velocity).sum(axis=1) / np.maximum(squared, TINY)
     return time

@@ -1,8 +1,8 @@
-"""Static condensation: a system in all positions (C; F) reduced to one in the cage alone.
+"""Static condensation: the Newton system in all positions (C; F), reduced to the cage.
 
-Fine vertices are coupled to the cage but hardly to each other, so they are eliminated. Their block of the Hessian is
-made block-diagonal from above (for a pair with two fine vertices, (u + w)² ≤ 2 u² + 2 w²), so the matrix stays positive
-definite and the direction a descent direction. What is left is a Schur complement in the 2 m unknowns of the cage.
+The fine vertices are eliminated, since only pairs with a fine edge couple them to each other. That coupling is lumped
+onto the diagonal blocks, an upper bound by (u + w)² ≤ 2 u² + 2 w², so the matrix stays positive definite and the result
+is a descent direction. What remains is a Schur complement in the 2 m unknowns of the cage.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ import scipy.sparse.linalg
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
 
-DENSE_LIMIT = 150
-"""Number of cage vertices up to which a dense Cholesky factorisation is faster than a sparse one (measured)."""
+DENSE_CAGE_VERTICES = 150
+"""Number of cage vertices up to which a dense Cholesky factorisation is faster than a sparse LU (measured)."""
 
-DENSE_COUPLING = 1_000_000
-"""Number of entries up to which the coupling of fine vertices and cage is kept as a dense array (measured)."""
+DENSE_COUPLING_ENTRIES = 1_000_000
+"""Number of entries up to which a dense matrix for the coupling of fine mesh and cage is faster (measured)."""
 
 REGULARISATION = 1e-6
-"""Added to the cage's diagonal: keeps the system definite when an energy leaves a motion free (that of area is 1)."""
+"""Added to the cage's diagonal, for energies that leave a motion free. The Hessian of the area is of order 1."""
 
-SMALLEST_SHIFT = 1e-14
-"""First shift of a system's unit diagonal that rounding has made indefinite."""
+ROUNDING_SHIFT = 1e-14
+"""First shift of the unit diagonal of a system that rounding has made indefinite; also the smallest relative pivot."""
 
-SHIFT_GROWTH = 100.0
-"""Factor on a shift that was too small."""
+ROUNDING_SHIFT_GROWTH = 100.0
+"""Factor to the next shift."""
 
-MAX_SHIFTS = 10
-"""Cap on the shifts tried: the last is 1e4 times the diagonal."""
+MAX_FACTORISATIONS = 10
+"""Cap on the shifts: the last one is 1e2 times the diagonal."""
 
 Solve = Callable[[FloatArray], FloatArray]
 
@@ -41,16 +41,16 @@ Solve = Callable[[FloatArray], FloatArray]
 def newton_direction(
     corners: IntArray, factors: FloatArray, restoring: FloatArray, cage: Blocks, gradient: FloatArray
 ) -> FloatArray:
-    """-H⁻¹ gradient, an array (m + n, 2), for H = Σ Uᵀ U over the pairs + the restoring diagonal + the cage's blocks.
+    """-H⁻¹ gradient, (m + n, 2), for H = Σ Uᵀ U over the pairs + restoring diagonal + blocks of the cage.
 
-    corners: (K, 3) indices of each pair's vertices into (C; F); factors: (K, 3, 6) the pairs' U; restoring: (n,)
-    stiffness of the pull on each fine vertex, > 0; cage: positive semi-definite blocks over the cage's m vertices;
-    gradient: (m + n, 2).
+    corners: (K, 3) indices of the vertices of each pair into (C; F); factors: (K, 3, 6) U of each pair; restoring: (n,)
+    stiffness > 0 of each fine vertex; cage: positive semi-definite Hessian over the m cage vertices; gradient:
+    (m + n, 2).
     """
     n = len(restoring)
     m = len(gradient) - n
     motion = np.empty_like(gradient)
-    # fine vertices without a pair feel only their pull
+    # fine vertices without a pair are decoupled
     touched = np.unique(corners[corners >= m])
     local = np.zeros(m + n, np.int64)
     local[touched] = m + np.arange(len(touched))
@@ -79,7 +79,7 @@ def newton_direction(
 
 
 def _fine_blocks(entries: FloatArray, places: IntArray, m: int, restoring: FloatArray) -> FloatArray:
-    """(k, 2, 2) diagonal blocks of the fine vertices with pairs, lumped as the module's docstring says."""
+    """(k, 2, 2) diagonal blocks of the fine vertices with pairs, couplings between them lumped."""
     count = len(restoring)
     blocks = np.zeros((count, 2, 2))
     blocks[:, 0, 0] = blocks[:, 1, 1] = restoring
@@ -94,14 +94,14 @@ def _fine_blocks(entries: FloatArray, places: IntArray, m: int, restoring: Float
 
 
 def _matrix(row: IntArray, column: IntArray, values: FloatArray, shape: tuple[int, int]) -> FloatArray | sp.csr_matrix:
-    """The matrix with these entries, which add up where they meet: dense while that is small."""
-    if shape[0] * shape[1] <= DENSE_COUPLING:
+    """The matrix with these entries, duplicates summed; dense if small."""
+    if shape[0] * shape[1] <= DENSE_COUPLING_ENTRIES:
         return np.bincount(row * shape[1] + column, values, shape[0] * shape[1]).reshape(shape)
     return sp.csr_matrix((values, (row, column)), shape=shape)
 
 
 def _block_product(blocks: FloatArray, matrix: FloatArray | sp.csr_matrix) -> FloatArray | sp.csr_matrix:
-    """The block-diagonal matrix of (k, 2, 2) blocks times a matrix (2 k, c)."""
+    """Block-diagonal matrix of blocks (k, 2, 2) times a matrix (2 k, c)."""
     count = len(blocks)
     if isinstance(matrix, np.ndarray):
         return np.matmul(blocks, matrix.reshape(count, 2, matrix.shape[1])).reshape(matrix.shape)
@@ -118,10 +118,10 @@ def _cage_solver(
     coupling: FloatArray | sp.csr_matrix,
     weighted: FloatArray | sp.csr_matrix,
 ) -> Solve:
-    """Solver of the Schur complement with the cage's own blocks added."""
+    """Solver for the Schur complement plus the blocks of the cage."""
     size = 2 * m
     condensed = coupling.T @ weighted
-    if m <= DENSE_LIMIT:
+    if m <= DENSE_CAGE_VERTICES:
         matrix = np.bincount(row * size + column, values, size * size).reshape(size, size) + cage.dense(m)
         matrix -= condensed if isinstance(condensed, np.ndarray) else condensed.toarray()
         matrix.flat[:: size + 1] += REGULARISATION
@@ -136,27 +136,27 @@ def _cage_solver(
 
 
 def _equal_diagonals(diagonal: FloatArray) -> FloatArray:
-    """Scaling to a unit diagonal: pressures across a gap of 1e-6 are 1e12 times those of the area, and both matter."""
-    scale: FloatArray = 1.0 / np.sqrt(np.maximum(diagonal, SMALLEST_SHIFT * diagonal.max()))
+    """Scaling to a unit diagonal: barrier stiffness across a gap of 1e-6 is 1e12 times that of the area."""
+    scale: FloatArray = 1.0 / np.sqrt(np.maximum(diagonal, ROUNDING_SHIFT * diagonal.max()))
     return scale
 
 
 def _dense_solver(matrix: FloatArray) -> Solve:
-    """Solver of a system with a unit diagonal by Cholesky factorisation, shifted until rounding leaves it definite."""
+    """Solver by Cholesky factorisation of a matrix with unit diagonal, shifted until it succeeds."""
     shift = 0.0
-    for _ in range(MAX_SHIFTS):
+    for _ in range(MAX_FACTORISATIONS):
         factor, failed = scipy.linalg.lapack.dpotrf(matrix, lower=1)
         if not failed:
             return lambda right: np.asarray(scipy.linalg.lapack.dpotrs(factor, right, lower=1)[0])
-        grown = max(SHIFT_GROWTH * shift, SMALLEST_SHIFT)
+        grown = max(ROUNDING_SHIFT_GROWTH * shift, ROUNDING_SHIFT)
         matrix.flat[:: len(matrix) + 1] += grown - shift
         shift = grown
-    return np.copy  # the diagonal alone: a descent direction whatever the rest is
+    return np.copy  # the unit diagonal alone still gives a descent direction
 
 
 def _sparse_solver(matrix: sp.csc_matrix) -> Solve:
-    """The same for a sparse matrix, by LU factorisation, which needs the shift only to stay away from zero pivots."""
-    definite = matrix + SMALLEST_SHIFT * sp.identity(matrix.shape[0], format="csc")
+    """Solver by LU factorisation of a sparse matrix with unit diagonal; the shift avoids zero pivots."""
+    definite = matrix + ROUNDING_SHIFT * sp.identity(matrix.shape[0], format="csc")
     factor = scipy.sparse.linalg.splu(
         definite, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
@@ -164,9 +164,9 @@ def _sparse_solver(matrix: sp.csc_matrix) -> Solve:
 
 
 def _inverse_2x2(blocks: FloatArray) -> FloatArray:
-    """Inverses of (k, 2, 2) positive definite matrices; where rounding cancelled a determinant, of ones close by."""
+    """Inverses of positive definite matrices (k, 2, 2), with determinants bounded away from 0 against cancellation."""
     a, b, c, d = blocks[:, 0, 0], blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1]
     inverse = np.empty_like(blocks)
     inverse[:, 0, 0], inverse[:, 0, 1], inverse[:, 1, 0], inverse[:, 1, 1] = d, -b, -c, a
-    inverse /= np.maximum(a * d - b * c, SMALLEST_SHIFT * a * d)[:, None, None]
+    inverse /= np.maximum(a * d - b * c, ROUNDING_SHIFT * a * d)[:, None, None]
     return inverse

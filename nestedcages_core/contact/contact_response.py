@@ -1,21 +1,19 @@
-"""How the cage answers a motion of the fine mesh: with the least motion that keeps the wanted distances.
+"""The response of the cage to a motion of the fine mesh: the smallest motion that keeps the wanted distances.
 
-For a motion E of the fine mesh the answer D is the solution of a proximal quadratic program, the distances to first
-order,
+For a motion E of the fine mesh the response D solves a proximal quadratic program, with distances to first order,
 
     minimise   ½ |D|² + ½ Σ e² / ε
     subject to d + ∂d·(D, E) + e ≥ wanted distance,   |D_i| ≤ Δ along and across the cage,
 
-soft in e so that it always has a solution. Every contact wants two distances. One that it must nearly keep, so that the
-motion can go on: half of what it has, down to the clearance. And a larger one for which the cage makes room where it is
-free to, for a cage that is hugged too closely can only take the smallest steps. Nothing but contact moves the cage:
-with an energy beside it, it would drift while the fine mesh is away.
+soft in e, so that it always has a solution. Every contact wants two distances: a hard one, half of its current distance
+down to the clearance, which lets the motion go on; and a larger one where the cage is free to move, since a cage that
+is too close can only take the smallest steps. Only contact moves the cage here: with an energy it would drift while the
+fine mesh is still away.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -24,66 +22,70 @@ from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.broad_phase import near_pairs
 from ..solver.banded import Rows
 from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
-from .linearisation import Contacts, change, constraint_rows, local_axes, measure, resolve_corners
+from .linearisation import Contacts, constraint_rows, distance_change, local_axes, measure, resolve_corners
 from .pairs import Bodies, CandidateList, Pairs
 from .pruning import not_implied
 
-STIFF = 3e-5
-"""ε of the distances that must nearly be kept: how far one may be missed per unit of force, where the cage moves D
-under the force D."""
+HARD_COMPLIANCE = 3e-5
+"""ε of the hard distances: violation per unit of force, where the force D moves the cage by D."""
 
-SOFT = 0.1
-"""ε of the larger distances: the cage makes nine tenths of the room where nothing else holds it."""
+SOFT_COMPLIANCE = 0.1
+"""ε of the larger distances: nine tenths of the distance are made up where nothing else holds the cage."""
 
-LARGER = 0.25
-"""The larger distance is what the contact has and this fraction of the working gap."""
+GAP_GROWTH = 0.25
+"""How much the larger distance exceeds the current one, as a fraction of the working gap."""
 
 SKIN = 0.3
-"""Skin of the candidate list, as a fraction of how far pairs are looked for beyond the wanted distance."""
+"""Skin of the candidate list, as a fraction of the search radius beyond the wanted distance."""
 
-MOST, SMALL = 0.3, 1_000_000
-"""Fraction of moving fine vertices, and number of all possible pairs, up to which the whole cage may move as far as its
-part near the moving vertices: only elsewhere it pays to look for that part."""
+MAX_ACTIVE_FRACTION = 0.3
+"""Fraction of fine vertices in motion above which the whole cage is active."""
 
-RINGS = 2
-"""Number of neighbours, along the cage, of vertices near moving ones that may be dragged along as far."""
+FULL_SEARCH_PAIRS = 1_000_000
+"""Number of pairs of a cage and a fine vertex below which the whole cage is active: no search would pay off."""
+
+NEIGHBOUR_RINGS = 2
+"""Neighbours along the cage, on either side of vertices near the motion, that are active too."""
+
+CLOSEST_APPROACH = 2.0 * float(np.sqrt(2.0))
+"""How much closer two cage vertices can come if each moves by 1 along both its axes."""
 
 SMALLEST_SCALE = 0.1
-"""The multipliers are expected to be at least this fraction of the working gap in size, for they are forces."""
+"""Lower bound of the expected multipliers, as a fraction of the working gap."""
 
 ABSOLUTE_TOLERANCE = 1e-4
-"""Complementarity of the quadratic programs that is small enough, in units of the working gap squared."""
+"""Complementarity at which a quadratic program is solved in any case, in units of the working gap squared."""
 
 
 @dataclass(frozen=True)
 class Distances:
-    """What the cage wants to keep; all lengths."""
+    """Distances to keep; all lengths."""
 
     clearance: float
-    """Between cage and fine mesh, in the end."""
+    """Final distance between cage and fine mesh."""
     own: float
-    """Between parts of the cage, in the end."""
+    """Final distance between parts of the cage."""
     gap: float
-    """How much more than these it keeps on the way, where there is room."""
+    """Working gap: distance kept on top of these on the way, where there is room."""
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A motion of fine mesh and cage, and what can meet in it."""
+    """A motion of cage and fine mesh, and the pairs that can meet in it."""
 
     motion: FloatArray
     """(m + n, 2)."""
     pairs: Pairs
     """All pairs that can meet."""
     contacts: Contacts
-    """Their contacts before the motion."""
+    """Contacts of these pairs before the motion."""
     systems: int
-    """Systems of equations solved."""
+    """Number of linear systems solved."""
 
 
 @dataclass(eq=False)
 class ContactResponse:
-    """Finds answers; keeps the list of candidate pairs from one to the next."""
+    """Computes responses; keeps the candidate pairs from one to the next."""
 
     bodies: Bodies
     distances: Distances
@@ -96,23 +98,23 @@ class ContactResponse:
         self._proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (self.bodies.m, 2, 2)))
 
     def to(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Response:
-        """The answer to a motion (n, 2) of the fine mesh at x (m + n, 2), at most ``radius`` along each axis."""
+        """The response to a motion (n, 2) of the fine mesh at x (m + n, 2), at most ``radius`` along each axis."""
         m, gap = self.bodies.m, self.distances.gap
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
         longest = float(length.max())
         farthest = max(self.distances.clearance, self.distances.own) + gap
-        touched = self._touched(fine_motion, x, farthest + _reach(radius) + longest)
-        radii = np.where(touched, radius, min(radius, gap))
-        able = np.concatenate([np.sqrt(2.0) * radii, length])
-        reach = _reach(radii) + np.where(touched, longest, 0.0)
+        active = self._active(fine_motion, x, farthest + CLOSEST_APPROACH * radius + longest)
+        radii = np.where(active, radius, min(radius, gap))
+        farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
+        reach = CLOSEST_APPROACH * radii + np.where(active, longest, 0.0)
         all_pairs = self.candidates.within(x, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
-        near = all_contacts.distance - farthest < all_pairs.approach(able)
+        near = all_contacts.distance - farthest < all_pairs.approach(farthest_motion)
         pairs, contacts = resolve_corners(self.bodies, all_pairs.subset(near), all_contacts.where(near), x, 0.0)
         motion = np.concatenate([np.zeros((m, 2)), fine_motion])
-        able[m:] = 0.0
-        rows, room, softness = self._constraints(pairs, contacts, motion, able)
+        farthest_motion[m:] = 0.0
+        rows, room, softness = self._constraints(pairs, contacts, motion, farthest_motion)
         program = QuadraticProgram(
             np.zeros((m, 2)),
             self._proximal,
@@ -129,36 +131,41 @@ class ContactResponse:
             motion[:m] = solution.step
         return Response(motion, all_pairs, all_contacts, solution.iterations)
 
-    def _touched(self, fine_motion: FloatArray, x: FloatArray, reach: float) -> BoolArray:
-        """(m,) cage vertices that are near a moving fine vertex, or beside one that is; all where most of them move."""
+    def _active(self, fine_motion: FloatArray, x: FloatArray, reach: float) -> BoolArray:
+        """(m,) cage vertices near a moving fine vertex, and their neighbours; all if much of the fine mesh moves."""
         m, moving = self.bodies.m, np.flatnonzero(fine_motion.any(axis=1))
-        if len(moving) > MOST * self.bodies.n or m * self.bodies.n < SMALL:
+        if len(moving) > MAX_ACTIVE_FRACTION * self.bodies.n or m * self.bodies.n < FULL_SEARCH_PAIRS:
             return np.ones(m, bool)
         cage = x[:m]
         _, edge = near_pairs(x[m + moving], cage, cage[self.bodies.cage_successor], reach)
-        touched = np.zeros(m, bool)
-        touched[edge] = True
-        for _ in range(RINGS):
-            touched = touched | touched[self.bodies.cage_predecessor] | touched[self.bodies.cage_successor]
-        return touched
+        active = np.zeros(m, bool)
+        active[edge] = True
+        for _ in range(NEIGHBOUR_RINGS):
+            active = active | active[self.bodies.cage_predecessor] | active[self.bodies.cage_successor]
+        return active
 
     def _constraints(
-        self, pairs: Pairs, contacts: Contacts, motion: FloatArray, able: FloatArray
+        self, pairs: Pairs, contacts: Contacts, motion: FloatArray, farthest_motion: FloatArray
     ) -> tuple[list[Rows], FloatArray, FloatArray]:
-        """Rows, room and softness of the constraints after the fine mesh's ``motion`` that the cage is ``able`` to
-        meet."""
+        """Rows, room and softness of the constraints after a ``motion`` (m + n, 2) of the fine mesh.
+
+        farthest_motion: (m + n,) longest motion of each vertex in the response; constraints out of reach are left out.
+        """
         d = contacts.distance
         clearance = np.full(len(pairs), self.distances.clearance)
         clearance[pairs.cage_cage] = self.distances.own
         gap = self.distances.gap
-        after = d + change(pairs, contacts, motion)
-        kept = np.minimum(0.5 * (d + clearance), clearance + gap)
-        larger = np.minimum(d + LARGER * gap, clearance + gap)
-        reachable = after - np.maximum(kept, larger) < pairs.approach(able)
+        after = d + distance_change(pairs, contacts, motion)
+        hard = np.minimum(0.5 * (d + clearance), clearance + gap)
+        larger = np.minimum(d + GAP_GROWTH * gap, clearance + gap)
+        reachable = after - np.maximum(hard, larger) < pairs.approach(farthest_motion)
         rows: list[Rows] = []
         rooms: list[FloatArray] = []
         softness: list[FloatArray] = []
-        for wanted, epsilon, where in ((kept, STIFF, reachable), (larger, SOFT, reachable & (larger > kept))):
+        for wanted, epsilon, where in (
+            (hard, HARD_COMPLIANCE, reachable),
+            (larger, SOFT_COMPLIANCE, reachable & (larger > hard)),
+        ):
             some, room = pairs.subset(where), (after - wanted)[where]
             contact = contacts.where(where)
             keep = not_implied(some, contact, room, 0.0)
@@ -166,8 +173,3 @@ class ContactResponse:
             rooms.append(room[keep])
             softness.append(np.full(len(rooms[-1]), epsilon))
         return rows, np.concatenate(rooms), np.concatenate(softness)
-
-
-def _reach(radius: Any) -> Any:
-    """How much closer two cage vertices can come that move so far along two axes each."""
-    return 2.0 * np.sqrt(2.0) * radius

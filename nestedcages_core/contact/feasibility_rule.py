@@ -1,7 +1,7 @@
-"""The feasibility rule: how much of a motion meets nothing and leaves distances of a decent size at its end.
+"""The feasibility rule: the part of a motion that is free of collisions and leaves enough distance at its end.
 
-Continuous collision detection bounds the motion (Li et al. 2020, section 5); what it leaves at the end must not shrink
-too fast either, or the next motion has no room.
+Continuous collision detection bounds the motion (Li et al. 2020, section 5). The rule also bounds how fast distances
+shrink, so that the next motion has room.
 """
 
 from __future__ import annotations
@@ -15,38 +15,38 @@ from .ccd import impacts, largest_safe_step
 from .linearisation import Contacts, measure
 from .pairs import Bodies, Pairs
 
-SHORTEN = 0.6
-"""Factor by which a motion is shortened while distances at its end are too small."""
+MOTION_REDUCTION = 0.6
+"""Factor on a motion while distances at its end are too small."""
 
 KEPT_DISTANCE = 0.5
-"""A motion may take at most about this part of a distance, once it is below the clearance."""
+"""Fraction of a distance below the clearance that a motion must leave."""
 
 KEPT_GAP = 0.05
-"""What a motion must leave besides, as a fraction of the distance or of the working gap."""
+"""Distance that a motion must leave on top, as a fraction of the distance or of the working gap."""
 
-RESOLVED = 1e-9
-"""Distance, in units of the mean coarse edge length, that is never used up: below it roundings would show."""
+RESOLUTION = 1e-9
+"""Smallest distance to leave, as a fraction of the mean coarse edge length: rounding matters below it."""
 
-NOT_LESS = 0.99
-"""Fraction of a distance below that one that a motion must leave."""
+KEPT_UNRESOLVED = 0.99
+"""Fraction that a motion must leave of a distance below the resolution."""
 
-HALVINGS, WIDEN, GIVE_UP = 14, 5, 9
-"""Number of times that single vertices are slowed down; when their neighbours on the cage are as well; when they
-stop."""
+MAX_SLOWDOWNS, SLOW_NEIGHBOURS_FROM, STOP_FROM = 14, 5, 9
+"""Cap on the rounds in which failing vertices are slowed down by half; round from which their neighbours on the cage
+are too; round from which they stop."""
 
 
 @dataclass(frozen=True, eq=False)
 class FeasibilityRule:
-    """Bounds motions of fine mesh and cage."""
+    """Bounds motions of cage and fine mesh."""
 
     bodies: Bodies
     clearance: float
-    """Distances above it may be used up."""
+    """Final distance; a motion may use up what is above it."""
     gap: float
-    """Working gap of the cage."""
+    """Working gap of the cage, a length."""
 
     def concerned(self, pairs: Pairs, contacts: Contacts, motion: FloatArray) -> tuple[Pairs, Contacts]:
-        """Those that the motion (m + n, 2), or a part of it, can bring closer than the rule allows."""
+        """The pairs that the motion (m + n, 2), or a part of it, can bring closer than the rule allows."""
         length = np.hypot(motion[:, 0], motion[:, 1])
         near = contacts.distance - pairs.approach(length) <= self._least(contacts)
         return pairs.subset(near), contacts.where(near)
@@ -55,24 +55,24 @@ class FeasibilityRule:
         """(K,) distances that a motion must leave."""
         d = contacts.distance
         least = np.minimum(self.clearance, KEPT_DISTANCE * d) + KEPT_GAP * np.minimum(d, self.gap)
-        resolved = RESOLVED * self.bodies.cage_edge_length
-        return np.maximum(least, np.minimum(NOT_LESS * d, resolved))
+        resolved = RESOLUTION * self.bodies.cage_edge_length
+        return np.maximum(least, np.minimum(KEPT_UNRESOLVED * d, resolved))
 
     def fraction(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray, shortest: float) -> float:
-        """A fraction of the motion (m + n, 2) from x that is feasible for all; below ``shortest`` it need not be."""
+        """A feasible fraction of the motion (m + n, 2) from x; below ``shortest`` it may be infeasible."""
         least = self._least(contacts)
         fraction = largest_safe_step(pairs, x, motion, contacts.distance, self.clearance)
         while fraction > shortest:
             if bool((measure(pairs, x + fraction * motion).distance > least).all()):
                 break
-            fraction *= SHORTEN
+            fraction *= MOTION_REDUCTION
         return fraction
 
     def fractions(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray) -> FloatArray:
-        """(m + n,) a feasible fraction for every vertex, where one common fraction would be too short."""
+        """(m + n,) a feasible fraction per vertex, for when a common one would be too short."""
         least = self._least(contacts)
         kept = np.ones(len(x))
-        for halving in range(HALVINGS):
+        for slowdown in range(MAX_SLOWDOWNS):
             moved = kept[:, None] * motion
             hit, _ = impacts(pairs, x, moved, contacts.distance, self.clearance)
             close = np.flatnonzero(measure(pairs, x + moved).distance < least)
@@ -80,8 +80,8 @@ class FeasibilityRule:
             if len(failing) == 0:
                 return kept
             vertex = np.unique(np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]]))
-            if halving >= WIDEN:
+            if slowdown >= SLOW_NEIGHBOURS_FROM:
                 cage = vertex[vertex < self.bodies.m]
                 vertex = np.concatenate([vertex, self.bodies.cage_successor[cage], self.bodies.cage_predecessor[cage]])
-            kept[vertex] *= 0.5 if halving < GIVE_UP else 0.0
+            kept[vertex] *= 0.5 if slowdown < STOP_FROM else 0.0
         return np.zeros(len(x))

@@ -22,27 +22,21 @@ from .pairs import Bodies, Pairs
 from .step_filter import StepFilter, TimeOfImpact
 
 CAGE_VERTEX_WEIGHT = 0.25
-"""Boundary length that a cage vertex stands for in C-F pairs, as a fraction of the mean coarse edge length."""
+"""Boundary length of a cage vertex in C-F pairs, as a fraction of the mean coarse edge length."""
 
-OWN_VERTEX_WEIGHT = 0.1
-"""The same in C-C pairs, where a light touch is enough to keep the cage off itself."""
+SELF_CONTACT_WEIGHT = 0.1
+"""The same in C-C pairs, where a weak barrier suffices."""
 
-REST_MARGIN = 0.2
-"""Fraction of its distance that every pair must keep when the fine mesh goes the rest of its way at once."""
+DIRECT_STEP_MARGIN = 0.2
+"""Fraction of its distance that each pair must keep when the fine mesh takes a step straight to its target."""
 
-LONGEST_MOTION = 1.0
-"""Longest motion of a vertex in one step, as a fraction of the mean coarse edge length: farther ones meet too much."""
-
-SKIN = 0.5
-"""Skin of the candidate list as a fraction of the mean coarse edge length."""
-
-EXACT = TimeOfImpact()
-"""The filter of steps unless another one is chosen."""
+SKIN_IN_EDGES = 0.5
+"""Skin of the candidate list, as a fraction of the mean coarse edge length."""
 
 
 @dataclass(frozen=True)
 class PotentialWeights:
-    """The paper's λ, in units of the fine mesh's size and per length of boundary."""
+    """The paper's λ, in units of the bounding-box diagonal and per boundary length."""
 
     restoring: float
     cages: float
@@ -50,8 +44,7 @@ class PotentialWeights:
 
 
 class IncrementalPotential:
-    """λ_R R + λ_cages E_cages + λ_B B as an objective for a solver; infinite (E_cont) where a step would pass through a
-    contact.
+    """λ_R R + λ_cages E_cages + λ_B B, the objective of a solver.
 
     Containment is kept by construction: the start is contained, and continuous collision detection bounds every step
     so that no point meets an edge. The barrier makes the line search agree.
@@ -65,7 +58,7 @@ class IncrementalPotential:
         weights: PotentialWeights,
         ranges: BarrierRanges,
         candidates: PairSource,
-        step_filter: StepFilter = EXACT,
+        step_filter: StepFilter | None = None,
     ) -> None:
         self.bodies = bodies
         self.energy = energy
@@ -73,15 +66,17 @@ class IncrementalPotential:
         self.weights = weights
         self.ranges = ranges
         self.candidates = candidates
-        self.step_filter = step_filter
-        self.containment = None if step_filter.safe else ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
-        self.skin = SKIN * bodies.cage_edge_length
+        self.step_filter = step_filter or TimeOfImpact()
+        self.containment: ContainmentEnergy | None = None
+        if not self.step_filter.safe:
+            self.containment = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
+        self.skin = SKIN_IN_EDGES * bodies.cage_edge_length
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
         self._measured: PointEdge | None = None
 
     def value(self, x: FloatArray) -> float:
-        """The energy at x (m + n, 2); infinite at contact and for a negative area."""
+        """The energy at x (m + n, 2); infinite in contact and where the energy of the cage is."""
         m = self.bodies.m
         cages = self.energy.value(x[:m], self.bodies.cage_successor)
         if not np.isfinite(cages) or (self.containment is not None and self.containment.value(x) > 0.0):
@@ -96,7 +91,7 @@ class IncrementalPotential:
         return self._slope(x, *self._barriers(x))
 
     def newton(self, x: FloatArray) -> NewtonModel:
-        """Value, gradient and projected Newton direction at x, all with respect to (C; F)."""
+        """Value, gradient and projected Newton direction at x."""
         pairs, pair, weight, terms = self._barriers(x)
         value, gradient = self._slope(x, pairs, pair, weight, terms)
         cage = x[: self.bodies.m]
@@ -106,7 +101,7 @@ class IncrementalPotential:
         return NewtonModel(value, gradient, newton_direction(pairs.corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
-        """Fraction of ``direction`` free of impacts, with a safety margin."""
+        """Fraction of ``direction`` that the step filter allows."""
         squared = direction[:, 0] ** 2 + direction[:, 1] ** 2
         m = self.bodies.m
         cage, fine = float(np.sqrt(squared[:m].max())), float(np.sqrt(squared[m:].max()))
@@ -114,23 +109,23 @@ class IncrementalPotential:
         return self.step_filter.fraction(pairs, x, direction, pair.distance)
 
     def finished(self, x: FloatArray) -> bool:
-        """Whether the fine mesh can go straight to its target without coming much closer to the cage anywhere."""
+        """Whether the fine mesh can go straight to its target and keep enough distance to the cage."""
         motion = np.zeros_like(x)
         m = self.bodies.m
         motion[m:] = self.restoring.target - x[m:]
         length = float(np.sqrt((motion * motion).sum(axis=1).max()))
         pairs, pair = self._measure(x, self.ranges.largest + length)
         after = pairs.measure(x + motion).distance
-        if (after <= REST_MARGIN * np.minimum(pair.distance, self.ranges.largest)).any():
+        if (after <= DIRECT_STEP_MARGIN * np.minimum(pair.distance, self.ranges.largest)).any():
             return False
         return len(impacts(pairs, x, motion, pair.distance)[0]) == 0
 
     def pairs_in_range(self, x: FloatArray) -> int:
-        """How many pairs the barrier acts on at x."""
+        """Number of pairs with a barrier at x."""
         return len(self._active(x)[0])
 
     def _barriers(self, x: FloatArray) -> tuple[Pairs, PointEdge, FloatArray, BarrierTerms]:
-        """The pairs within their range, their distances, weights and barriers."""
+        """The pairs within range, their distances, weights and barriers."""
         pairs, pair, d_hat = self._active(x)
         return pairs, pair, self._pair_weight(pairs, d_hat), barrier(pair.distance, d_hat)
 
@@ -151,24 +146,24 @@ class IncrementalPotential:
         return value, gradient
 
     def _measure(self, x: FloatArray, reach: float) -> tuple[Pairs, PointEdge]:
-        """All candidate pairs within reach and their distances, remembered for the last x."""
+        """The candidate pairs for a reach and their distances, cached for the last x."""
         pairs = self.candidates.within(x, reach, self.skin)
         if self._x is not x or self._pairs is not pairs or self._measured is None:
             self._x, self._pairs, self._measured = x, pairs, pairs.measure(x)
         return pairs, self._measured
 
     def _active(self, x: FloatArray) -> tuple[Pairs, PointEdge, FloatArray]:
-        """The pairs within their range, their distances and ranges."""
+        """The pairs within range, their distances and ranges."""
         pairs, pair = self._measure(x, self.ranges.largest)
         d_hat = self.ranges.of(self.bodies, pairs)
         active = pair.distance < d_hat
         return pairs.subset(active), PointEdge(*(field[active] for field in pair)), d_hat[active]
 
     def _pair_weight(self, pairs: Pairs, d_hat: FloatArray) -> FloatArray:
-        """(K,) λ_B times boundary length over d̂: the pressure is then of order λ_B whatever the range."""
+        """(K,) λ_B · boundary length / d̂: the pressure is then of order λ_B for every range."""
         weight = np.empty(len(pairs))
         weight[pairs.fine_cage] = self.bodies.fine_weight[pairs.point[pairs.fine_cage] - self.bodies.m]
         weight[pairs.cage_fine] = CAGE_VERTEX_WEIGHT * self.bodies.cage_edge_length
-        weight[pairs.cage_cage] = OWN_VERTEX_WEIGHT * self.bodies.cage_edge_length
+        weight[pairs.cage_cage] = SELF_CONTACT_WEIGHT * self.bodies.cage_edge_length
         weight *= self.weights.barrier / d_hat
         return weight

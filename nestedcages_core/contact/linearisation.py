@@ -1,13 +1,12 @@
-"""Contacts as constraints on the motion of the cage.
+"""Contacts as linear constraints on the motion of the cage.
 
 To first order a motion D changes the distance of a point p to the edge a-b by n · (D_p - (1 - t) D_a - t D_b), with the
 unit normal n from the edge to the point and the parameter t of the closest point.
 
-Where an end of the edge is closest, that is the change of the distance between two vertices, and as a constraint it
-would keep each from passing the other sideways. It is right only where the point lies in the corner of that end and the
-end in the corner of the point. At a corner that the point can only be inside of, the constraint is the distance to the
-edge's line instead, which is exact there: a cage vertex slides along the fine edges of a pocket without a stop at each
-of their ends. Elsewhere another edge of the corner is closer and has the say.
+Where an end of the edge is closest, this is the distance between two vertices, and the constraint would stop them from
+sliding past each other. It is used only where each vertex lies in the normal cone of the other. At reflex corners, seen
+from the point, the distance to the line of the edge is exact and replaces it: a cage vertex then slides along the fine
+edges of a pocket without stopping at their ends. Elsewhere an edge of the corner is closer, and the pair is dropped.
 """
 
 from __future__ import annotations
@@ -24,18 +23,18 @@ from .pairs import Bodies, Pairs
 
 
 class Contacts(NamedTuple):
-    """Signed distances of K pairs and what their derivatives need."""
+    """Signed distances of K pairs, with what their derivatives need."""
 
     distance: FloatArray
-    """(K,) negative where the point has changed to the other side of the edge."""
+    """(K,) negative where the point is on the wrong side of the edge."""
     parameter: FloatArray
     """(K,) position t of the closest point on the edge, or on its line."""
     normal: FloatArray
     """(K, 2) gradient of the signed distance with respect to the point."""
     side: FloatArray
-    """(K,) side of the edge on which the point lies: 1 left, -1 right, 0 beyond its ends."""
+    """(K,) side of the edge that the point is on: 1 left, -1 right, 0 beyond its ends."""
     on_line: BoolArray
-    """(K,) whether the distance is that to the edge's line, not to one of its ends."""
+    """(K,) whether the distance is to the line of the edge, not to one of its ends."""
 
     def where(self, keep: BoolArray) -> Contacts:
         """The contacts where ``keep`` (K,) is true."""
@@ -44,7 +43,7 @@ class Contacts(NamedTuple):
 
 
 def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Contacts:
-    """Distances of the pairs at the positions x (m + n, 2); negative where a pair is no longer on its ``side`` (K,)."""
+    """Distances of the pairs at x (m + n, 2); negative where a point is not on its ``side`` (K,) of the edge."""
     a = x.take(pairs.start, axis=0)
     edge = x.take(pairs.end, axis=0) - a
     to = x.take(pairs.point, axis=0) - a
@@ -64,7 +63,7 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
 
 
 def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]:
-    """The gradients of the distances with respect to the cage vertices, family by family."""
+    """Gradients of the distances with respect to the cage vertices, family by family."""
     t, normal = contacts.parameter, contacts.normal.T
     fc, cf, cc = pairs.fine_cage, pairs.cage_fine, pairs.cage_cage
     return (
@@ -78,8 +77,8 @@ def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]
     )
 
 
-def change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> FloatArray:
-    """(K,) first-order change of the distances by a motion (m + n, 2) of all vertices."""
+def distance_change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> FloatArray:
+    """(K,) first-order change of the distances under a motion (m + n, 2)."""
     t = contacts.parameter[:, None]
     relative = motion.take(pairs.point, axis=0) - (1.0 - t) * motion.take(pairs.start, axis=0)
     relative -= t * motion.take(pairs.end, axis=0)
@@ -88,7 +87,7 @@ def change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> FloatArray:
 
 
 def local_axes(bodies: Bodies, x: FloatArray) -> FloatArray:
-    """(m, 2, 2) two perpendicular axes at every cage vertex of x (m + n, 2): along the cage, and across it."""
+    """(m, 2, 2) unit vectors along and across the cage at each cage vertex of x (m + n, 2)."""
     cage = x[: bodies.m]
     along = cage[bodies.cage_successor] - cage[bodies.cage_predecessor]
     length = np.hypot(along[:, 0], along[:, 1])
@@ -100,18 +99,17 @@ def local_axes(bodies: Bodies, x: FloatArray) -> FloatArray:
 def resolve_corners(
     bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, least: float
 ) -> tuple[Pairs, Contacts]:
-    """The pairs whose constraints have the say at x (m + n, 2); at corners with the distance to the edge's line.
+    """The active pairs at x (m + n, 2), with the distance to the line of the edge where the module says so.
 
-    least: a line counts only where the point is at least so far on its right side.
+    least: smallest distance to the line on the correct side for it to be used.
     """
     keep = contacts.on_line.copy()
-    keep[pairs.cage_cage] = True  # on which side of a corner of the cage its other vertices are is not known
+    keep[pairs.cage_cage] = True  # cage against cage: which side of a corner the point is on is unknown
     ends = np.flatnonzero(~contacts.on_line[: pairs.cage_cage.start])
     if len(ends) == 0:
         return pairs, contacts
-    inner = np.where(
-        ends < pairs.cage_fine.start, 1.0, -1.0
-    )  # fine vertices lie left of cage edges, cage vertices right
+    # fine vertices are left of cage edges, cage vertices right of fine edges
+    inner = np.where(ends < pairs.cage_fine.start, 1.0, -1.0)
     at_start = contacts.parameter[ends] <= 0.0
     start, end, point = pairs.start[ends], pairs.end[ends], pairs.point[ends]
     corner = np.where(at_start, start, end)
@@ -128,7 +126,7 @@ def resolve_corners(
     distance, parameter, normal = contacts.distance.copy(), contacts.parameter.copy(), contacts.normal.copy()
     on_line = contacts.on_line.copy()
     distance[put] = offset[line]
-    # a cage edge turns about the place on its line; a fine edge, which may be very short, is moved along with its end
+    # the lever arm of a cage edge is measured on its line; a fine edge, which may be short, keeps its end
     turning = line & (inner > 0.0)
     parameter[ends[turning]] = (to[turning] * edge[turning]).sum(axis=1) / length[turning] ** 2
     turned = inner[line] / length[line]
@@ -140,7 +138,7 @@ def resolve_corners(
 
 
 def _in_corner(bodies: Bodies, x: FloatArray, corner: IntArray, point: IntArray) -> BoolArray:
-    """Whether each corner vertex is the closest point to ``point`` on both its edges."""
+    """Whether each corner vertex is the closest point of both its edges to ``point``."""
     to = x[point] - x[corner]
     before, after = x[corner] - x[bodies.predecessor[corner]], x[bodies.successor[corner]] - x[corner]
     inside: BoolArray = ((to * before).sum(axis=1) >= 0.0) & ((to * after).sum(axis=1) <= 0.0)

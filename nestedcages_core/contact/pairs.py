@@ -1,9 +1,9 @@
-"""The point-edge pairs between fine and cage, kept while nothing has moved far.
+"""Point-edge pairs of fine mesh and cage, in lists that stay valid while nothing moves far.
 
-All positions of a contact problem stand in one array x = (C; F) of shape (m + n, 2): the m cage vertices first, then
-the n fine vertices. Pairs come in three families, in this order: F-C (a fine vertex and a cage edge), C-F (a cage
-vertex and a fine edge) and C-C (a cage vertex and a cage edge that does not end in it). F-F pairs do not exist: the
-fine mesh may cross itself on its way, it comes home to a shape that does not.
+All positions are in one array x = (C; F) of shape (m + n, 2): the m cage vertices first, then the n fine vertices.
+Pairs come in three families, in this order: F-C (fine vertex, cage edge), C-F (cage vertex, fine edge) and C-C (cage
+vertex, cage edge that does not end in it). There are no F-F pairs: the fine mesh may cross itself on its way, since its
+final shape does not.
 """
 
 from __future__ import annotations
@@ -19,26 +19,25 @@ from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh
 from ..solver.banded import BandOrder
 
-TOO_WIDE = 8.0
-"""Times the reach that is asked for at which a list is too wide."""
+MAX_EXCESS_REACH = 8.0
+"""Ratio of the reach of a list to the reach asked for above which it is rebuilt, to save measuring its pairs."""
 
 SMALL_LIST = 1000
-"""Number of pairs up to which a list is never too wide."""
+"""Number of pairs up to which it is not."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """What does not change while a cage is pushed: which vertices are joined by edges, and how much boundary each
-    stands for."""
+    """What stays constant during contact: connectivity, and boundary lengths."""
 
     cage_successor: IntArray
     """(m,) next vertex along the cage."""
     fine_successor: IntArray
     """(n,) next vertex along the fine mesh."""
     fine_weight: FloatArray
-    """(n,) half the length of the two fine edges at each vertex, at home."""
+    """(n,) boundary length of each fine vertex: half of its two edges, in the fine mesh itself."""
     cage_edge_length: float
-    """Mean length of the coarse edges: the unit of the steps that the cage can take."""
+    """Mean length of the coarse edges, the unit of motions of the cage."""
 
     @classmethod
     def of(cls, coarse: Mesh, fine: Mesh) -> Bodies:
@@ -62,17 +61,17 @@ class Bodies:
 
     @cached_property
     def cage_order(self) -> BandOrder:
-        """A numbering of the cage vertices that keeps neighbours close together."""
+        """An order of the cage vertices that keeps neighbours close together."""
         return BandOrder.of(self.m, np.arange(self.m), self.cage_successor)
 
     @cached_property
     def successor(self) -> IntArray:
-        """(m + n,) next vertex of all, as indices into x = (C; F)."""
+        """(m + n,) next vertex, as indices into x = (C; F)."""
         return np.concatenate([self.cage_successor, self.fine_successor + self.m])
 
     @cached_property
     def predecessor(self) -> IntArray:
-        """(m + n,) previous vertex of all, as indices into x = (C; F)."""
+        """(m + n,) previous vertex, as indices into x = (C; F)."""
         return np.concatenate([self.cage_predecessor, self.fine_predecessor + self.m])
 
     @cached_property
@@ -92,7 +91,7 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """K point-edge pairs as indices into x = (C; F), in the order of their families."""
+    """K point-edge pairs as indices into x = (C; F), family by family."""
 
     point: IntArray
     start: IntArray
@@ -110,11 +109,11 @@ class Pairs:
         return np.stack([self.point, self.start, self.end], axis=1)
 
     def measure(self, x: FloatArray) -> PointEdge:
-        """Distances of all pairs at the positions x (m + n, 2)."""
+        """Distances of all pairs at x (m + n, 2)."""
         return point_edge(x.take(self.point, axis=0), x.take(self.start, axis=0), x.take(self.end, axis=0))
 
     def approach(self, reach: FloatArray) -> FloatArray:
-        """(K,) how much closer each pair can come when no vertex moves farther than ``reach`` (m + n,), lengths."""
+        """(K,) how much closer each pair can come if no vertex moves farther than ``reach`` (m + n,)."""
         closer: FloatArray = reach.take(self.point) + np.maximum(reach.take(self.start), reach.take(self.end))
         return closer
 
@@ -130,10 +129,9 @@ class Pairs:
 
 
 def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pairs:
-    """All pairs of the three families closer than ``radius`` at the positions x = (C; F).
+    """All pairs closer than ``radius`` at the positions x = (C; F); family F-C sorted by cage edge.
 
-    radius: a length, or one for each cage vertex (m,), of few different values; an edge has the larger of its ends'.
-    The family F-C is sorted by cage edge.
+    radius: a length, or one per cage vertex (m,) with few different values; an edge has the larger one of its ends.
     """
     m = bodies.m
     cage, fine = x[:m], x[m:]
@@ -168,16 +166,15 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
 
 
 def _groups(radius: FloatArray) -> list[tuple[float, IntArray]]:
-    """The different radii, and the indices that have each."""
+    """The different radii, each with its indices."""
     return [(float(value), np.flatnonzero(radius == value)) for value in np.unique(radius)]
 
 
 class CandidateList:
-    """The pairs closer than a reach, found with a skin so that they stay complete while positions move less than half
-    of it.
+    """The pairs closer than a reach, found with a skin so that the list stays complete for a while (a Verlet list).
 
-    A pair can come closer by at most the sum of the two largest motions since the list was built; the list is built
-    anew when that uses up the skin.
+    A pair comes closer by at most the sum of the two largest motions since the list was built. The list is rebuilt when
+    that exceeds the skin.
     """
 
     def __init__(self, bodies: Bodies) -> None:
@@ -188,9 +185,9 @@ class CandidateList:
         self._pairs: Pairs | None = None
 
     def within(self, x: FloatArray, reach: float | FloatArray, skin: float | FloatArray) -> Pairs:
-        """Pairs that contain all those closer than ``reach`` at x; when built anew, the list also covers ``skin`` on
-        top. Both are lengths, or one for each cage vertex (m,). The list is also built anew when it reaches much
-        farther than is asked for.
+        """A superset of the pairs closer than ``reach`` at x; if rebuilt, the list covers ``skin`` on top.
+
+        Both are lengths, or one per cage vertex (m,).
         """
         if self._pairs is None or self._x is None or self._too_wide(reach + skin) or not self._covers(x, reach):
             self._radius = reach + skin
@@ -201,13 +198,13 @@ class CandidateList:
 
     def _too_wide(self, radius: float | FloatArray) -> bool:
         assert self._pairs is not None
-        return len(self._pairs) > SMALL_LIST and float(np.mean(self._radius / radius)) > TOO_WIDE
+        return len(self._pairs) > SMALL_LIST and float(np.mean(self._radius / radius)) > MAX_EXCESS_REACH
 
     def _covers(self, x: FloatArray, reach: float | FloatArray) -> bool:
         return float(np.min(self._radius - reach)) >= self._approach(x)
 
     def _approach(self, x: FloatArray) -> float:
-        """Upper bound of how much closer any pair has come since the list was built."""
+        """Upper bound on how much closer any pair has come since the list was built."""
         assert self._x is not None
         moved = x - self._x
         squared = moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1]

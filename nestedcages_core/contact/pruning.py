@@ -1,7 +1,7 @@
-"""Which contacts imply others: the lower convex hull of the contacts of every cage edge.
+"""Redundant contacts: those above the lower convex hull of the contacts of their cage edge.
 
-All fine vertices on the inner side of a cage edge share its normal, so their constraints room + (1 - t) u + t v ≥ 0 in
-the motions u, v of its two ends are implied by those on the lower convex hull of the points (t, room).
+All fine vertices on the inner side of a cage edge share its normal. Their constraints room + (1 - t) u + t v ≥ 0 on the
+motions u, v of its ends are implied by those on the lower convex hull of the points (t, room).
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from .linearisation import Contacts
 from .pairs import Pairs
 
 HULL_PASSES = 6
-"""Passes of the convex hull of an edge's contacts: each removes every point that lies above its two neighbours."""
+"""Cap on the passes of the convex hull; each removes every point above the chord of its neighbours."""
 
 THINNING_PASSES = 8
-"""Passes of thinning: each halves the points of a smooth arc at the most."""
+"""Cap on the passes of thinning; each removes at most every second point."""
 
 
 def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: float) -> BoolArray:
-    """(K,) pairs whose constraints are not implied by others, up to ``tolerance`` (a length).
+    """(K,) whether the constraint of each pair is needed: not implied by others up to ``tolerance``, a length.
 
     room: (K,) value of each constraint without motion.
     """
@@ -40,8 +40,7 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: f
 
 
 def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
-    """Indices of the points (t, height) on the lower convex hulls of their edges (all of them and possibly a few
-    more)."""
+    """Indices of a superset of the points (t, height) on the lower convex hulls of their edges."""
     kept = np.arange(len(edge))
     for _ in range(HULL_PASSES):
         above = _above_neighbours(edge[kept], t[kept], height[kept], 0.0)
@@ -52,8 +51,7 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
 
 
 def _thin(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -> IntArray:
-    """Indices of enough points of convex chains that the others lie less than ``tolerance`` below their chords, per
-    pass."""
+    """Indices of points of convex chains such that each pass removes points less than ``tolerance`` below a chord."""
     kept = np.arange(len(edge))
     for _ in range(THINNING_PASSES):
         close = _above_neighbours(edge[kept], t[kept], height[kept], tolerance)
@@ -65,8 +63,7 @@ def _thin(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -
 
 
 def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -> BoolArray:
-    """(K - 2,) whether each inner point, raised by the tolerance, lies on or above the chord of its two neighbours on
-    its edge."""
+    """(K - 2,) whether each inner point, raised by the tolerance, is on or above the chord of its two neighbours."""
     if len(edge) < 3:
         return np.zeros(max(len(edge) - 2, 0), bool)
     before, after = t[1:-1] - t[:-2], t[2:] - t[1:-1]

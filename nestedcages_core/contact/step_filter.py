@@ -1,4 +1,4 @@
-"""How far a step may go before anything could meet: three filters to choose from."""
+"""Step filters: the fraction of a step that is free of collisions."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .pairs import Pairs
 
 
 class StepFilter(Protocol):
-    """Bounds a motion before the line search tries it."""
+    """Bounds a motion before the line search."""
 
     @property
     def safe(self) -> bool:
-        """Whether nothing can meet in what it lets through; otherwise every state has to be tested."""
+        """Whether the motions it allows are free of collisions; otherwise each state must be tested."""
 
     def fraction(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> float:
         """Part of ``motion`` (m + n, 2) from x that may be taken, at most 1.
 
-        pairs: all that can meet; distance: (K,) their distances at x.
+        pairs: a superset of those that can meet; distance: (K,) their distances at x.
         """
 
 
 @dataclass(frozen=True)
 class NoFilter:
-    """Any step: the paper's way, where only the infinite energy of a crossing refuses it afterwards."""
+    """Any step, as in the paper: only the infinite energy of a crossing rejects it afterwards."""
 
     safe: ClassVar[bool] = False
 
@@ -39,10 +39,9 @@ class NoFilter:
 
 @dataclass(frozen=True)
 class SmallestDistance:
-    """The smallest distance, known from the energy at x, over the fastest approach: no quadratic is solved.
+    """Smallest distance over fastest approach, without solving a quadratic.
 
-    What the paper describes as further work, after Smith & Schaefer 2015 and Li et al. 2020. No pair can close a gap
-    that is wider than the longest motions of two vertices together.
+    Named as further work by the paper, after Smith & Schaefer 2015 and Li et al. 2020.
     """
 
     safe: ClassVar[bool] = True
@@ -59,7 +58,7 @@ class SmallestDistance:
 
 @dataclass(frozen=True)
 class TimeOfImpact:
-    """The first time at which a point meets an edge, from the roots of a quadratic for each pair: the longest steps."""
+    """First time of impact over all pairs, from the roots of a quadratic: allows the longest steps."""
 
     safe: ClassVar[bool] = True
 

@@ -18,3 +18,6 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 AnyArray: TypeAlias = npt.NDArray[Any]
 """Array of unchecked content, as it comes in at the door."""
+
+TINY = float(np.finfo(np.float64).tiny)
+"""Smallest normal float64: lower bound of divisors that may vanish."""

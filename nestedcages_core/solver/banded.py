@@ -1,9 +1,9 @@
-"""The linear systems of the interior-point method, W + Aᵀ diag(h) A over the vertices of a cage, in a band.
+"""Banded linear systems W + Aᵀ diag(h) A over the vertices of a cage, for the interior-point method.
 
-W comes as 2 × 2 blocks over vertices and every constraint row touches at most three vertices, nearly always neighbours
-on a loop. Numbered by reverse Cuthill-McKee, a loop becomes a band of two vertices on either side of the diagonal, and
-Cholesky's factorisation stays within the band (Golub & Van Loan, Matrix Computations, section 4.3): some microseconds
-for a hundred unknowns. Contacts between distant parts of the cage widen the band as far as need be.
+W has 2 × 2 blocks over vertices, and each constraint row touches at most three vertices, mostly neighbours on a loop.
+In reverse Cuthill-McKee order a loop is a band of two vertices on either side of the diagonal, and Cholesky
+factorisation stays within the band (Golub & Van Loan, Matrix Computations, section 4.3). Contacts between distant parts
+of the cage widen it.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ class Rows:
         return self.vertex.shape[1]
 
     def coupled(self) -> tuple[IntArray, IntArray]:
-        """Pairs of vertices that one row names, the first with each other."""
+        """Pairs of vertices in one row: the first with each of the others."""
         return np.tile(self.vertex[0], len(self.vertex) - 1), self.vertex[1:].ravel()
 
 
 @dataclass(frozen=True, eq=False)
 class BandOrder:
-    """A numbering of m vertices that keeps those close together that a matrix couples."""
+    """An order of m vertices that keeps those close together that a matrix couples."""
 
     position: IntArray
-    """(m,) place of every vertex."""
-    spread: int
-    """Largest difference of the places of two coupled vertices."""
+    """(m,) position of each vertex in the order."""
+    bandwidth: int
+    """Largest distance in the order between two coupled vertices."""
 
     @classmethod
     def of(cls, count: int, row: IntArray, column: IntArray) -> BandOrder:
@@ -67,9 +67,9 @@ class BandOrder:
         return int(np.abs(self.position[row] - self.position[column]).max(initial=0))
 
     def including(self, hessian: Blocks, rows: Sequence[Rows]) -> BandOrder:
-        """This order if its band holds the couplings of both, else one made for them."""
+        """This order if its band holds the couplings of both, else a new one that does."""
         couplings = [(hessian.row, hessian.column), *(group.coupled() for group in rows)]
-        if all(self.distance(*pair) <= self.spread for pair in couplings):
+        if all(self.distance(*pair) <= self.bandwidth for pair in couplings):
             return self
         # the first of three vertices with the other two, and these with each other
         couplings += [(group.vertex[1], group.vertex[2]) for group in rows if len(group.vertex) > 2]
@@ -78,16 +78,16 @@ class BandOrder:
 
 
 class BandedSystem:
-    """W and all constraints over 2m unknowns: the motion of every vertex along its two axes, in the band's order.
+    """W and all constraints over 2m unknowns: the motion of each vertex along its two axes, in the order of the band.
 
     The constraints are A = (J; I; -I): the rows J, then lower and upper bounds of the unknowns. ``axes`` (m, 2, 2) are
-    perpendicular unit vectors: vertex, axis, component. Sums over the entries of A are cheaper by `bincount` than by
-    sparse matrices, which cost more to make than a few products with them.
+    perpendicular unit vectors: vertex, axis, component. Products with A use `bincount`, since building a sparse matrix
+    costs more than the few products with it.
     """
 
     def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows], axes: FloatArray) -> None:
         size = 2 * len(order.position)
-        height = 2 * order.spread + 2  # diagonals stored: the main one and 2 spread + 1 below
+        height = 2 * order.bandwidth + 2  # diagonals stored: the main one and 2 bandwidth + 1 below
         self._shape = size, height
         self._axes = axes
         self._unknowns = 2 * order.position[:, None] + _AXES
@@ -96,11 +96,11 @@ class BandedSystem:
         value = np.matmul(np.matmul(axes.take(hessian.row, axis=0), hessian.value), turned)
         row = self._unknowns.take(hessian.row, axis=0)[:, :, None]
         column = self._unknowns.take(hessian.column, axis=0)[:, None, :]
-        # a block above the diagonal is stored as its transpose; of one on the diagonal only the lower triangle counts
+        # blocks above the diagonal are stored transposed, blocks on it as their lower triangle
         value[hessian.row == hessian.column, 0, 1] = 0.0
         self._W = np.bincount(_place(row, column, height).ravel(), value.ravel(), size * height)
 
-        # the entries of J, and the products of the entries of each row, by which h is multiplied for Jᵀ diag(h) J
+        # entries of J, and products of the entries of each row for Jᵀ diag(h) J
         self._count = sum(group.count for group in rows)
         numbers = np.arange(self._count)
         entries, products = [_Entries.none()], [_Entries.none()]
@@ -118,18 +118,18 @@ class BandedSystem:
         self._J, self._products = _Entries.joined(entries), _Entries.joined(products)
 
     def along_axes(self, vectors: FloatArray) -> FloatArray:
-        """Vectors (m, 2) of the vertices as unknowns, (2m,)."""
+        """Unknowns (2m,) from vectors (m, 2) of the vertices."""
         unknowns = np.empty(self._shape[0])
         unknowns[self._unknowns] = np.matmul(self._axes, vectors[:, :, None])[:, :, 0]
         return unknowns
 
     def of_vertices(self, unknowns: FloatArray) -> FloatArray:
-        """Unknowns (2m,) as vectors (m, 2) of the vertices."""
+        """Vectors (m, 2) of the vertices from unknowns (2m,)."""
         vectors: FloatArray = np.matmul(unknowns[self._unknowns][:, None, :], self._axes)[:, 0]
         return vectors
 
     def per_unknown(self, lengths: FloatArray) -> FloatArray:
-        """A length of every vertex (m,) for each of its unknowns, (2m,)."""
+        """(2m,) a value of each vertex (m,), repeated for both its unknowns."""
         values = np.empty(self._shape[0])
         values[self._unknowns] = lengths[:, None]
         return values
@@ -156,7 +156,7 @@ class BandedSystem:
         self._diagonal += h[count + size :]
 
     def factorise(self, shift: float) -> bool:
-        """Factorise the matrix plus shift times the identity; whether it is positive definite."""
+        """Factorise the matrix plus shift times the identity; False if that is not positive definite."""
         self._band[:, 0] = self._diagonal + shift
         self._factor, failure = dpbtrf(self._band.T, lower=1)
         return bool(failure == 0)
@@ -186,12 +186,12 @@ class _Entries(NamedTuple):
 
     @classmethod
     def of(cls, row: IntArray, column: IntArray, value: FloatArray) -> _Entries:
-        """From entries (K, w), of which all in one line have one row (K, 1)."""
+        """From entries (K, w), all those of a line in the same row (K, 1)."""
         return cls(np.repeat(row, value.shape[1]), column.ravel(), value.ravel())
 
     @classmethod
     def joined(cls, parts: Sequence[_Entries]) -> _Entries:
-        """All of them."""
+        """All entries."""
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def rows(self, x: FloatArray, count: int) -> FloatArray:
@@ -212,6 +212,6 @@ def _triangle(size: int) -> tuple[IntArray, IntArray]:
 
 
 def _place(row: IntArray, column: IntArray, height: int) -> IntArray:
-    """Index of an entry, or of its mirror image, in the band, which stores the lower triangle column by column."""
+    """Index of an entry or its mirror image in the band, which stores the lower triangle column by column."""
     place: IntArray = np.minimum(row, column) * (height - 1) + np.maximum(row, column)
     return place

@@ -1,4 +1,4 @@
-"""What a solver of minimisation problems needs and gives."""
+"""The interface of solvers: an objective, and what its minimisation returns."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from ..geometry.arrays import FloatArray
 
 
 class NewtonModel(NamedTuple):
-    """The objective near a state: enough to take a step."""
+    """Value, gradient and Newton direction at a state."""
 
     value: float
     gradient: FloatArray
     """Same shape as the state."""
     direction: FloatArray
-    """Same shape as the state: minus the gradient times the inverse of a positive definite matrix."""
+    """Same shape as the state: -H⁻¹ gradient for a positive definite H."""
 
 
 class Objective(Protocol):
-    """Something to minimise over states x, arrays of positions (k, 2)."""
+    """A function to minimise over states x, arrays of positions (k, 2)."""
 
     def value(self, x: FloatArray) -> float:
         """The objective; infinite where the state is invalid."""
         ...
 
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """Value and gradient; the value may be infinite, the gradient may not."""
+        """Value, which may be infinite, and gradient, which is finite."""
         ...
 
     def newton(self, x: FloatArray) -> NewtonModel:
@@ -35,11 +35,11 @@ class Objective(Protocol):
         ...
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
-        """Largest fraction of ``direction``, at most 1, that keeps the state valid all the way."""
+        """Largest fraction of ``direction``, at most 1, along which all states are valid."""
         ...
 
     def finished(self, x: FloatArray) -> bool:
-        """Whether the purpose of the minimisation is reached, whatever the gradient says."""
+        """Whether to stop, whatever the gradient: the goal of the minimisation is reached."""
         ...
 
 
@@ -50,11 +50,11 @@ class SolverResult:
     x: FloatArray
     iterations: int
     converged: bool
-    """Finished, or stationary by the solver's own measure; otherwise a cap or a blocked step ended it."""
+    """Whether the objective is finished or stationary; otherwise a cap or a blocked step ended the minimisation."""
 
 
 class Solver(Protocol):
-    """Takes steps that lower an objective until there is nothing to gain."""
+    """Lowers an objective step by step."""
 
     def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from the valid state x; ``on_step`` sees every accepted state and may raise to cancel."""

@@ -1,4 +1,4 @@
-"""Backtracking line search that never accepts an invalid state."""
+"""Backtracking line search over valid states."""
 
 from __future__ import annotations
 
@@ -10,29 +10,27 @@ from ..geometry.arrays import FloatArray
 from .base import NewtonModel, Objective
 
 SUFFICIENT_DECREASE = 1e-4
-"""Armijo's constant: the fraction of the predicted decrease that a step must achieve (Nocedal & Wright 2006, section
-3.1)."""
+"""Armijo's constant: fraction of the predicted decrease that a step must reach (Nocedal & Wright 2006, section 3.1)."""
 
 CONTRACTION = 0.5
-"""Factor by which a refused step is shortened."""
+"""Factor on a rejected step."""
 
-MAX_HALVINGS = 40
-"""Cap of the search: beyond it a step is below round-off."""
+MAX_TRIALS = 40
+"""Cap on the trials: the last step is 1e-12 of the first, near rounding."""
 
 
 class Step(NamedTuple):
-    """An accepted step, or ``fraction`` zero where none was found."""
+    """An accepted step; ``fraction`` is 0 if there is none."""
 
     x: FloatArray
     fraction: float
 
 
 def backtrack(objective: Objective, x: FloatArray, model: NewtonModel) -> Step:
-    """Longest step along the model's direction, among halvings of the longest safe one, that lowers the objective
-    enough."""
+    """First step with sufficient decrease among the longest safe one and its halvings."""
     slope = float((model.gradient * model.direction).sum())
     fraction = objective.largest_step(x, model.direction)
-    for _ in range(MAX_HALVINGS):
+    for _ in range(MAX_TRIALS):
         candidate = x + fraction * model.direction
         value = objective.value(candidate)
         if np.isfinite(value) and value <= model.value + SUFFICIENT_DECREASE * fraction * slope:

@@ -12,19 +12,20 @@ from .base import Objective, SolverResult
 from .line_search import backtrack
 
 STALLED_AFTER = 12
-"""Steps in a row that together must gain more than the tolerance promises for one; fewer gains mean that walls, not the
-model, end the steps."""
+"""Number of steps that must gain more together than the tolerance asks of one; otherwise contact blocks them."""
 
 
 @dataclass(frozen=True)
 class ProjectedNewton:
-    """Newton steps with backtracking until the predicted decrease is small (the further work named in Gurditta &
-    Jacobson 2022)."""
+    """Newton steps with backtracking until the predicted decrease is small.
+
+    Named as further work by Gurditta & Jacobson 2022.
+    """
 
     tolerance: float = 1e-3
-    """Stop when a full step promises less than this fraction of what the first step promised."""
+    """Stop when the predicted decrease is below this fraction of the first one."""
     max_iterations: int = 100
-    """Cap on the steps of one minimisation."""
+    """Cap on the steps."""
 
     def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""

@@ -3,12 +3,12 @@
     minimise   G·D + ½ Dᵀ (W + δ I) D + ½ Σ e² / ε
     subject to r + J D + e ≥ 0,   |D_i| ≤ Δ_i along two axes
 
-Without softness (ε = 0) the constraints hold strictly (e = 0). Complementarity, feasibility and stationarity are solved
-for together, first for the affine step, then for one that is centred and corrected to second order by what the affine
-step has shown (Mehrotra 1992; Nocedal & Wright, Numerical Optimization, section 16.6).
+With ε = 0 the constraints are hard (e = 0). Each iteration solves the linearised optimality conditions twice: for the
+affine step, then for a centred step with a second-order correction (Mehrotra 1992; Nocedal & Wright, Numerical
+Optimization, section 16.6).
 
-W may be indefinite: where the matrix of a Newton system is not positive definite, the system is damped until it is. The
-constraints that become active on the way make it definite in the end, unless the bounds alone end the descent.
+W may be indefinite: a Newton system that is not positive definite is damped until it is. Near the solution the active
+constraints make it definite, unless the bounds alone end the descent.
 """
 
 from __future__ import annotations
@@ -20,43 +20,40 @@ import numpy as np
 
 from ..energies import Blocks
 from ..errors import NestedCagesError
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import TINY, FloatArray
 from .banded import BandedSystem, BandOrder, Rows
 
 START_MULTIPLIER, START_SLACK = 1.0, 0.1
-"""Multipliers start at this fraction of their expected size, slacks at least at this fraction of the radius (of five
-values each, those with which typical programs need the fewest systems)."""
+"""First multipliers, as a fraction of their expected size, and lower bound of the first slacks, as a fraction of the
+radius (of five values each, those that need the fewest systems on typical programs)."""
 
 STEP_TO_BOUNDARY = 0.99
-"""Fraction of the way to the nearest bound that a step may take."""
+"""Fraction of the step to the nearest bound that may be taken."""
 
 SMALLEST_CENTRING = 1e-4
-"""Lower bound of Mehrotra's centring parameter (affine complementarity / complementarity)³."""
+"""Lower bound on Mehrotra's centring parameter (affine complementarity / complementarity)³."""
 
-FAILED_CORRECTOR = 0.02
-"""Step lengths below which the corrector is dropped for a plain centring step."""
+SHORTEST_CORRECTED_STEP = 0.02
+"""Step length below which a plain centring step replaces the corrected one."""
 
 FIRST_DAMPING = 0.05
-"""First damping tried when the Newton system is not positive definite, relative to the largest block of W."""
+"""First damping of a Newton system that is not positive definite, relative to the largest block of W."""
 
-MORE_DAMPING, LESS_DAMPING, SMALLEST_DAMPING = 3.0, 1.0 / 3.0, 1e-3
-"""Factors of the further tries, and of the first try of the next system; fraction of the first damping below which none
-is tried."""
+DAMPING_GROWTH, DAMPING_DECAY, SMALLEST_DAMPING = 3.0, 1.0 / 3.0, 1e-3
+"""Factor to the next damping of a system; factor to the first one of the next system; fraction of the first damping
+below which it is dropped."""
 
 MAX_DAMPINGS = 100
-"""Cap on the tries for one system: the last damping is 1e46 times the largest block of W."""
+"""Cap on the dampings of one system: the last is 1e46 times the largest block of W."""
 
 DAMPING_MARGIN = 3.0
-"""Factor of the damping that succeeded: a matrix that is hardly positive definite lets roundings decide the way."""
-
-TINY = float(np.finfo(float).tiny)
-"""Guards divisions."""
+"""Factor on the damping that succeeded: with a barely definite matrix, rounding decides the direction."""
 
 NOT_FINITE = (
     "The energy of the cage has derivatives that are not finite numbers; write it so that they exist wherever the cage "
     "may be, the coarse mesh included."
 )
-"""What is wrong with such a program, and where no damping makes a matrix positive definite."""
+"""Error for programs with infinite or NaN entries, or that no damping makes positive definite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,29 +63,28 @@ class QuadraticProgram:
     gradient: FloatArray
     """(m, 2) G."""
     hessian: Blocks
-    """W over the m vertices; it may be indefinite."""
+    """W over the m vertices, possibly indefinite."""
     rows: Sequence[Rows]
-    """J, K rows in all, in groups that touch equally many vertices."""
+    """J: K rows in total, in groups by number of vertices."""
     offset: FloatArray
     """(K,) r, the value of each constraint at D = 0."""
     radius: FloatArray
-    """(m,) Δ > 0, largest motion of each vertex along each of its axes."""
+    """(m,) Δ > 0, largest motion of each vertex along either axis."""
     axes: FloatArray
-    """(m, 2, 2) the two axes of each vertex: vertex, axis, component. Axes that turn with the cage make its motion
-    independent of the coordinates."""
+    """(m, 2, 2) axes: vertex, axis, component. They follow the cage, so that the result does not depend on rotation."""
     shift: float = 0.0
     """δ ≥ 0."""
     softness: FloatArray | None = None
-    """(K,) ε ≥ 0 of each row; 0 makes it hard, and None all of them."""
+    """(K,) ε ≥ 0; 0 is a hard row, None makes all rows hard."""
     scale: float | None = None
-    """Size that the multipliers are expected to have; None: the length of the longest row of G."""
+    """Expected size of the multipliers; None: length of the longest row of G."""
     order: BandOrder | None = None
-    """A numbering of the vertices that will do unless the rows couple distant ones; None: one is made."""
+    """An order of the vertices, used unless the rows couple distant ones; None: a new one."""
 
 
 @dataclass(frozen=True, eq=False)
 class QPSolution:
-    """Where the method stopped."""
+    """Where the solver stopped."""
 
     step: FloatArray
     """(m, 2) D."""
@@ -97,7 +93,7 @@ class QPSolution:
     decrease: float
     """Predicted decrease -(G·D + ½ Dᵀ (W + δ I) D)."""
     iterations: int
-    """Number of factorised systems."""
+    """Number of linear systems factorised."""
     converged: bool
     """Whether all tolerances were met."""
 
@@ -107,17 +103,17 @@ class InteriorPoint:
     """Mehrotra's predictor-corrector method."""
 
     iterations: int = 40
-    """Cap on the number of systems."""
+    """Cap on the number of linear systems."""
     complementarity: float = 0.03
-    """Stop when the complementarity is below this fraction of the predicted decrease: a tenth of a per cent of it would
-    cost two more systems and change the next outline by less than its linearisation does."""
+    """Stop when the complementarity is below this fraction of the predicted decrease. 1e-3 would cost two more systems
+    and change the result by less than the linearisation of its constraints."""
     primal: float = 1e-3
     """Largest violation of a constraint at the end, relative to the mean radius."""
     dual: float = 0.02
-    """Longest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
+    """Largest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
 
     def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> QPSolution:
-        """Solve; ``absolute`` is a complementarity, in units of the energy, that is small enough in any case.
+        """Solve; ``absolute`` is a complementarity, in units of the energy, at which to stop in any case.
 
         Raises: NestedCagesError for an energy whose derivatives are not finite.
         """
@@ -125,11 +121,11 @@ class InteriorPoint:
 
 
 class _Iteration:
-    """State of one solve, the unknowns those of the banded system.
+    """State of one solve, with the unknowns of the banded system.
 
-    Slacks and multipliers are ordered: K rows, then the 2m lower, then the 2m upper bounds. The residuals of
-    feasibility and stationarity are linear in the steps, so they are kept up to date instead of computed anew, and the
-    predicted decrease follows from them without a product with W.
+    Slacks and multipliers are ordered: K rows, 2m lower bounds, 2m upper bounds. The residuals of feasibility and
+    stationarity are linear in the steps, so they are updated rather than recomputed, and the predicted decrease follows
+    from them without a product with W.
     """
 
     def __init__(self, method: InteriorPoint, program: QuadraticProgram) -> None:
@@ -150,7 +146,7 @@ class _Iteration:
         if not (np.isfinite(self.scale) and np.isfinite(self.first_damping)):
             raise NestedCagesError(NOT_FINITE)
 
-        # start: slacks at least a little inside, multipliers so that no product is larger than the others
+        # start: slacks inside their bounds, multipliers such that no complementarity product stands out
         K = self.K
         self.D = np.zeros(size)
         self.spread = np.zeros(K + 2 * size)
@@ -182,18 +178,18 @@ class _Iteration:
         return QPSolution(self.system.of_vertices(self.D), self.z[:K].copy(), decrease, iteration, converged)
 
     def _factorise(self) -> None:
-        """Factorise the Newton system, damped where it is not positive definite."""
+        """Factorise the Newton system, damped if it is not positive definite."""
         self.denominator = self.s
         if self.softness is not None:
             self.denominator = self.s.copy()
             self.denominator[: self.K] += self.softness * self.z[: self.K]
         self.h = self.z / self.denominator
         self.system.set_matrix(self.h)
-        damping = least = LESS_DAMPING * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
+        damping = least = DAMPING_DECAY * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
         for _ in range(MAX_DAMPINGS):
             if self.system.factorise(self.shift + damping):
                 break
-            damping = max(MORE_DAMPING * damping, self.first_damping)
+            damping = max(DAMPING_GROWTH * damping, self.first_damping)
         else:
             raise NestedCagesError(NOT_FINITE)
         if damping > least:
@@ -210,11 +206,11 @@ class _Iteration:
         centring = min(max((after / mean) ** 3, SMALLEST_CENTRING), 1.0)
         d, spread, ds, dz = self._direction(affine + (centring * mean - ds * dz))
         step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
-        if max(step, dual_step) < FAILED_CORRECTOR:
+        if max(step, dual_step) < SHORTEST_CORRECTED_STEP:
             d, spread, ds, dz = self._direction(affine + mean)
             step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
         step, dual_step = min(step, 1.0), min(dual_step, 1.0)
-        # undamped, a whole step would undo both residuals: A d + primal + ε dz = ds, (W + δ I) d + dual = Aᵀ dz
+        # without damping a full step zeroes both residuals: A d + primal + ε dz = ds, (W + δ I) d + dual = Aᵀ dz
         curved = self.system.transposed(dz) - self.dual
         self.dual = (1.0 - dual_step) * self.dual + (step - dual_step) * curved - (step * self.damping) * d
         self.primal = (1.0 - step) * self.primal
@@ -226,9 +222,9 @@ class _Iteration:
         self.z = z + dual_step * dz
 
     def _direction(self, products: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Newton direction d with its changes of the rows, of the slacks and of the multipliers.
+        """Newton direction d, and its changes of the rows, the slacks and the multipliers.
 
-        It makes z ds + s dz = products + z primal, and feasible and stationary what is linear.
+        Solves z ds + s dz = products + z primal and the linear conditions of feasibility and stationarity.
         """
         y = products / self.denominator
         d = self.system.solve(self.system.transposed(y) - self.dual)
@@ -246,11 +242,11 @@ def block_scale(hessian: Blocks) -> float:
 
 
 def _longest(vectors: FloatArray) -> float:
-    """Length of the longest of the vectors whose components follow each other."""
+    """Length of the longest vector of an array of consecutive x, y."""
     return float(np.sqrt((vectors.reshape(-1, 2) ** 2).sum(axis=1).max()))
 
 
 def _reach(x: FloatArray, dx: FloatArray) -> float:
-    """Largest multiple of dx that keeps x > 0 from becoming negative."""
+    """Largest t with x + t dx ≥ 0, for x > 0."""
     steepest = float((dx / x).min())
     return -1.0 / steepest if steepest < 0.0 else float("inf")

@@ -204,7 +204,7 @@ class _Run:
         length = ESCAPE * self.settings.first_radius * self.bodies.cage_edge_length
         decrease = -0.5 * softest.curvature * length**2
         model = model.measured_at(self.x)
-        trials = [self._try(model, sign * length * softest.motion, value, decrease) for sign in (1.0, -1.0)]
+        trials = [self._try(model, sign * length * softest.direction, value, decrease) for sign in (1.0, -1.0)]
         best = min(trials, key=lambda trial: trial.value)
         return best if best.accepted else None
 

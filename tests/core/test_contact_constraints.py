@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import Mesh
-from nestedcages_core.contact.linearisation import Contacts, change, constraint_rows, measure, resolve_corners
+from nestedcages_core.contact.linearisation import Contacts, constraint_rows, distance_change, measure, resolve_corners
 from nestedcages_core.contact.pairs import Bodies, Pairs, find_pairs
 from nestedcages_core.contact.pruning import not_implied
 from nestedcages_core.tightening.curvature import EdgeLoads, contact_curvature
@@ -48,7 +48,7 @@ def test_rows_are_the_derivatives_of_the_distances(around: tuple[Bodies, np.ndar
     far = contacts.distance > 1e-3
     slope = rows_as_matrix(bodies, pairs, contacts) @ motion[: bodies.m].ravel()
     np.testing.assert_allclose(slope[smooth & far], difference[smooth & far], atol=2e-6)
-    np.testing.assert_allclose(change(pairs, contacts, motion), slope, atol=1e-12)
+    np.testing.assert_allclose(distance_change(pairs, contacts, motion), slope, atol=1e-12)
 
 
 def test_change_includes_the_motion_of_the_fine_mesh(around: tuple[Bodies, np.ndarray, Pairs]) -> None:
@@ -59,7 +59,7 @@ def test_change_includes_the_motion_of_the_fine_mesh(around: tuple[Bodies, np.nd
     contacts = measure(pairs, x)
     smooth = contacts.on_line & (np.abs(contacts.parameter - 0.5) < 0.5 - 1e-3) & (contacts.distance > 1e-2)
     assert smooth.sum() > 50
-    np.testing.assert_allclose(change(pairs, contacts, motion)[smooth], difference[smooth], atol=1e-4)
+    np.testing.assert_allclose(distance_change(pairs, contacts, motion)[smooth], difference[smooth], atol=1e-4)
 
 
 def test_curvature_is_the_second_derivative_of_the_loaded_distances(

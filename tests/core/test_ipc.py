@@ -114,8 +114,8 @@ def test_sparse_and_dense_systems_agree(
 ) -> None:
     _, x, potential = squeezed
     dense = potential.newton(x).direction
-    monkeypatch.setattr("nestedcages_core.contact.condensation.DENSE_LIMIT", 0)
-    monkeypatch.setattr("nestedcages_core.contact.condensation.DENSE_COUPLING", 0)
+    monkeypatch.setattr("nestedcages_core.contact.condensation.DENSE_CAGE_VERTICES", 0)
+    monkeypatch.setattr("nestedcages_core.contact.condensation.DENSE_COUPLING_ENTRIES", 0)
     assert potential.newton(x).direction == pytest.approx(dense, abs=1e-9 * np.abs(dense).max())
 
 

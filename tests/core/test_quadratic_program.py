@@ -225,7 +225,7 @@ def test_the_order_of_a_ring_is_a_narrow_band() -> None:
     m = 40
     order = BandOrder.of(m, np.arange(m), np.roll(np.arange(m), -1))
     assert sorted(order.position) == list(range(m))
-    assert order.spread == 2
+    assert order.bandwidth == 2
 
 
 def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
@@ -250,9 +250,9 @@ def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() ->
     some = ring < 4
     softest = negative_curvature(program, order, some)
     assert softest is not None
-    d = softest.motion.ravel()
-    assert np.abs(softest.motion[some, 1]).max() < 1e-4
-    assert np.hypot(*softest.motion.T).max() == pytest.approx(1.0)
+    d = softest.direction.ravel()
+    assert np.abs(softest.direction[some, 1]).max() < 1e-4
+    assert np.hypot(*softest.direction.T).max() == pytest.approx(1.0)
     assert d @ hessian.dense(m) @ d == pytest.approx(softest.curvature, rel=1e-3)
     assert softest.curvature < -0.3
     assert negative_curvature(program, order, np.ones(m, bool)) is None

@@ -9,7 +9,7 @@ import numpy as np
 from ...contact.barrier import BarrierTerms, barrier, barrier_hessian_factors
 from ...contact.ccd import impacts
 from ...contact.condensation import newton_direction
-from ...contact.incremental_potential import REST_MARGIN
+from ...contact.incremental_potential import DIRECT_STEP_MARGIN
 from ...contact.pair_search import PairSource
 from ...contact.pairs import Bodies, Pairs
 from ...contact.step_filter import StepFilter
@@ -103,7 +103,7 @@ class PaperPotential:
         if len(impacts(pairs, x, motion, pair.distance)[0]):
             return False
         after = pairs.measure(x + motion).distance
-        return bool((after > REST_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
+        return bool((after > DIRECT_STEP_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
 
     def _value(self, x: FloatArray, pair: PointEdge) -> float:
         """E, or its finite terms alone where these already exceed E at the last slope: E_cont, the dearest term, then
