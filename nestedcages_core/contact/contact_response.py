@@ -25,6 +25,7 @@ from ..solver.quadratic_program import InteriorPoint, QuadraticProgram
 from .linearisation import Contacts, constraint_rows, distance_change, local_axes, measure, resolve_corners
 from .pairs import Bodies, CandidateList, Pairs
 from .pruning import not_implied
+from .wanted_distances import WantedDistances
 
 HARD_COMPLIANCE = 3e-5
 """ε of the hard distances: violation per unit of force, where the force D moves the cage by D."""
@@ -58,15 +59,11 @@ ABSOLUTE_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True)
-class Distances:
-    """Distances to keep; all lengths."""
+class Distances(WantedDistances):
+    """Final distances to keep, and the working gap."""
 
-    clearance: float
-    """Final distance between cage and fine mesh."""
-    own: float
-    """Final distance between parts of the cage."""
     gap: float
-    """Working gap: distance kept on top of these on the way, where there is room."""
+    """Distance to keep on top of these on the way, where there is room; a length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +149,7 @@ class ContactResponse:
         farthest_motion: (m + n,) longest motion of each vertex in the response; constraints out of reach are left out.
         """
         d = contacts.distance
-        clearance = np.full(len(pairs), self.distances.clearance)
-        clearance[pairs.cage_cage] = self.distances.own
+        clearance = self.distances.of(pairs)
         gap = self.distances.gap
         after = d + distance_change(pairs, contacts, motion)
         hard = np.minimum(0.5 * (d + clearance), clearance + gap)

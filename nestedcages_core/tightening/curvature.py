@@ -1,12 +1,11 @@
-"""Curvature of the contacts: how much a motion of a cage edge brings it closer to its contacts to second order.
+"""Curvature of the contacts: the second-order change of their distances under a motion of the cage.
 
-An edge a-b with unit tangent τ, inner normal n and length L that carries contacts with multipliers z at the parameters
-t and distances d has
+An edge a-b with unit tangent τ, inner normal n and length L, and contacts with multipliers z at parameters t and
+distances d, contributes
 
     -Σ z ∂²d = c qᵀ + q cᵀ + Σ z d q qᵀ,   c = (-Σ z (1 - t) τ, -Σ z t τ),   q = (-n, n) / L
 
-over (a, b). The contacts enter only through three sums per edge. So an edge that rolls from one fine vertex to the next
-keeps its curvature.
+over (a, b). Only three sums per edge enter, so an edge that rolls from one fine vertex to the next keeps its curvature.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from ..geometry.vectors import rotated_left
 
 @dataclass(frozen=True, eq=False)
 class EdgeLoads:
-    """Sums of the multipliers of the contacts on the inner side of each of the m cage edges."""
+    """Sums over the contacts on the inner side of each of the m cage edges."""
 
     force: FloatArray
     """(m,) Σ z."""
@@ -35,23 +34,25 @@ class EdgeLoads:
 
     @classmethod
     def none(cls, m: int) -> EdgeLoads:
+        """Edges without contacts."""
         return cls(np.zeros(m), np.zeros(m), np.zeros(m))
 
     @classmethod
     def of(cls, pairs: Pairs, contacts: Contacts, multipliers: FloatArray, m: int) -> EdgeLoads:
+        """The loads of K pairs with multipliers (K,); m: number of cage edges."""
         family = pairs.fine_cage
         t = contacts.parameter[family]
         z = np.where(contacts.on_line[family] & (contacts.side[family] > 0.0), multipliers[family], 0.0)
         edge = pairs.start[family]
         loads = (np.bincount(edge, weight, m) for weight in (z, z * t, z * contacts.distance[family]))
-        return cls(*(load.astype(np.float64, copy=False) for load in loads))  # integers when there are no contacts
+        return cls(*(load.astype(np.float64, copy=False) for load in loads))  # bincount of nothing is int
 
 
 def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius: FloatArray) -> Blocks:
     """-Σ z ∂²d of the contacts on the inner side of the cage (m, 2), three blocks per edge.
 
-    radius: (m,) how far each vertex is about to move. An edge that is shorter than that counts as so long, for its own
-    curvature holds only for motions that are shorter than itself.
+    radius: (m,) largest motion of each vertex. Edges count as at least that long, since the second-order term holds for
+    shorter motions only.
     """
     edge = cage[bodies.cage_successor] - cage
     length = np.hypot(edge[:, 0], edge[:, 1])

@@ -1,9 +1,9 @@
-"""Parallel restoration: after a linearised step, push what came too close back out to its distance.
+"""Restoration: after a linearised step, move the cage back to the wanted distances.
 
-A step that turns an edge by a small angle brings it closer to all its contacts by about the same second-order amount.
-So every cage edge that is too close to a fine vertex is shifted in parallel, outwards, by its worst violation; each
-vertex makes the smallest move that shifts both its edges so. Cage vertices that are too close to a fine edge, or to
-another cage edge, move along the normal of that contact.
+A small rotation of an edge changes all its distances by about the same second-order amount. So each cage edge that is
+too close to a fine vertex is shifted outwards, parallel to itself, by its worst violation, and each vertex makes the
+smallest motion that shifts both its edges. Cage vertices too close to a fine edge, or to another cage edge, move along
+the normal of the contact.
 """
 
 from __future__ import annotations
@@ -14,37 +14,37 @@ from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, Pairs
 from ..geometry.arrays import FloatArray
 
-PASSES = 10
-"""Number of rounds: a shift of one edge can bring its neighbour too close, by far less each time."""
+MAX_PASSES = 10
+"""Cap on the passes; each can violate the distances of neighbours, by much less."""
 
-OVERSHOOT, LATER_OVERSHOOT, LATER = 1.02, 1.5, 3
-"""Factor of every shift, so that rounds end; a larger one from this round on, where edges push each other back and
-forth by lengths that hardly matter."""
+OVERSHOOT, LATE_OVERSHOOT, LATE_PASS = 1.02, 1.5, 3
+"""Factor on every shift, so that passes end; larger from this pass on, where edges push each other back and forth by
+negligible lengths."""
 
-NUDGE = 1e-6
-"""Smallest extra shift, as a fraction of the wanted distance, for the same reason."""
+SMALLEST_OVERSHOOT = 1e-6
+"""Added to every shift, as a fraction of the wanted distance, for the same reason."""
 
 NEARLY_STRAIGHT = 0.98
-"""Cosine of the angle between neighbouring edges above which both are shifted by the larger of their two shifts."""
+"""Cosine of the angle between neighbouring edges above which both get the larger of their shifts."""
 
-DAMPING = 1e-9
-"""Added to the squared cosines so that straight angles and spikes have a solution."""
+REGULARISATION = 1e-9
+"""Added to the diagonal of the 2 × 2 normal equations of a vertex, which are singular at straight angles."""
 
 
 def restore(
     bodies: Bodies, pairs: Pairs, x: FloatArray, required: FloatArray, side: FloatArray
 ) -> tuple[FloatArray, Contacts]:
-    """Positions (m + n, 2) near x where, if all goes well, every pair keeps its distance, and the contacts there.
+    """Positions (m + n, 2) near x at which pairs keep their distances, and the contacts there. May fail: check them.
 
-    required: (K,) wanted distances; side: (K,) sides on which the points belong.
+    required: (K,) wanted distances; side: (K,) side of the edge on which each point belongs.
     """
     contacts = measure(pairs, x, side)
-    for number in range(PASSES):
+    for number in range(MAX_PASSES):
         missing = required - contacts.distance
         if float(missing.max(initial=0.0)) <= 0.0:
             break
-        missing *= OVERSHOOT if number < LATER else LATER_OVERSHOOT
-        missing[missing > 0.0] += NUDGE * required[missing > 0.0]
+        missing *= OVERSHOOT if number < LATE_PASS else LATE_OVERSHOOT
+        missing[missing > 0.0] += SMALLEST_OVERSHOOT * required[missing > 0.0]
         x = x.copy()
         x[: bodies.m] += _correction(bodies, pairs, contacts, x, missing)
         contacts = measure(pairs, x, side)
@@ -52,7 +52,7 @@ def restore(
 
 
 def _correction(bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray) -> FloatArray:
-    """(m, 2) motion of the cage that makes up for the missing distances (K,)."""
+    """(m, 2) motion of the cage that adds the missing distances (K,)."""
     m = bodies.m
     cage = x[:m]
     family = pairs.fine_cage
@@ -73,7 +73,7 @@ def _correction(bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray,
 
 
 def _shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:
-    """(m, 2) smallest motions of the vertices that move every edge outwards by ``shift`` (m,)."""
+    """(m, 2) smallest motions of the vertices that move each edge outwards by ``shift`` (m,)."""
     edge = cage[bodies.cage_successor] - cage
     length = np.hypot(edge[:, 0], edge[:, 1])
     n_x, n_y = edge[:, 1] / length, -edge[:, 0] / length
@@ -83,9 +83,9 @@ def _shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatAr
     larger = np.maximum(shift, before_shift)
     own, other = np.where(straight, larger, shift), np.where(straight, larger, before_shift)
     # normal equations of n · e = own, p · e = other
-    xx = n_x * n_x + p_x * p_x + DAMPING
+    xx = n_x * n_x + p_x * p_x + REGULARISATION
     xy = n_x * n_y + p_x * p_y
-    yy = n_y * n_y + p_y * p_y + DAMPING
+    yy = n_y * n_y + p_y * p_y + REGULARISATION
     right_x, right_y = n_x * own + p_x * other, n_y * own + p_y * other
     determinant = xx * yy - xy * xy
     motion = np.stack([yy * right_x - xy * right_y, xx * right_y - xy * right_x], axis=1)

@@ -20,12 +20,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..contact.pairs import Bodies, CandidateList
+from ..contact.wanted_distances import WantedDistances
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
 from .curvature import EdgeLoads
-from .quadratic_model import QuadraticModel, Wanted, model_at
+from .quadratic_model import QuadraticModel, model_at
 from .trial import Trial, find_trial
 from .trust_region import TrustRegion
 from .widening import widen
@@ -134,7 +135,7 @@ class _Run:
             self.bodies, self.x, self.clearance, self.candidates, self.settings.solver,
             lambda x: self.on_step(x[: self.m].copy()),
         )  # fmt: skip
-        self.x, self.wanted = widened.x, Wanted(self.clearance, widened.own)
+        self.x, self.wanted = widened.x, WantedDistances(self.clearance, widened.own)
         self.systems += widened.systems
         if widened.closest >= 0:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")

@@ -1,4 +1,4 @@
-"""From the step of a quadratic program to a state that keeps all distances: restore, check, shorten where needed."""
+"""Trial steps: restore the step of a quadratic program, check it, and shorten it where it fails."""
 
 from __future__ import annotations
 
@@ -11,57 +11,52 @@ from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
+from ..solver.line_search import SUFFICIENT_DECREASE
 from .restoration import restore
 
-ATTEMPTS = 10
-"""Number of times that a step is shortened."""
+MAX_ATTEMPTS = 10
+"""Cap on the trials of one step."""
 
-SHORTEN = 0.4
-"""Factor by which the steps of failing vertices are shortened."""
+STEP_REDUCTION = 0.4
+"""Factor on the steps of failing vertices."""
 
-WIDEN = 3
-"""Attempt from which the neighbours of failing vertices are shortened as well."""
+REDUCE_NEIGHBOURS_FROM, FREEZE_FROM = 3, 7
+"""Attempts from which the neighbours of failing vertices are reduced too, and from which all of these are frozen."""
 
-GIVE_UP = 7
-"""Attempt from which failing vertices stand still."""
-
-RESERVE = 1.5
-"""How much farther than its own step, or its neighbours', restoration may move a vertex before all pairs are looked
-at."""
-
-SUFFICIENT_DECREASE = 1e-4
-"""Fraction of the predicted decrease that an accepted step must reach (Armijo's rule)."""
+EXPECTED_MOTION = 1.5
+"""Motion of a vertex, restoration included, up to which only nearby pairs are checked, relative to its own step or the
+steps of its neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A step that was tried."""
+    """The outcome of a step."""
 
     x: FloatArray
-    """(m + n, 2) positions after it; those before it if it was not accepted."""
+    """(m + n, 2) positions after the step, or before it if it was rejected."""
     fraction: FloatArray
-    """(m,) part of each vertex's step that was kept."""
+    """(m,) fraction of each vertex's step that was taken."""
     value: float
-    """Energy after it."""
+    """Energy at x."""
     accepted: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """The pairs that can meet when no vertex moves farther than it is ``able`` to."""
+    """The pairs that can meet in a motion of limited length."""
 
     pairs: Pairs
     contacts: Contacts
     required: FloatArray
     """(K,) distances to keep."""
-    able: FloatArray
-    """(m + n,)."""
+    farthest_motion: FloatArray
+    """(m + n,) longest motion of each vertex."""
 
-    def within(self, able: FloatArray) -> Surroundings:
-        """Those that can meet when no vertex moves farther than ``able`` (m + n,), which is less."""
+    def within(self, farthest_motion: FloatArray) -> Surroundings:
+        """The pairs that can meet in shorter motions."""
         pairs = self.pairs
-        near = self.contacts.distance - self.required <= pairs.approach(able)
-        return Surroundings(pairs.subset(near), self.contacts.where(near), self.required[near], able)
+        near = self.contacts.distance - self.required <= pairs.approach(farthest_motion)
+        return Surroundings(pairs.subset(near), self.contacts.where(near), self.required[near], farthest_motion)
 
 
 def find_trial(
@@ -74,8 +69,8 @@ def find_trial(
     decrease: float,
     energy: CageEnergy,
 ) -> Trial:
-    """The longest part of the cage's ``step`` (m, 2) found that, restored, keeps all distances, meets nothing and
-    lowers the energy.
+    """Reduce a ``step`` (m, 2) of the cage until, restored, it keeps all distances, is collision-free and lowers the
+    energy.
 
     value: the energy at x (m + n, 2); decrease: predicted by the model.
     """
@@ -84,17 +79,17 @@ def find_trial(
     motion = np.zeros_like(x)
     closest = float(around.required.min(initial=np.inf))
     near = around.within(_expected(bodies, step, around))
-    for attempt in range(ATTEMPTS):
+    for attempt in range(MAX_ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
         restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
         moved = np.hypot(*(restored[:m] - x[:m]).T)
-        if (moved > near.able[:m]).any() and near is not around:
+        if (moved > near.farthest_motion[:m]).any() and near is not around:
             near = around
             restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
             moved = np.hypot(*(restored[:m] - x[:m]).T)
-        if (moved > around.able[:m]).any():
-            fraction *= SHORTEN
+        if (moved > around.farthest_motion[:m]).any():
+            fraction *= STEP_REDUCTION
             continue
         np.subtract(restored[:m], x[:m], out=motion[:m])
         hit, _ = impacts(near.pairs, x, motion, near.contacts.distance, closest)
@@ -103,26 +98,26 @@ def find_trial(
             restored_value = energy.value(restored[:m], bodies.cage_successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
                 return Trial(restored, fraction, restored_value, True)
-            # vertices that were shortened by themselves may have left a step that goes uphill
+            # reductions of single vertices may have turned the step uphill: reduce all alike
             shortest = float(fraction.min())
-            fraction = np.full(m, shortest if shortest < float(fraction.max()) else SHORTEN * shortest)
+            fraction = np.full(m, shortest if shortest < float(fraction.max()) else STEP_REDUCTION * shortest)
             continue
         pairs = near.pairs
         vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]])
         vertex = np.unique(vertex[vertex < m])
-        if attempt >= WIDEN:
+        if attempt >= REDUCE_NEIGHBOURS_FROM:
             vertex = np.unique(
                 np.concatenate([vertex, bodies.cage_successor[vertex], bodies.cage_predecessor[vertex]])
             )  # fmt: skip
-        fraction[vertex] *= SHORTEN if attempt < GIVE_UP else 0.0
+        fraction[vertex] *= STEP_REDUCTION if attempt < FREEZE_FROM else 0.0
     return Trial(x, fraction, value, False)
 
 
 def _expected(bodies: Bodies, step: FloatArray, around: Surroundings) -> FloatArray:
-    """(m + n,) how far each vertex will hardly move with its step and the restoration after it."""
+    """(m + n,) expected upper bound on each vertex's displacement, restoration included."""
     length = np.hypot(step[:, 0], step[:, 1])
-    beside = np.maximum(length[bodies.cage_predecessor], length[bodies.cage_successor])
-    expected = around.able.copy()
-    reserve = RESERVE * np.maximum(length, beside) + float(around.required.max(initial=0.0))
-    expected[: bodies.m] = np.minimum(expected[: bodies.m], reserve)
+    neighbours = np.maximum(length[bodies.cage_predecessor], length[bodies.cage_successor])
+    expected = around.farthest_motion.copy()
+    bound = EXPECTED_MOTION * np.maximum(length, neighbours) + float(around.required.max(initial=0.0))
+    expected[: bodies.m] = np.minimum(expected[: bodies.m], bound)
     return expected

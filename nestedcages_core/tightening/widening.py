@@ -1,7 +1,7 @@
-"""Widening: bring a cage that is free of contact, but closer to the fine mesh than wanted, to the clearance.
+"""Widening: bring a cage that is free of contact, but closer to the fine mesh than the clearance, to the clearance.
 
-Where all is well a single parallel restoration does it. Where walls are in each other's way the cage takes small steps,
-each the least motion that brings all distances towards the clearance at once, which shares what room there is.
+A single restoration usually succeeds. Where walls are in each other's way, the cage takes small steps, each the
+smallest motion that increases all distances at once.
 """
 
 from __future__ import annotations
@@ -16,27 +16,28 @@ from ..contact.contact_response import ContactResponse, Distances
 from ..contact.feasibility_rule import FeasibilityRule
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..contact.wanted_distances import WantedDistances
 from ..geometry.arrays import FloatArray, IntArray
 from ..solver.quadratic_program import InteriorPoint
 from .restoration import restore
 
-STEPS = 100
+MAX_STEPS = 100
 """Cap on the small steps."""
 
-STEP = 4.0
+LONGEST_STEP = 4.0
 """Longest motion of a vertex in a small step, in clearances."""
 
-AIM = 2.0
-"""The small steps aim at so many clearances: a goal beyond the wanted distance is passed, not approached for ever."""
+TARGET_DISTANCE = 2.0
+"""Distance that small steps aim at, in clearances: beyond 1, so that they reach the clearance in finite time."""
 
-SHORT_STEP = 0.1
-"""Fraction of a step below which every vertex goes as far as it can by itself."""
+SHORTEST_COMMON_STEP = 0.1
+"""Fraction of a step below which each vertex gets a fraction of its own."""
 
-PROGRESS, PATIENCE = 0.99, 8
-"""The sum of what is missing must shrink by this factor within so many steps."""
+REQUIRED_PROGRESS, MAX_IDLE_STEPS = 0.99, 8
+"""Factor by which the sum of the missing distances must shrink, and cap on the steps in a row without."""
 
-ROOM_OF_OWN = 0.1
-"""Parts of the cage that are closer to each other than the clearance need only keep this fraction of their distance."""
+OWN_DISTANCE_KEPT = 0.1
+"""Fraction of the smallest distance between parts of the cage that they keep, if that is less than the clearance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +47,11 @@ class Widened:
     x: FloatArray
     """(m + n, 2)."""
     own: float
-    """Distance that parts of the cage keep from each other: at most the clearance."""
+    """Distance between parts of the cage, at most the clearance."""
     systems: int
-    """Systems of equations solved."""
+    """Number of linear systems solved."""
     closest: int
-    """Index into x of the point of a pair that is too close still; -1 if there is none."""
+    """Index into x of the point of the closest pair if that is too close, else -1."""
 
 
 def widen(
@@ -61,48 +62,49 @@ def widen(
     solver: InteriorPoint,
     on_step: Callable[[FloatArray], None],
 ) -> Widened:
-    """Move the cage from x (m + n, 2), free of contact, until all its distances to the fine mesh are ``clearance``.
+    """Move the cage from x (m + n, 2), free of contact, until its distance to the fine mesh is ``clearance``.
 
     ``on_step`` gets every x on the way; the linear motion from the one before is free of collisions.
     """
-    reach = (AIM + STEP) * clearance
+    reach = (TARGET_DISTANCE + LONGEST_STEP) * clearance
     pairs, contacts = _measured(candidates, x, reach)
-    own = min(clearance, ROOM_OF_OWN * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
-    if len(_short(pairs, contacts, clearance, own)) == 0:
+    own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
+    wanted = WantedDistances(clearance, own)
+    if len(_short(pairs, contacts, wanted)) == 0:
         return Widened(x, own, 0, -1)
-    moved = _restored(bodies, pairs, contacts, x, clearance, own, reach)
+    moved = _restored(bodies, pairs, contacts, x, wanted, reach)
     if moved is not None:
         on_step(moved)
         return Widened(moved, own, 0, -1)
 
-    aim = AIM * clearance
-    answer = ContactResponse(bodies, Distances(aim, min(aim, AIM * own), clearance), solver)
+    aim = TARGET_DISTANCE * clearance
+    response = ContactResponse(bodies, Distances(aim, min(aim, TARGET_DISTANCE * own), clearance), solver)
     rule = FeasibilityRule(bodies, clearance, clearance)
-    standing = np.zeros((bodies.n, 2))
-    systems, least, since = 0, np.inf, 0
-    for _ in range(STEPS):
-        found = answer.to(standing, x, STEP * clearance)
+    at_rest = np.zeros((bodies.n, 2))
+    systems, least, idle = 0, np.inf, 0
+    for _ in range(MAX_STEPS):
+        found = response.to(at_rest, x, LONGEST_STEP * clearance)
         systems += found.systems
         step = *rule.concerned(found.pairs, found.contacts, found.motion), x, found.motion
-        fraction = rule.fraction(*step, SHORT_STEP)
+        fraction = rule.fraction(*step, SHORTEST_COMMON_STEP)
         kept = np.full(len(x), fraction)
-        if fraction <= SHORT_STEP:
+        if fraction <= SHORTEST_COMMON_STEP:
             kept = rule.fractions(*step)
         if kept.any():
             x = x + kept[:, None] * found.motion
             on_step(x)
         pairs, contacts = _measured(candidates, x, reach)
-        short = _short(pairs, contacts, clearance, own)
+        short = _short(pairs, contacts, wanted)
         if len(short) == 0:
             return Widened(x, own, systems, -1)
-        moved = _restored(bodies, pairs, contacts, x, clearance, own, reach)
+        moved = _restored(bodies, pairs, contacts, x, wanted, reach)
         if moved is not None:
             on_step(moved)
             return Widened(moved, own, systems, -1)
-        missing = float((_required(pairs, clearance, own) - contacts.distance)[short].sum())
-        since = since + 1 if missing > PROGRESS * least else 0
+        missing = float((wanted.of(pairs) - contacts.distance)[short].sum())
+        idle = idle + 1 if missing > REQUIRED_PROGRESS * least else 0
         least = min(least, missing)
-        if since >= PATIENCE:
+        if idle >= MAX_IDLE_STEPS:
             break
     closest = short[int(np.argmin(contacts.distance[short]))]
     return Widened(x, own, systems, int(pairs.point[closest]))
@@ -113,27 +115,20 @@ def _measured(candidates: CandidateList, x: FloatArray, reach: float) -> tuple[P
     return pairs, measure(pairs, x)
 
 
-def _required(pairs: Pairs, clearance: float, own: float) -> FloatArray:
-    """(K,) distance that each pair must keep."""
-    required = np.full(len(pairs), clearance)
-    required[pairs.cage_cage] = own
-    return required
-
-
-def _short(pairs: Pairs, contacts: Contacts, clearance: float, own: float) -> IntArray:
-    """Pairs that are too close."""
-    return np.flatnonzero(contacts.distance < _required(pairs, clearance, own))
+def _short(pairs: Pairs, contacts: Contacts, wanted: WantedDistances) -> IntArray:
+    """Indices of the pairs that are too close."""
+    return np.flatnonzero(contacts.distance < wanted.of(pairs))
 
 
 def _restored(
-    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, clearance: float, own: float, reach: float
+    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, wanted: WantedDistances, reach: float
 ) -> FloatArray | None:
-    """x restored to all distances in one motion free of collisions; None if that does not succeed."""
-    required = _required(pairs, clearance, own)
+    """x restored to all distances in one collision-free motion; None if that fails."""
+    required = wanted.of(pairs)
     tried, after = restore(bodies, pairs, x, required, contacts.side)
     motion = tried - x
     farthest = float(np.hypot(motion[:, 0], motion[:, 1]).max())
-    if bool((after.distance < required).any()) or 2.0 * farthest > reach - clearance:
+    if bool((after.distance < required).any()) or 2.0 * farthest > reach - wanted.clearance:
         return None
-    hit, _ = impacts(pairs, x, motion, contacts.distance, min(clearance, own))
+    hit, _ = impacts(pairs, x, motion, contacts.distance, min(wanted.clearance, wanted.own))
     return tried if len(hit) == 0 else None
