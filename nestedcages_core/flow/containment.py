@@ -1,7 +1,7 @@
-"""The certificate of the flow: is the moved fine mesh strictly inside the coarse one, every loop on the right side?
+"""The certificate of the flow: the moved fine mesh is strictly inside the coarse one, each loop on its side.
 
-On its way the fine mesh may cross itself, so winding numbers say what "inside" means: motion without contact keeps
-them all, and with these, once the fine mesh is home, it lies strictly inside the coarse mesh, component by component.
+The fine mesh may cross itself on its way, so "inside" is defined by winding numbers. Motion without contact preserves
+them, and with them the original fine mesh lies strictly inside the coarse mesh, component by component.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .loop_matching import Matching, loop_tree, windings
 
 
 class Containment:
-    """Exact test of positions of the fine mesh against one coarse mesh; what does not move is prepared once."""
+    """Exact test of positions of the fine mesh against one coarse mesh."""
 
     def __init__(self, matching: Matching) -> None:
         self.matching = matching
@@ -24,24 +24,24 @@ class Containment:
         self._coarse_probe: FloatArray = coarse.vertices[[loop[0] for loop in coarse.loops]]
         self._tree, self._order = loop_tree(coarse, coarse.vertices)
         same = matching.component[fine.component_of_loop][:, None] == coarse.component_of_loop[None, :]
-        # around a fine loop: once the outer loop of its component, no hole of it; other components are not prescribed
+        # around a fine loop: the outer loop of its component once, its holes never; other components: anything
         self._around_fine: IntArray = np.where(coarse.loop_signs > 0, 1, 0)[None, :] * same
         self._same = same
         self._around_coarse, self._prescribed = _windings_around_coarse(matching)
 
     def boxes_nested(self, vertices: FloatArray) -> bool:
-        """Whether the bounding boxes allow that the fine mesh with vertices (n, 2) is inside: a cheap first look."""
+        """Whether the bounding boxes allow the fine mesh with vertices (n, 2) to be inside: a cheap first test."""
         coarse = self.matching.coarse.vertices
         low, high = coarse.min(axis=0), coarse.max(axis=0)
         return bool((low < vertices.min(axis=0)).all() and (vertices.max(axis=0) < high).all())
 
     def crossing_starts(self, vertices: FloatArray) -> IntArray:
-        """Start vertices of the fine edges that cross or touch the coarse mesh, repeated for every crossing."""
+        """Start vertices of the fine edges that cross or touch the coarse mesh, one per crossing."""
         tree, order = loop_tree(self.matching.fine, vertices)
         return order[crossing_pairs(tree, self._tree)[0]]
 
     def obstacle(self, vertices: FloatArray) -> Obstacle | None:
-        """None if the fine mesh with vertices (n, 2) is certified inside, else the first thing that is in the way."""
+        """None if the fine mesh with vertices (n, 2) is certified inside, else the first obstacle found."""
         fine, coarse = self.matching.fine, self.matching.coarse
         tree, order = loop_tree(fine, vertices)
         i, j = crossing_pairs(tree, self._tree)
@@ -87,10 +87,10 @@ def _kind(sign: int) -> str:
 
 
 def _windings_around_coarse(matching: Matching) -> tuple[IntArray, BoolArray]:
-    """(coarse loops, fine loops) wanted winding of the fine loop around the coarse one, and whether it is prescribed.
+    """(coarse loops, fine loops) required winding of the fine loop around the coarse one, and whether it is required.
 
-    Around a coarse hole run its fine hole (-1) and the outer loop of that component (1); around a coarse outer loop no
-    fine loop of its own component.
+    Around a coarse hole: -1 for its fine hole, 1 for the outer loop of that component. Around a coarse outer loop: 0
+    for all fine loops of its component.
     """
     fine, coarse = matching.fine, matching.coarse
     inside = matching.component[fine.component_of_loop]

@@ -1,8 +1,8 @@
-"""The last resort: the fine mesh is laid along the inside of the coarse one, its loops in the order of their vertices.
+"""Correspondence: the fine loops are laid along the inside of the coarse ones, vertices in order.
 
-The coarse mesh eroded a little lies inside itself, and a fine loop that visits all its corners in order is the same
-curve. So this succeeds however badly the two meshes fit, in slits of any width, if only every coarse loop has a fine
-loop to itself and no more vertices than that.
+The eroded coarse mesh lies inside the coarse mesh, and a fine loop that visits all its corners in order is the same
+curve. So this works for any pair of meshes, with slits of any width, if each coarse loop has one fine loop, with at
+least as many vertices.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from .containment import Containment
 from .erosion import erode
 from .loop_matching import Matching
 
-MOST_PAIRS = 50_000_000
-"""Pairs of a fine and a coarse vertex of one loop up to which corners are assigned: bounds the memory to 200 MB."""
+MAX_ASSIGNMENTS = 50_000_000
+"""Cap on the pairs of a fine and a coarse vertex of one loop: limits the memory to 200 MB."""
 
 FACING_WEIGHT = 1e-3
-"""Weight of 1 - n · n' beside squared distances in extents of the fine mesh: tells the two sides of a slit apart."""
+"""Weight of 1 - n · n' relative to squared distances in extents of the fine mesh: separates the sides of a slit."""
 
 
 def lay_along(matching: Matching, distance: float) -> FloatArray | None:
-    """Positions (n, 2) of the fine mesh about ``distance`` inside the coarse one, along its boundary, or None."""
+    """Positions (n, 2) of the fine mesh along the coarse boundary, about ``distance`` inside; None on failure."""
     fine, coarse = matching.fine, matching.coarse
     if sorted(matching.partner.tolist()) != list(range(len(coarse.loops))):
         return None
     pairs = [(fine.loops[k], coarse.loops[partner]) for k, partner in enumerate(matching.partner)]
-    if any(len(loop) < len(corners) or len(loop) * len(corners) > MOST_PAIRS for loop, corners in pairs):
+    if any(len(loop) < len(corners) or len(loop) * len(corners) > MAX_ASSIGNMENTS for loop, corners in pairs):
         return None
     itself = Matching(coarse, coarse, np.arange(len(matching.component)), np.arange(len(coarse.loops)))
     eroded = erode(coarse, Containment(itself), distance)
@@ -55,7 +55,7 @@ def lay_along(matching: Matching, distance: float) -> FloatArray | None:
 
 
 class _Cost(NamedTuple):
-    """Cost of laying N vertices of a fine loop on M corners of its coarse loop; lengths in extents of the fine mesh."""
+    """Cost of N vertices of a fine loop at M corners of its coarse loop; lengths in extents of the fine mesh."""
 
     points: FloatArray
     normals: FloatArray
@@ -63,24 +63,24 @@ class _Cost(NamedTuple):
     corner_normals: FloatArray
 
     def of(self, corner: int) -> FloatArray:
-        """(N,) cost of each vertex for one corner: squared distance, and how much they face in other directions."""
+        """(N,) cost of each vertex for one corner: squared distance and difference of the normals."""
         away = self.points - self.corners[corner]
         facing = self.normals @ self.corner_normals[corner]
         return np.asarray((away * away).sum(axis=1) + FACING_WEIGHT * (1.0 - facing), np.float64)
 
     def best_pair(self) -> tuple[int, int]:
-        """The vertex and the corner that fit best."""
+        """The vertex and the corner of least cost."""
         corner = int(np.argmin([self.of(corner).min() for corner in range(len(self.corners))]))
         return int(self.of(corner).argmin()), corner
 
     def begun_at(self, first: int, begin: int) -> _Cost:
-        """The same with vertices and corners counted from other ones."""
+        """The same with vertices and corners numbered from other ones."""
         shifts = (first, first, begin, begin)
         return _Cost(*(np.roll(array, -shift, axis=0) for array, shift in zip(self, shifts, strict=True)))
 
 
 def _in_order(cost: _Cost) -> IntArray:
-    """(M,) increasing vertices, one for each corner, vertex 0 for corner 0, of least total cost."""
+    """(M,) increasing vertices, one per corner, with vertex 0 for corner 0, of least total cost."""
     vertices, corners = len(cost.points), len(cost.corners)
     best = np.full(vertices, np.inf)
     best[0] = 0.0
@@ -99,7 +99,7 @@ def _in_order(cost: _Cost) -> IntArray:
 
 
 def _between(mesh: Mesh, loop: IntArray, chosen: IntArray, corners: FloatArray) -> FloatArray:
-    """(N, 2) positions of a loop whose vertices ``chosen`` go to the corners and the others between, by arc length."""
+    """(N, 2) positions of a loop with the vertices ``chosen`` at the corners and the others between, by arc length."""
     length = np.concatenate([[0.0], np.cumsum(np.maximum(mesh.edge_lengths[loop], SMALLEST_LENGTH))])
     group = np.searchsorted(chosen, np.arange(len(loop)), side="right") - 1
     begin = length[chosen]
@@ -112,7 +112,7 @@ def _between(mesh: Mesh, loop: IntArray, chosen: IntArray, corners: FloatArray) 
 
 
 def _normals(mesh: Mesh) -> FloatArray:
-    """(n, 2) unit normals at the vertices, out of the solid, from the chord of both edges."""
+    """(n, 2) outward unit normals at the vertices, from the chord of both edges."""
     chord = mesh.vertices[mesh.successor] - mesh.vertices[mesh.predecessor]
     length = np.maximum(np.hypot(chord[:, 0], chord[:, 1]), SMALLEST_LENGTH)
     return np.asarray(rotated_right(chord) / length[:, None], np.float64)

@@ -1,4 +1,4 @@
-"""Descent of the penetration energy by smoothed Gauss-Newton steps until the fine mesh is certified inside."""
+"""Descent of the penetration energy by smoothed Gauss-Newton steps, until the fine mesh is certified inside."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from .containment import Containment
 from .penetration import Penetration, PenetrationEnergy
 from .smoothing import StepSystem
 
-SUFFICIENT_DECREASE = 1e-4
-"""Share of the step length by which the energy must fall at least."""
+RELATIVE_DECREASE = 1e-4
+"""Smallest relative decrease of the energy, per step length."""
 
-HALVINGS = 7
-"""Trials of the line search."""
+MAX_STEP_TRIALS = 7
+"""Cap on the trials of the line search, each half as long."""
 
-STALL_GAIN = 0.02
-"""A step that gains a smaller share of the energy counts as stalled."""
+STALL_DECREASE = 0.02
+"""Relative decrease of the energy below which a step has stalled."""
 
-SLOW_GAIN = 0.75
-"""A step that gains a smaller share of the energy is slow; the next one is smoothed over half the length."""
+SLOW_DECREASE = 0.75
+"""Relative decrease of the energy below which the next step is smoothed over half the length."""
 
-PATIENCE, PATIENCE_SHARE = 4, 0.5
-"""The descent ends when this many steps have left more than this share of the energy."""
+MAX_SLOW_STEPS, SLOW_STEPS_LEAVE = 4, 0.5
+"""The descent fails if this many steps leave more than this fraction of the energy."""
 
 LEAST_SMOOTHING = 0.01
-"""Smallest smoothing length as a share of the first."""
+"""Smallest smoothing length, as a fraction of the first."""
 
 MARGIN_STEPS = 3
-"""Steps after the first certified position that may still widen the margin."""
+"""Cap on further steps from the first position inside, to widen the margin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +43,9 @@ class Descent:
     steps: list[FloatArray]
     """Positions (n, 2) after each accepted step."""
     obstacle: Obstacle | None
-    """None if the last position is certified inside, else what is in the way there."""
+    """None if the last position is certified inside, else why not."""
     iterations: int
-    """Steps tried, rejected ones included."""
+    """Number of steps, rejected ones included."""
 
     @property
     def end(self) -> FloatArray:
@@ -63,12 +63,12 @@ class EnergyFlow:
     smoothing: float
     """First smoothing length."""
     longest_step: float
-    """Cap on the motion of a coordinate per step."""
+    """Cap on the change of a coordinate per step."""
 
     def descend(self, start: FloatArray, limit: int) -> Descent:
         """At most ``limit`` steps from (n, 2) positions until certified inside and at a good distance.
 
-        Positions that seem to be inside may be left for a few steps to gain distance; the last certified one counts.
+        Descent continues for a few steps inside to gain distance; the result is the last certified position.
         """
         vertices, penetration = start, self.energy.at(start)
         steps: list[FloatArray] = []
@@ -79,11 +79,13 @@ class EnergyFlow:
             inside = penetration.overlap < 0.0
             if inside:
                 seem_inside.append(len(steps))
-            stalled = len(energies) > 1 and energies[-1] > (1.0 - STALL_GAIN) * energies[-2]
-            content = penetration.comfortable or stalled or len(seem_inside) > MARGIN_STEPS
-            if inside and content and self.containment.obstacle(vertices) is None:
+            stalled = len(energies) > 1 and energies[-1] > (1.0 - STALL_DECREASE) * energies[-2]
+            good_enough = penetration.comfortable or stalled or len(seem_inside) > MARGIN_STEPS
+            if inside and good_enough and self.containment.obstacle(vertices) is None:
                 return Descent(start, steps, None, len(energies) - 1)
-            hopeless = len(energies) > PATIENCE and energies[-1] > PATIENCE_SHARE * energies[-1 - PATIENCE]
+            hopeless = (
+                len(energies) > MAX_SLOW_STEPS and energies[-1] > SLOW_STEPS_LEAVE * energies[-1 - MAX_SLOW_STEPS]
+            )
             if len(energies) > limit or hopeless or penetration.energy == 0.0:
                 break
             found = self._step(vertices, penetration, smoothing)
@@ -91,7 +93,7 @@ class EnergyFlow:
                 vertices, penetration = found
                 steps.append(vertices)
             energies.append(penetration.energy)
-            if energies[-1] > (1.0 - SLOW_GAIN) * energies[-2]:
+            if energies[-1] > (1.0 - SLOW_DECREASE) * energies[-2]:
                 smoothing = max(0.5 * smoothing, LEAST_SMOOTHING * self.smoothing)
         for count in reversed(seem_inside):
             if self.containment.obstacle(steps[count - 1] if count else start) is None:
@@ -101,14 +103,14 @@ class EnergyFlow:
     def _step(
         self, vertices: FloatArray, penetration: Penetration, smoothing: float
     ) -> tuple[FloatArray, Penetration] | None:
-        """Positions with less energy along the Gauss-Newton direction, or None."""
+        """Positions of lower energy along the Gauss-Newton direction, or None."""
         direction = self.system.direction(penetration, smoothing)
         longest = float(np.abs(direction).max())
         length = min(1.0, self.longest_step / longest) if longest > 0.0 else 1.0
-        for _ in range(HALVINGS):
+        for _ in range(MAX_STEP_TRIALS):
             moved = vertices + length * direction
             after = self.energy.at(moved)
-            if after.energy < (1.0 - SUFFICIENT_DECREASE * length) * penetration.energy:
+            if after.energy < (1.0 - RELATIVE_DECREASE * length) * penetration.energy:
                 return moved, after
             length *= 0.5
         return None

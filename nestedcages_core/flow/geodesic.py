@@ -1,7 +1,7 @@
-"""Retraction along shortest paths inside the fine mesh: draws in limbs that the coarse mesh cuts off, their tips first.
+"""Retraction along shortest paths inside the fine solid, for limbs that the coarse mesh cuts off; tips move first.
 
-Paths run over a graph of points along the boundary and inside the fine solid. Its core, the points well inside the
-coarse mesh, stays; every other vertex walks along its path towards the core, so nothing leaves the fine solid.
+Paths run over a graph of points on the boundary and inside the fine solid. The core, the points well inside the coarse
+mesh, stays; all other vertices move along their paths to the core, so nothing leaves the fine solid.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import Delaunay
 
-from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.arrays import TINY, BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import BoxTree, crossing_pairs
 from ..geometry.signed_distance import SignedDistance
@@ -22,34 +22,34 @@ from .base import Obstacle
 from .loop_matching import Matching, loop_tree, windings
 from .samples import Spacing, coarse_samples, fine_samples
 
-SCATTERED = 2000
-"""Points spread evenly over the bounding box of the fine mesh."""
+SCATTERED_POINTS = 2000
+"""Number of points spread evenly over the bounding box of the fine mesh."""
 
 PLASTIC = 1.324717957244746
-"""The root of x³ = x + 1: multiples of its powers -1 and -2, modulo one, fill a square evenly (Roberts 2018)."""
+"""The root of x³ = x + 1: multiples of its powers -1 and -2, modulo 1, fill a square evenly (Roberts 2018)."""
 
-ROUGHNESS = 1e-9
-"""Noise on the points while they are triangulated, in extents: rows on one line are slow without."""
+JITTER = 1e-9
+"""Noise on the points for the triangulation, in extents of the fine mesh: collinear rows are slow without."""
 
 INSETS = (1.0, 4.0)
-"""Depths below the coarse edges where there are points, in margins of the edge."""
-
-TINY = float(np.finfo(float).tiny)
-"""Guards divisions: in units of the whole shape, edges of a tiny loop may have no length."""
+"""Depths of the rows of points below the coarse edges, in margins of the edge."""
 
 CORE_DEPTH = 0.5
-"""Depth below the coarse boundary from which a point belongs to the core, in margins of the nearest edge."""
+"""Depth below the coarse boundary of the core, in margins of the nearest edge."""
 
-END_SHARE = 1e-7
-"""Share of a graph edge left out at both ends when it is tested against the boundary that its ends may lie on."""
+TRIMMED_ENDS = 1e-7
+"""Fraction of a graph edge trimmed at both ends, which may lie on the boundary, when it is tested against it."""
 
-SPREAD = 1e-3
-"""Share of its way that a vertex lags behind the front: limbs shrink to thin bundles, not to single points."""
+SHORTEST_GRAPH_EDGE = 1e-10
+"""Added to the lengths of graph edges, in extents of the fine mesh: a sparse graph drops edges of length 0."""
+
+FRONT_LAG = 1e-3
+"""Lag of vertices behind the front, as a fraction of their path beyond it: limbs shrink to bundles, not to points."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolidGraph:
-    """Points inside the fine solid and on its boundary, joined where the straight line between them stays inside."""
+    """Points in the fine solid and on its boundary, joined where the segment between them stays inside."""
 
     points: FloatArray
     """(N, 2) positions."""
@@ -65,16 +65,16 @@ class SolidGraph:
 
 @dataclass(frozen=True, eq=False)
 class Retraction:
-    """Steps of the retraction."""
+    """The steps of a retraction."""
 
     steps: list[FloatArray]
-    """Positions (n, 2), the fine mesh itself not among them."""
+    """Positions (n, 2), without the fine mesh itself."""
     pieces: Obstacle | None
-    """Says so if the coarse mesh cuts the fine solid into pieces."""
+    """The obstacle if the coarse mesh cuts the fine solid into pieces."""
 
 
 def solid_graph(matching: Matching, margins: FloatArray, spacing: Spacing) -> SolidGraph:
-    """The graph for a pair of meshes; margins: (m,) per coarse edge."""
+    """The graph of a pair of meshes; margins: (m,) per coarse edge, lengths."""
     fine, coarse = matching.fine, matching.coarse
     boundary = fine_samples(fine, spacing)
     at = fine.vertices[boundary.edge]
@@ -98,7 +98,7 @@ def solid_graph(matching: Matching, margins: FloatArray, spacing: Spacing) -> So
 
 
 def retract(matching: Matching, graph: SolidGraph, longest_step: float, *, whole: bool) -> Retraction | Obstacle:
-    """Walk all vertices to the core; whole: keep all pieces of the core, else only the largest of each component."""
+    """Move all vertices to the core; whole: to all its pieces, else only to the largest one of each component."""
     fine = matching.fine
     core = graph.depth > CORE_DEPTH
     pieces = _pieces(matching, graph, core)
@@ -106,16 +106,16 @@ def retract(matching: Matching, graph: SolidGraph, longest_step: float, *, whole
     if not whole:
         core = _largest_pieces(graph, core, pieces)
     edges = graph.edges
-    lengths = np.hypot(*(graph.points[edges[:, 0]] - graph.points[edges[:, 1]]).T) + SPREAD * END_SHARE * fine.extent
+    lengths = np.hypot(*(graph.points[edges[:, 0]] - graph.points[edges[:, 1]]).T) + SHORTEST_GRAPH_EDGE * fine.extent
     size = len(graph.points)
     network = csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(size, size))
     if not core.any():
         return Obstacle("The fine and the coarse mesh do not overlap", remedy="move the coarse mesh over the fine one")
-    way, towards, _ = dijkstra(
+    distance, step_to, _ = dijkstra(
         network, directed=False, indices=np.nonzero(core)[0], min_only=True, return_predecessors=True
     )
     node = graph.node_of_vertex.copy()
-    total = way[node]
+    total = distance[node]
     if not np.isfinite(total).all():
         vertex = int(np.nonzero(~np.isfinite(total))[0][0])
         x, y = fine.vertices[vertex].tolist()
@@ -126,34 +126,36 @@ def retract(matching: Matching, graph: SolidGraph, longest_step: float, *, whole
     steps = []
     for step in range(1, count + 1):
         front = longest * (1.0 - step / count)
-        wanted = np.where(total > front, front + SPREAD * (total - front), total)
-        steps.append(_walk(graph.points, way, towards, node, wanted))
+        wanted = np.where(total > front, front + FRONT_LAG * (total - front), total)
+        steps.append(_walk(graph.points, distance, step_to, node, wanted))
     return Retraction(steps, note)
 
 
-def _walk(points: FloatArray, way: FloatArray, towards: IntArray, node: IntArray, wanted: FloatArray) -> FloatArray:
-    """Positions on the paths at the wanted distances from the core; moves ``node`` on to the last nodes before them."""
+def _walk(
+    points: FloatArray, distance: FloatArray, step_to: IntArray, node: IntArray, wanted: FloatArray
+) -> FloatArray:
+    """Positions on the paths at the wanted distances from the core; advances ``node`` to the last nodes before them."""
     while True:
-        ahead = towards[node]
-        passed = (ahead >= 0) & (way[np.maximum(ahead, 0)] > wanted)
+        ahead = step_to[node]
+        passed = (ahead >= 0) & (distance[np.maximum(ahead, 0)] > wanted)
         if not passed.any():
             break
         node[passed] = ahead[passed]
     ahead = np.where(ahead >= 0, ahead, node)
-    gap = way[node] - way[ahead]
-    share = np.divide(way[node] - wanted, gap, out=np.zeros_like(gap), where=gap > 0.0)
+    gap = distance[node] - distance[ahead]
+    share = np.divide(distance[node] - wanted, gap, out=np.zeros_like(gap), where=gap > 0.0)
     return np.asarray(points[node] + share[:, None] * (points[ahead] - points[node]), np.float64)
 
 
 def _scattered(mesh: Mesh) -> FloatArray:
-    """Evenly spread points without the degenerate quadruples of a grid, (SCATTERED, 2)."""
+    """(SCATTERED_POINTS, 2) evenly spread points, without the cocircular quadruples of a grid."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    steps = np.arange(1, SCATTERED + 1)[:, None] / np.array([PLASTIC, PLASTIC**2])
+    steps = np.arange(1, SCATTERED_POINTS + 1)[:, None] / np.array([PLASTIC, PLASTIC**2])
     return np.asarray(low + (steps % 1.0) * (high - low), np.float64)
 
 
 def _below(coarse: Mesh, margins: FloatArray, spacing: Spacing) -> list[FloatArray]:
-    """Points at certain depths below the coarse edges."""
+    """Rows of points below the coarse edges."""
     samples = coarse_samples(coarse, spacing)
     start = coarse.vertices[samples.edge]
     direction = coarse.vertices[coarse.successor[samples.edge]] - start
@@ -172,14 +174,14 @@ def _component_of(points: FloatArray, fine: Mesh) -> IntArray:
 
 def _inside_edges(points: FloatArray, fine: Mesh) -> IntArray:
     """(K, 2) edges of the Delaunay triangulation of the points that lie inside the solid."""
-    noise = np.random.default_rng(0).uniform(-ROUGHNESS, ROUGHNESS, points.shape)
+    noise = np.random.default_rng(0).uniform(-JITTER, JITTER, points.shape)
     triangles = Delaunay(points + fine.extent * noise).simplices
     edges = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0).astype(np.int64)
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     inside = _component_of(0.5 * (a + b), fine) >= 0
     edges, a, b = edges[inside], a[inside], b[inside]
     tree, _ = loop_tree(fine, fine.vertices)
-    hit, _ = crossing_pairs(BoxTree(a + END_SHARE * (b - a), b + END_SHARE * (a - b)), tree)
+    hit, _ = crossing_pairs(BoxTree(a + TRIMMED_ENDS * (b - a), b + TRIMMED_ENDS * (a - b)), tree)
     clear = np.ones(len(edges), bool)
     clear[hit] = False
     return np.asarray(edges[clear], np.int64)
@@ -214,7 +216,7 @@ def _pieces(matching: Matching, graph: SolidGraph, core: BoolArray) -> IntArray:
 
 
 def _largest_pieces(graph: SolidGraph, core: BoolArray, pieces: IntArray) -> BoolArray:
-    """The core reduced to the piece with most nodes in every component."""
+    """The core reduced to the piece with most nodes in each component."""
     kept = np.zeros(len(core), bool)
     for k in np.unique(graph.component[core]):
         numbers, counts = np.unique(pieces[core & (graph.component == k)], return_counts=True)
@@ -223,7 +225,7 @@ def _largest_pieces(graph: SolidGraph, core: BoolArray, pieces: IntArray) -> Boo
 
 
 def _cut(graph: SolidGraph, core: BoolArray, pieces: IntArray) -> Obstacle | None:
-    """Which component the coarse mesh cuts into pieces, and where its second largest piece is."""
+    """The obstacle if the coarse mesh cuts a component into pieces, at its second largest piece."""
     for k in np.unique(graph.component[core]):
         here = core & (graph.component == k)
         numbers, counts = np.unique(pieces[here], return_counts=True)

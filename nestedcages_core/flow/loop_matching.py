@@ -1,8 +1,8 @@
 """Which coarse loop encloses which fine loop.
 
-Fine components are given to coarse components, and coarse holes to fine holes inside those. The coarse mesh may have
-fewer components (one wraps several fine ones) and fewer holes (a fine hole is covered); a coarse hole may also lie
-free, where no fine solid is.
+Fine components are assigned to coarse components, then coarse holes to fine holes inside them. The coarse mesh may have
+fewer components (one wraps several fine ones) and fewer holes (a fine hole is covered). A coarse hole may also lie
+outside the fine solid.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from ..geometry.signed_distance import SignedDistance
 from .base import FlowResult, Obstacle, stuck
 
 COVERED = -1
-"""Partner of a fine hole that no coarse hole keeps open."""
+"""Partner of a fine hole without a coarse hole."""
 
 PROBES = 64
-"""Vertices per component that decide where it belongs when there are more fine components than coarse ones."""
+"""Vertices per fine component that decide its coarse component, if one wraps several."""
 
-ALL_PAIRS_LIMIT = 100_000
-"""Number of pairs of points and edges up to which winding numbers look at all of them."""
+ALL_WINDINGS_LIMIT = 100_000
+"""Number of pairs of points and edges up to which winding numbers test all of them (measured)."""
 
-IMPOSSIBLE = 1e3
-"""Cost of a component with fewer holes than its coarse component, in bounding-box diagonals: above any distance."""
+MISSING_HOLE_COST = 1e3
+"""Cost of a component with fewer holes than its coarse component, in bounding-box diagonals: above any other cost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class Matching:
 def match_loops(fine: Mesh, coarse: Mesh) -> Matching:
     """Partners of all fine loops.
 
-    Raises: FlowError if a coarse component has no fine component to hold, or a coarse hole no fine hole to keep open.
+    Raises: FlowError if a coarse component has no fine component, or a coarse hole no fine hole.
     """
     component = _match_components(fine, coarse)
     partner = np.full(len(fine.loops), COVERED, np.int64)
@@ -72,7 +72,7 @@ def outer_loops(mesh: Mesh) -> IntArray:
 
 
 def boxes(mesh: Mesh) -> FloatArray:
-    """(loops, 4) bounding boxes: least x, least y, greatest x, greatest y."""
+    """(loops, 4) bounding boxes: min x, min y, max x, max y."""
     return np.array([[*mesh.vertices[loop].min(axis=0), *mesh.vertices[loop].max(axis=0)] for loop in mesh.loops])
 
 
@@ -85,7 +85,7 @@ def loop_tree(mesh: Mesh, vertices: FloatArray) -> tuple[BoxTree, IntArray]:
 def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:
     """(P, loops) exact winding of each loop of the mesh with vertices (n, 2) around points that lie on none of them."""
     result = np.zeros((len(points), len(mesh.loops)), np.int64)
-    if len(points) * len(vertices) <= ALL_PAIRS_LIMIT:
+    if len(points) * len(vertices) <= ALL_WINDINGS_LIMIT:
         height = vertices[:, 1]
         above = height > points[:, 1:]
         point, start = np.nonzero(above != above[:, mesh.successor])
@@ -118,7 +118,7 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
     elif len(fine_outers) == len(coarse_outers):
         fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
         _, component = linear_sum_assignment(
-            _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + IMPOSSIBLE * fewer
+            _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + MISSING_HOLE_COST * fewer
         )
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
     else:
@@ -139,7 +139,7 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
 
 
 def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner: IntArray) -> None:
-    """Give each hole of coarse component k a fine hole of its own, or leave it where no fine solid is."""
+    """Assign each hole of coarse component k to a fine hole, unless it lies outside the fine solid."""
     holes = np.nonzero((coarse.loop_signs < 0) & (coarse.component_of_loop == k))[0]
     if len(holes) == 0:
         return
@@ -158,7 +158,7 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
 
 
 def _is_free(fine: Mesh, coarse: Mesh, hole: int) -> bool:
-    """Whether a coarse hole lies, for the greater part of its boundary, outside all fine loops."""
+    """Whether most of the boundary of a coarse hole lies outside all fine loops."""
     loop = coarse.loops[hole]
     points = np.concatenate(
         [coarse.vertices[loop], 0.5 * (coarse.vertices[loop] + coarse.vertices[coarse.successor[loop]])]
@@ -188,7 +188,7 @@ def _box_difference(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _fit(fine: Mesh, coarse: Mesh) -> tuple[FloatArray, BoolArray]:
-    """(fine, coarse components): how far one lies outside the other, on average, and whether they overlap."""
+    """(fine, coarse components) mean distance of one outside the other, and whether they overlap."""
     fine_outers, coarse_outers = outer_loops(fine), outer_loops(coarse)
     probes = [fine.vertices[fine.loops[k][:: max(1, len(fine.loops[k]) // PROBES)]] for k in fine_outers]
     first = np.cumsum([0, *(len(points) for points in probes[:-1])])

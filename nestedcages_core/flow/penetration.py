@@ -1,12 +1,12 @@
-"""The energy of the flow: how far the two boundaries are on the wrong side of each other, measured from both.
+"""The energy of the flow: the penetration of the two meshes, sampled on both boundaries.
 
     E(F) = ½ Σ w z²,   z = max(0, d_C(f) + μ) at samples f of the fine mesh,
                        z = max(0, μ - d_F(c)) at samples c of the coarse mesh,
 
-with the signed distances d (negative inside), the margin μ of the coarse edge and the length w that a sample stands
-for. Each coarse loop has a signed distance of its own, and acts on the fine loops of its component only: with the least
-distance over all loops, a hole caught on a coarse corner would be pushed the wrong way. A coarse sample acts on the
-closest point of the fine edge, so it moves edges that have no sample near it.
+with the signed distances d (negative inside), the margin μ of the coarse edge and the boundary length w of a sample.
+Each coarse loop has its own signed distance and acts only on the fine loops of its component: the distance to the union
+would push a hole caught on a coarse corner the wrong way. A coarse sample acts on the closest point of the fine mesh,
+so it also moves edges without a sample nearby.
 """
 
 from __future__ import annotations
@@ -21,36 +21,36 @@ from ..geometry.signed_distance import SignedDistance
 from .loop_matching import Matching
 from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_margins
 
-COMFORT = 1.0 / 3.0
-"""Share of the margin from which the flow is content."""
+COMFORTABLE_MARGIN = 1.0 / 3.0
+"""Fraction of the margin at which the flow may stop."""
 
-WALL = 2.0
-"""Thickness of a wall between coarse loops, in sample spacings, up to which each is kept off the other's partner."""
+THIN_WALL = 2.0
+"""Thickness, in sample spacings, of walls between coarse loops whose samples push the partners of both loops."""
 
 
 class Penetration(NamedTuple):
-    """The samples that are on the wrong side or too close, K of them, and what they say together."""
+    """The K samples on the wrong side or within the margin, and their sum."""
 
     energy: float
     """E, a length cubed."""
     overlap: float
-    """How far the worst sample is on the wrong side, negative if none is; minus infinity if all keep their margin."""
+    """Depth of the worst sample, negative if all are on the right side; -inf if all keep their margin."""
     comfortable: bool
-    """Whether all samples keep at least COMFORT of their margin."""
+    """Whether all samples keep at least COMFORTABLE_MARGIN of their margin."""
     edge: IntArray
-    """(K,) start vertex of the fine edge that has to move."""
+    """(K,) start vertex of the fine edge to move."""
     parameter: FloatArray
-    """(K,) where on that edge, in [0, 1]."""
+    """(K,) position on that edge, in [0, 1]."""
     weight: FloatArray
-    """(K,) length of boundary."""
+    """(K,) boundary length."""
     direction: FloatArray
-    """(K, 2) unit vector that points out of the coarse solid: the edge must move against it."""
+    """(K, 2) unit vector out of the coarse solid, against which the edge moves."""
     depth: FloatArray
-    """(K,) z > 0, how far it must move."""
+    """(K,) z > 0, the distance to move."""
 
 
 class PenetrationEnergy:
-    """E for positions of the fine mesh; the samples are chosen once."""
+    """E as a function of the positions of the fine mesh, with fixed samples."""
 
     def __init__(self, matching: Matching, margin: float, spacing: Spacing) -> None:
         """margin: wanted distance between the meshes, a length."""
@@ -69,7 +69,7 @@ class PenetrationEnergy:
             for fine_loop, coarse_loop in _facing_loops(matching)
         ]
         if np.isfinite(spacing.length):
-            walls = _thin_walls(matching, points, loop_of_point, WALL * spacing.length)
+            walls = _thin_walls(matching, points, loop_of_point, THIN_WALL * spacing.length)
             self._push_coarse += [
                 _CoarsePush(matching, on_coarse, points, which, fine_loop, -1.0) for which, fine_loop in walls
             ]
@@ -86,7 +86,7 @@ class PenetrationEnergy:
         return Penetration(
             energy=0.5 * float(weight @ (depth * depth)),
             overlap=float((depth - margin).max(initial=-np.inf)),
-            comfortable=bool((depth <= (1.0 - COMFORT) * margin).all()),
+            comfortable=bool((depth <= (1.0 - COMFORTABLE_MARGIN) * margin).all()),
             edge=edge,
             parameter=parameter,
             weight=weight,
@@ -115,7 +115,7 @@ class _FinePush:
         fine_loops = matching.fine_loops_in(int(coarse.component_of_loop[loop]))
         loop_of_sample = matching.fine.loop_of_vertex[samples.edge]
         self.subject = np.nonzero(np.isin(loop_of_sample, fine_loops))[0]
-        # a distance changes no faster than its point moves, so points that were deep inside need not be measured again
+        # distances are 1-Lipschitz, so points deep inside need not be measured again until they have moved far
         self._known: FloatArray = np.full(len(self.subject), np.inf)
         self._known_at: FloatArray = np.zeros((len(self.subject), 2))
 
@@ -143,7 +143,7 @@ class _FinePush:
 
 
 class _CoarsePush:
-    """Samples of the coarse mesh push one fine loop until they lie outside its solid (side 1) or inside (side -1)."""
+    """Samples of the coarse mesh push one fine loop until they are outside its solid (side 1) or inside (side -1)."""
 
     def __init__(
         self, matching: Matching, samples: EdgeSamples, points: FloatArray, which: IntArray, fine_loop: int, side: float
@@ -176,20 +176,20 @@ def _field(loop: FloatArray, sign: int) -> SignedDistance:
 
 
 def _facing_loops(matching: Matching) -> list[tuple[int, int]]:
-    """Pairs (fine loop, coarse loop) whose coarse side pushes: partners, and holes beside other components."""
+    """Loop pairs (fine, coarse) that penalise penetration: matched loops, and holes next to other components."""
     fine, coarse = matching.fine, matching.coarse
     pairs = [(k, int(loop)) for k, loop in enumerate(matching.partner) if loop >= 0]
     for loop in np.nonzero(coarse.loop_signs < 0)[0].tolist():
         owners = fine.component_of_loop[matching.partner == loop]
         for k in matching.fine_loops_in(int(coarse.component_of_loop[loop])).tolist():
-            beside = fine.loop_signs[k] > 0 and fine.component_of_loop[k] not in owners
-            if beside and not _around(matching, k, loop):
+            next_to = fine.loop_signs[k] > 0 and fine.component_of_loop[k] not in owners
+            if next_to and not _around(matching, k, loop):
                 pairs.append((k, loop))
     return pairs
 
 
 def _around(matching: Matching, fine_loop: int, coarse_loop: int) -> bool:
-    """Whether most of a coarse loop lies inside an outer fine loop: in one of its covered holes, not beside it."""
+    """Whether most of a coarse loop lies inside an outer fine loop: in one of its covered holes, not next to it."""
     field = _field(matching.fine.vertices[matching.fine.loops[fine_loop]], 1)
     inside = field.at(matching.coarse.vertices[matching.coarse.loops[coarse_loop]]).distance < 0.0
     return bool(2 * np.count_nonzero(inside) > len(inside))
@@ -198,7 +198,7 @@ def _around(matching: Matching, fine_loop: int, coarse_loop: int) -> bool:
 def _thin_walls(
     matching: Matching, points: FloatArray, loop_of_point: IntArray, reach: float
 ) -> list[tuple[IntArray, int]]:
-    """Coarse samples that are close to another loop of their component, and the fine loop that belongs in between."""
+    """Coarse samples close to another loop of their component, and the fine loops that belong in between."""
     coarse = matching.coarse
     sample, edge = near_pairs(points, coarse.vertices, coarse.vertices[coarse.successor], reach)
     near, behind = loop_of_point[sample], coarse.loop_of_vertex[edge]

@@ -1,4 +1,4 @@
-"""Where the flow looks: points along both meshes, and the margin that each coarse edge asks for."""
+"""Sample points along both meshes, and the margin of each coarse edge."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from ..geometry.broad_phase import near_pairs, position_in_group
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 
-SLIT_SHARE = 0.25
-"""Largest margin as a share of the distance between coarse edges that are no neighbours: leaves half of a slit free."""
+MARGIN_PER_GAP = 0.25
+"""Largest margin, as a fraction of the distance to coarse edges that are not neighbours: half of a slit stays free."""
 
-SIZE_SHARE = 0.1
-"""Largest margin as a share of 2 · area / perimeter of the coarse loop, the inradius of a regular polygon."""
+MARGIN_PER_INRADIUS = 0.1
+"""Largest margin, as a fraction of 2 · area / perimeter of the coarse loop, the inradius of a regular polygon."""
 
-FEWEST_WEIGHT = 0.05
-"""Least weight of a sample as a share of the spacing, so that clusters of tiny edges are not ignored."""
+SMALLEST_WEIGHT = 0.05
+"""Lower bound on the weight of a sample, as a fraction of the spacing: clusters of tiny edges count too."""
 
 VERTEX_WEIGHT = 2.0
-"""Weight of coarse vertices relative to the other coarse samples: they are where fine edges get caught."""
+"""Weight of coarse vertices, where fine edges get caught, relative to the other coarse samples."""
 
 
 class Spacing(NamedTuple):
-    """How densely the boundaries are sampled."""
+    """Sampling density of the boundaries."""
 
     length: float
-    """Largest distance between samples; infinite for vertices alone."""
+    """Largest distance between samples; infinite for vertices only."""
     unit: float
-    """Length that a sample stands for at the most; it scales the weights."""
+    """Largest boundary length of a sample; scales the weights."""
     fine_limit: int
-    """Most samples on one fine edge."""
+    """Maximum number of samples on a fine edge."""
     coarse_limit: int
-    """Most samples on one coarse edge."""
+    """Maximum number of samples on a coarse edge."""
 
 
 class EdgeSamples(NamedTuple):
@@ -45,7 +45,7 @@ class EdgeSamples(NamedTuple):
     parameter: FloatArray
     """(S,) position along the edge in [0, 1); 0 is the vertex."""
     weight: FloatArray
-    """(S,) length of boundary that the sample stands for."""
+    """(S,) boundary length of the sample."""
 
 
 def fine_samples(mesh: Mesh, spacing: Spacing) -> EdgeSamples:
@@ -65,23 +65,23 @@ def _even_samples(mesh: Mesh, spacing: Spacing, limit: int) -> EdgeSamples:
     counts = np.clip(np.ceil(lengths / spacing.length), 1, limit).astype(np.int64)
     edge = np.repeat(np.arange(len(counts)), counts)
     place = position_in_group(counts)
-    weight = np.clip(lengths / counts, FEWEST_WEIGHT * spacing.unit, spacing.unit)
+    weight = np.clip(lengths / counts, SMALLEST_WEIGHT * spacing.unit, spacing.unit)
     return EdgeSamples(edge, place / counts[edge], weight[edge])
 
 
 def local_margins(coarse: Mesh, margin: float) -> FloatArray:
-    """(m,) margin that each coarse edge can ask for: a length, at most ``margin``, less in slits and in small loops."""
+    """(m,) margin of each coarse edge, a length: at most ``margin``, less in slits and in small loops."""
     starts, ends = coarse.vertices, coarse.vertices[coarse.successor]
     perimeters = np.bincount(coarse.loop_of_vertex, coarse.edge_lengths)
     sizes = 2.0 * np.abs(coarse.loop_areas) / perimeters
-    result = np.minimum(margin, SIZE_SHARE * sizes)[coarse.loop_of_vertex]
+    result = np.minimum(margin, MARGIN_PER_INRADIUS * sizes)[coarse.loop_of_vertex]
 
-    point, edge = near_pairs(starts, starts, ends, margin / SLIT_SHARE)
+    point, edge = near_pairs(starts, starts, ends, margin / MARGIN_PER_GAP)
     successor, predecessor = coarse.successor, coarse.predecessor
     neighbours = (edge, successor[edge], predecessor[edge], successor[successor[edge]])
     apart = np.logical_and.reduce([point != neighbour for neighbour in neighbours])
     point, edge = point[apart], edge[apart]
-    share = SLIT_SHARE * point_edge(starts[point], starts[edge], ends[edge]).distance
+    share = MARGIN_PER_GAP * point_edge(starts[point], starts[edge], ends[edge]).distance
     for place in (edge, point, predecessor[point]):
         np.minimum.at(result, place, share)
     return result

@@ -1,11 +1,11 @@
-"""The linear system of a flow step: a smoothed Gauss-Newton direction along closed loops.
+"""Linear system of a flow step: a smoothed Gauss-Newton direction on closed loops.
 
     (Jᵀ W J + ℓ² L + ε I) δ = -Jᵀ W z
 
-L is the stiffness matrix of the loops (Sobolev smoothing over the length ℓ), so neighbours move together and the mesh
-does not tangle. Each sample moves the two ends of one edge, so the matrix couples neighbours along loops only. Numbered
-from both sides of a loop at once, 0, 1, k-1, 2, k-2, …, neighbours are at most two apart, and a banded Cholesky
-factorisation solves it in linear time.
+L is the stiffness matrix of the loops (Sobolev smoothing over the length ℓ): neighbours move together and the mesh does
+not tangle. Each sample moves the two ends of one edge, so the matrix couples neighbours along loops only. Numbered from
+both ends of a loop, 0, 1, k-1, 2, k-2, …, neighbours are at most two apart, and a banded Cholesky factorisation takes
+linear time.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from .penetration import Penetration
 
-BAND = 5
-"""Subdiagonals of the matrix: two vertices apart with two coordinates each."""
+SUBDIAGONALS = 5
+"""Of the matrix: neighbours are two vertices apart, with two coordinates each."""
 
 SHORTEST_EDGE = 0.02
-"""Edges shorter than this share of the sample spacing count as that long in the stiffness."""
+"""Lower bound on edge lengths in L, as a fraction of the sample spacing."""
 
 DAMPING = 1e-4
-"""ε as a share of the sample spacing: keeps the matrix definite where nothing pushes."""
+"""ε, as a fraction of the sample spacing: keeps the matrix definite where there is no penetration."""
 
 
 class StepSystem:
     """Gauss-Newton directions for the vertices of one mesh."""
 
     def __init__(self, mesh: Mesh, unit: float) -> None:
-        """unit: the length that a sample stands for."""
+        """unit: largest boundary length of a sample."""
         self._successor = mesh.successor
         self._stiffness: FloatArray = 1.0 / np.maximum(mesh.edge_lengths, SHORTEST_EDGE * unit)
         self._damping = DAMPING * unit
@@ -62,7 +62,7 @@ class StepSystem:
         coupling[0] -= stiffness
         coupling[2] -= stiffness
 
-        matrix = np.zeros((BAND + 1, 2 * n))
+        matrix = np.zeros((SUBDIAGONALS + 1, 2 * n))
         matrix[0, self._row], matrix[1, self._row], matrix[0, self._row + 1] = diagonal
         flat = matrix.reshape(-1)
         for place, k in zip(self._below, (0, 1, 1, 2), strict=True):
@@ -77,7 +77,7 @@ class StepSystem:
 
 
 def _folded_numbering(mesh: Mesh) -> IntArray:
-    """(n,) number of each vertex such that neighbours on a loop are at most two apart."""
+    """(n,) numbers of the vertices such that neighbours on a loop are at most two apart."""
     number = np.empty(len(mesh.vertices), np.int64)
     offset = 0
     for loop in mesh.loops:
