@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 
 from . import operators, presets
-from .properties import preferences, settings
+from .properties import settings
 from .properties.settings import copy_values
-from .ui import manual, panels
+from .ui import manual, panels, preferences
 
 # In the order of registration; each knows only those before it.
 _ROOMS = (settings, operators, presets, panels, preferences, manual)

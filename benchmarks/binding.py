@@ -39,11 +39,11 @@ def extension() -> ModuleType:
 def scene(fine: Any, cage: Any) -> tuple[Any, Any]:
     """An empty scene with the drawing as a wire and its cage as filled faces."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    filling, core = import_module(f"{PACKAGE}.addon.scene.filling"), import_module(f"{PACKAGE}.nestedcages_core")
+    filling = import_module(f"{PACKAGE}.addon.scene.filling")
     wire = bpy.data.meshes.new("Fine")
     wire.from_pydata([(*point, 0.0) for point in fine.vertices.tolist()], fine.edges.tolist(), [])
     corners = np.column_stack([cage.vertices, np.zeros(len(cage.vertices))])
-    data = filling.filled("Cage", corners, cage, core)
+    data = filling.filled("Cage", corners, cage)
     made = [bpy.data.objects.new("Fine", wire), bpy.data.objects.new("Cage", data)]
     for obj in made:
         bpy.context.scene.collection.objects.link(obj)

@@ -1,1 +1,5 @@
-"""Steps as shape keys and keyframes, objects hidden until their time, and all of it baked into one action."""
+"""Steps as shape keys and keyframes.
+
+`timeline`: frames of phases and steps, markers, the scene's last frame. `shape_keys`: steps as keys and F-curves.
+`visibility`: objects hidden before their time. `bake`: all animation in one action, or none.
+"""

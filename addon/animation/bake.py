@@ -8,12 +8,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..binding import binding
-from ..errors import Refusal, say
-from ..scene import output, ownership
+from .. import keys
+from ..errors import UserError
+from ..scene import ownership
 from ..scene.filling import points_of
-from ..scene.output import PHASES
-from . import shape_keys, visibility
+from . import shape_keys, timeline, visibility
 
 # What a keyframe consists of: names, numbers per keyframe and their type.
 KEYFRAME = (
@@ -29,7 +28,7 @@ KEYFRAME = (
     ("period", 1, np.float32),
 )
 # What a cage tells of its animation.
-TIMES = tuple(f"nested_cages_{name}" for name in ("flow_start", "reinflation_start", "tightening_start", "end"))
+TIMES = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
 
 
 def is_animated(collection: bpy.types.Collection) -> bool:
@@ -43,17 +42,17 @@ def has_slots() -> bool:
 
 
 def bake(collection: bpy.types.Collection) -> bpy.types.Action:
-    """Moves the animation of all levels into one action with a slot for each data-block. Raises: Refusal.
+    """Moves the animation of all levels into one action with a slot for each data-block. Raises: UserError.
 
     Every keyframe stays as it is. Blender has such actions since version 4.4.
     """
     _check(collection)
     if not has_slots():
-        raise Refusal("One action for several objects needs Blender 4.4 or later")
+        raise UserError("One action for several objects needs Blender 4.4 or later")
     owners = list(_owners(collection))
     for owner, name in owners:
         if any(len(curve.modifiers) for curve in shape_keys.curves_of(owner)):
-            raise Refusal("The F-curves of '{name}' have modifiers, which stay with their action", name=name)
+            raise UserError(f"The F-curves of '{name}' have modifiers, which stay with their action")
     whole = bpy.data.actions.new(collection.name)
     for owner, name in owners:
         data, curves = owner.animation_data, list(shape_keys.curves_of(owner))
@@ -69,12 +68,12 @@ def bake(collection: bpy.types.Collection) -> bpy.types.Action:
 
 
 def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
-    """Takes the steps, their keyframes and markers away; the fine mesh and the cages stay as they are. Raises: Refusal.
+    """Removes the steps, their keyframes and markers; the fine mesh, the cages and other animation stay.
 
-    Other animation of the objects stays too.
+    Raises: UserError.
     """
     _check(collection)
-    output.forget_frames(scene, collection)
+    timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
         if obj.data.shape_keys is not None:
             shape_keys.remove_animation(obj.data.shape_keys)
@@ -87,9 +86,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
         if obj.animation_data is not None and obj.animation_data.action is not None:
             visibility.always_show(obj)
         obj.hide_viewport = obj.hide_render = False
-        for name in (*TIMES, PHASES):
-            if name in obj:
-                del obj[name]
+        keys.remove(obj, (*TIMES, keys.PHASES))
 
 
 def _copy(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
@@ -107,21 +104,19 @@ def _owners(collection: bpy.types.Collection) -> Iterator[tuple[Any, str]]:
     """The animated data-blocks of all levels with a name for each, which need an action."""
     for obj in ownership.members(collection):
         keys = obj.data.shape_keys if obj.type == "MESH" else None
-        for owner, name in ((obj, obj.name), (keys, say("{name} Steps", name=obj.name))):
+        for owner, name in ((obj, obj.name), (keys, f"{obj.name} Steps")):
             if owner is not None and owner.animation_data is not None and owner.animation_data.action is not None:
                 yield owner, name
 
 
 def _check(collection: bpy.types.Collection) -> None:
-    """Raises: Refusal."""
-    if binding.is_bound(collection):
-        raise Refusal(
-            "'{name}' is bound to its cages, which puts the animation aside: unbind it first", name=collection.name
-        )
+    """Raises: UserError."""
+    if ownership.is_bound(collection):
+        raise UserError(f"'{collection.name}' is bound to its cages, which puts the animation aside: unbind it first")
     for obj in ownership.members(collection):
         if obj.mode != "OBJECT":
-            raise Refusal("'{name}' is being edited: go back to Object Mode first", name=obj.name)
+            raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
         if not obj.is_editable or not obj.data.is_editable:
-            raise Refusal("'{name}' cannot be changed because it is linked from another file", name=obj.name)
+            raise UserError(f"'{obj.name}' cannot be changed because it is linked from another file")
     if not is_animated(collection):
-        raise Refusal("'{name}' has no animation", name=collection.name)
+        raise UserError(f"'{collection.name}' has no animation")

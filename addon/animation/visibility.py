@@ -11,7 +11,7 @@ import numpy as np
 from . import shape_keys
 
 # The properties that hide an object.
-HIDING = ("hide_viewport", "hide_render")
+VISIBILITY = ("hide_viewport", "hide_render")
 
 
 def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> None:
@@ -19,11 +19,11 @@ def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> No
     keyframes = [float(frame - 1), 1.0, float(frame), 0.0]
     if last is not None:
         keyframes += [float(last + 1), 1.0]
-    shape_keys.animate(obj, [(path, keyframes) for path in HIDING], shape_keys.CONSTANT, obj.name)
+    shape_keys.animate(obj, [(path, keyframes) for path in VISIBILITY], shape_keys.CONSTANT, obj.name)
 
 
 @dataclass(frozen=True)
-class Hiding:
+class VisibilityAnimation:
     """What `hide_until` had animated: the action and its slot, keyframes by data path, and whether the object has kept
     the action because of other curves in it.
     """
@@ -33,7 +33,7 @@ class Hiding:
     curves: tuple[tuple[str, tuple[float, ...]], ...]
     kept: bool
 
-    def give_back(self, obj: bpy.types.Object) -> None:
+    def restore(self, obj: bpy.types.Object) -> None:
         """Animates the object as before."""
         if self.action is None:
             return
@@ -43,36 +43,36 @@ class Hiding:
             data.action_slot = self.slot
         if not self.kept:
             return
-        for curve in [curve for curve in shape_keys.curves_of(obj) if curve.data_path in HIDING]:
+        for curve in [curve for curve in shape_keys.curves_of(obj) if curve.data_path in VISIBILITY]:
             shape_keys.curves_of(obj).remove(curve)
         shape_keys.animate(obj, self.curves, shape_keys.CONSTANT, self.action.name)
 
 
-def take_hiding(obj: bpy.types.Object) -> Hiding:
+def detach(obj: bpy.types.Object) -> VisibilityAnimation:
     """Takes back what `hide_until` did, and keeps an action that is nothing else as it is; other animation stays."""
     data = obj.animation_data
     obj.hide_viewport = obj.hide_render = False
     if data is None or data.action is None:
-        return Hiding(None, None, (), False)
+        return VisibilityAnimation(None, None, (), False)
     curves = shape_keys.curves_of(obj)
-    ours = [curve for curve in curves if curve.data_path in HIDING]
-    found = tuple((curve.data_path, _keyframes(curve)) for curve in ours)
-    hiding = Hiding(data.action, getattr(data, "action_slot", None), found, len(ours) < len(curves))
-    if hiding.kept:
+    ours = [curve for curve in curves if curve.data_path in VISIBILITY]
+    keyframes = tuple((curve.data_path, _keyframes(curve)) for curve in ours)
+    found = VisibilityAnimation(data.action, getattr(data, "action_slot", None), keyframes, len(ours) < len(curves))
+    if found.kept:
         for curve in ours:
             curves.remove(curve)
-        return hiding
+        return found
     data.action = None
     if not len(data.drivers) and not len(data.nla_tracks):
         obj.animation_data_clear()
-    return hiding
+    return found
 
 
 def always_show(obj: bpy.types.Object) -> None:
     """Takes back what `hide_until` did for good."""
-    hiding = take_hiding(obj)
-    if hiding.action is not None and hiding.action.users == 0:
-        bpy.data.actions.remove(hiding.action)
+    found = detach(obj)
+    if found.action is not None and found.action.users == 0:
+        bpy.data.actions.remove(found.action)
 
 
 def _keyframes(curve: bpy.types.FCurve) -> tuple[float, ...]:

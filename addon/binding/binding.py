@@ -9,21 +9,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from types import ModuleType
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..errors import Refusal, load_core, say
-from ..scene import display, filling, ownership, rollback
+from .. import keys
+from ..animation.shape_keys import remove_mesh
+from ..core import core
+from ..errors import UserError
+from ..scene import display, filling, ownership
 from ..scene.plane import PLANARITY, size, transform
 from . import deform_modifiers, node_groups, originals
-from .deform_modifiers import HELPER, Link
-
-# Custom properties of bound objects and of their collection.
-BOUND = "nested_cages_bound"
-PARKED_MESH, PARKED_ACTION, PARKED_STATE = "nested_cages_mesh", "nested_cages_action", "nested_cages_before"
+from .deform_modifiers import Link
 
 
 @dataclass(frozen=True)
@@ -34,39 +32,32 @@ class Binding:
     original: str
 
 
-def is_bound(collection: bpy.types.Collection) -> bool:
-    """Whether the cages of an output collection move what is in them."""
-    return bool(collection.get(BOUND, False))
-
-
 def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Binding:
-    """Makes every level of an output collection follow the next one. Raises: Refusal, leaving all as it was."""
-    core = load_core()
+    """Makes every level of an output collection follow the next one. Raises: UserError, leaving all as it was."""
     levels = _levels(context, collection)
     for obj in levels:
         _park(obj)
     context.view_layer.update()
     try:
-        _fill(levels, core)
-        return _connect(context, collection, levels, method, core)
+        _fill(levels)
+        return _connect(context, collection, levels, method)
     except BaseException:
         unbind(collection)
         raise
 
 
 def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Binding:
-    """Binds anew, cages and drawing as their vertices and transforms are now. Raises: Refusal.
+    """Binds anew, cages and drawing as their vertices and transforms are now. Raises: UserError.
 
     What follows goes back to its own shape first. If the cages do not enclose what is in them like that, nothing is
     changed.
     """
-    core = load_core()
     levels = _levels(context, collection)
     for inner, cage in pairwise(levels):
-        _check_enclosed(inner, cage, core)
+        _check_enclosed(inner, cage)
     _disconnect(collection, levels)
-    _fill(levels, core)
-    return _connect(context, collection, levels, method, core)
+    _fill(levels)
+    return _connect(context, collection, levels, method)
 
 
 def unbind(collection: bpy.types.Collection) -> None:
@@ -75,53 +66,53 @@ def unbind(collection: bpy.types.Collection) -> None:
     _disconnect(collection, levels)
     for obj in levels:
         _unpark(obj)
-    if BOUND in collection:
-        del collection[BOUND]
+    if keys.BOUND in collection:
+        del collection[keys.BOUND]
 
 
 def forget(collection: bpy.types.Collection) -> str:
     """Removes what is left of a binding on output that has been written anew; returns the method it was bound by, or
     nothing.
     """
-    if not is_bound(collection):
+    if not ownership.is_bound(collection):
         return ""
     levels = ownership.members(collection)
     _disconnect(collection, levels, lines_back=False)
     for obj in levels:
-        mesh, action = obj.get(PARKED_MESH), obj.get(PARKED_ACTION)
-        for name in (PARKED_MESH, PARKED_ACTION, PARKED_STATE):
+        mesh, action = obj.get(keys.STORED_MESH), obj.get(keys.STORED_ACTION)
+        for name in (keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE):
             if name in obj:
                 del obj[name]
         if mesh is not None:
-            rollback.remove_mesh(mesh)
+            remove_mesh(mesh)
         if action is not None and action.users == 0:
             bpy.data.actions.remove(action)
-    method = collection[BOUND]
-    del collection[BOUND]
+    method = collection[keys.BOUND]
+    del collection[keys.BOUND]
     return str(method)
 
 
 def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
     levels = ownership.members(collection)
     if len(levels) < 2:
-        raise Refusal("'{name}' has no cages: generate some first", name=collection.name)
+        raise UserError(f"'{collection.name}' has no cages: generate some first")
     for obj in levels:
         if obj.mode != "OBJECT":
-            raise Refusal("'{name}' is being edited: go back to Object Mode first", name=obj.name)
+            raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
         if not obj.is_editable or not obj.data.is_editable:
-            raise Refusal("'{name}' cannot be bound because it is linked from another file", name=obj.name)
+            raise UserError(f"'{obj.name}' cannot be bound because it is linked from another file")
         if obj.name not in context.view_layer.objects:
-            raise Refusal("'{name}' is not in this view layer: tick its collection in the Outliner", name=obj.name)
+            raise UserError(f"'{obj.name}' is not in this view layer: tick its collection in the Outliner")
     return levels
 
 
 def _park(obj: bpy.types.Object) -> None:
     """Gives an object a copy of its mesh without shape keys and takes its own action away, and keeps both for later."""
-    obj[PARKED_STATE] = [*(x for row in obj.matrix_basis for x in row), float(obj.hide_render)]
-    obj[PARKED_MESH] = obj.data
+    obj[keys.STORED_STATE] = [*(x for row in obj.matrix_basis for x in row), float(obj.hide_render)]
+    obj[keys.STORED_MESH] = obj.data
     animation = obj.animation_data
     if animation is not None and animation.action is not None:
-        obj[PARKED_ACTION] = animation.action
+        obj[keys.STORED_ACTION] = animation.action
         animation.action = None
     plain = bpy.data.meshes.new(obj.data.name)
     plain.from_pydata(filling.points_of(obj.data).tolist(), filling.loop_edges(obj.data).tolist(), [])
@@ -133,55 +124,51 @@ def _park(obj: bpy.types.Object) -> None:
 
 
 def _unpark(obj: bpy.types.Object) -> None:
-    if PARKED_MESH not in obj:
+    if keys.STORED_MESH not in obj:
         return
-    posed, obj.data = obj.data, obj[PARKED_MESH]
-    del obj[PARKED_MESH]
-    rollback.remove_mesh(posed)
-    if PARKED_ACTION in obj:
+    posed, obj.data = obj.data, obj[keys.STORED_MESH]
+    del obj[keys.STORED_MESH]
+    remove_mesh(posed)
+    if keys.STORED_ACTION in obj:
         animation = obj.animation_data or obj.animation_data_create()
-        animation.action = obj[PARKED_ACTION]
+        animation.action = obj[keys.STORED_ACTION]
         if getattr(animation, "action_slot", True) is None and animation.action_suitable_slots:
             animation.action_slot = animation.action_suitable_slots[0]
-        del obj[PARKED_ACTION]
-    *basis, hidden = obj[PARKED_STATE]
+        del obj[keys.STORED_ACTION]
+    *basis, hidden = obj[keys.STORED_STATE]
     before = Matrix(np.reshape(basis, (4, 4)).tolist())
     if obj.matrix_basis != before:
         obj.matrix_basis = before
     obj.hide_render = bool(hidden)
-    del obj[PARKED_STATE]
+    del obj[keys.STORED_STATE]
 
 
-def _fill(levels: list[bpy.types.Object], core: ModuleType) -> None:
-    """Gives the cages triangles inside their outlines. Raises: Refusal."""
+def _fill(levels: list[bpy.types.Object]) -> None:
+    """Gives the cages triangles inside their outlines. Raises: UserError."""
     for cage in levels[1:]:
-        old, shape = cage.data, filling.outline(cage, core)
-        cage.data = filling.filled(old.name, filling.points_of(old), shape, core)
-        rollback.remove_mesh(old)
+        old, shape = cage.data, filling.outline(cage)
+        cage.data = filling.filled(old.name, filling.points_of(old), shape)
+        remove_mesh(old)
         cage.hide_render = True  # as wires they were not seen in renders
 
 
-def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object, core: ModuleType) -> None:
-    """Raises: Refusal unless the cage, unposed, strictly encloses the unposed inner mesh in its plane."""
+def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
+    """Raises: UserError unless the cage, unposed, strictly encloses the unposed inner mesh in its plane."""
     there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(inner.matrix_world)
     points, corners = transform(there, filling.points_of(inner.data)), filling.points_of(cage.data)
     if np.ptp(np.concatenate([points[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
-        raise Refusal(
-            "'{inner}' and '{cage}' do not lie in one plane: move the cage back into it, then bind again",
-            inner=inner.name,
-            cage=cage.name,
+        raise UserError(
+            f"'{inner.name}' and '{cage.name}' do not lie in one plane: move the cage back into it, then bind again"
         )
     try:
         fine = core.Mesh(points[:, :2], filling.loop_edges(inner.data))
     except core.NestedCagesError as error:
-        raise Refusal("'{name}': {problem}", name=inner.name, problem=error) from error
-    certificate = core.verify(filling.outline(cage, core), fine)
+        raise UserError(f"'{inner.name}': {error}") from error
+    certificate = core.verify(filling.outline(cage), fine)
     if not certificate.holds:
-        raise Refusal(
-            "'{cage}' does not enclose '{inner}' as it is now ({problem}): move its vertices out, then bind again",
-            inner=inner.name,
-            cage=cage.name,
-            problem="; ".join(certificate.problems),
+        raise UserError(
+            f"'{cage.name}' does not enclose '{inner.name}' as it is now ({'; '.join(certificate.problems)}): "
+            "move its vertices out, then bind again"
         )
 
 
@@ -190,39 +177,36 @@ def _connect(
     collection: bpy.types.Collection,
     levels: list[bpy.types.Object],
     method: str,
-    core: ModuleType,
 ) -> Binding:
     """Links the levels from the inside out, so that each link is measured before its cage follows another."""
-    collection[BOUND] = method
+    collection[keys.BOUND] = method
     context.view_layer.update()
     for inner, cage in pairwise(levels):
-        _check_enclosed(inner, cage, core)
+        _check_enclosed(inner, cage)
     links = tuple(deform_modifiers.link(context, inner, cage, method) for inner, cage in pairwise(levels))
     for obj, made in zip(levels, links, strict=False):
-        obj["nested_cages_link"] = say(
-            "{method}, error {rest:.1e} at rest, {affine:.1e} under affine poses",
-            method=deform_modifiers.NAMES[made.method],
-            rest=made.rest,
-            affine=made.affine,
+        obj[keys.LINK] = (
+            f"{deform_modifiers.NAMES[made.method]}, error {made.rest:.1e} at rest, "
+            f"{made.affine:.1e} under affine poses"
         )
     for obj in levels:
         _take_lines_out(obj, collection)
     sentence = originals.follow(context, collection, levels, links[0].method)
-    _remove_helpers([obj for obj in collection.objects if HELPER in obj and not _used(obj)])
+    _remove_helpers([obj for obj in collection.objects if keys.HELPER in obj and not _used(obj)])
     return Binding(links, sentence)
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:
     for obj in levels:
         deform_modifiers.release(obj)
-        if "nested_cages_link" in obj:
-            del obj["nested_cages_link"]
+        if keys.LINK in obj:
+            del obj[keys.LINK]
     originals.release(collection)
-    for helper in [obj for obj in collection.objects if HELPER in obj]:
-        owner = helper.get("nested_cages_lines_of")
+    for helper in [obj for obj in collection.objects if keys.HELPER in obj]:
+        owner = helper.get(keys.LINES_OF)
         if lines_back and owner is not None:
-            display.set_thickness(owner, owner[ownership.LEVEL], helper["nested_cages_thickness"])
-    _remove_helpers([obj for obj in collection.objects if HELPER in obj])
+            display.set_thickness(owner, owner[keys.LEVEL], helper[keys.LINE_THICKNESS])
+    _remove_helpers([obj for obj in collection.objects if keys.HELPER in obj])
 
 
 def _used(helper: bpy.types.Object) -> bool:
@@ -233,7 +217,7 @@ def _used(helper: bpy.types.Object) -> bool:
         for m in obj.modifiers
         if m.type in (deform_modifiers.PRISM, deform_modifiers.SURFACE)
     ]
-    return helper in targets or "nested_cages_lines_of" in helper
+    return helper in targets or keys.LINES_OF in helper
 
 
 def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
@@ -242,7 +226,7 @@ def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
         for modifier in list(helper.modifiers):
             display.remove_modifier(helper, modifier)
         bpy.data.objects.remove(helper)
-        rollback.remove_mesh(mesh)
+        remove_mesh(mesh)
 
 
 def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:
@@ -251,12 +235,12 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     if modifier is None:
         return
     radius = display.get_input(modifier, "Radius")
-    display.set_thickness(obj, obj[ownership.LEVEL], 0.0)
+    display.set_thickness(obj, obj[keys.LEVEL], 0.0)
     name = f"{obj.name} Lines"
     helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    helper[HELPER], helper["nested_cages_lines_of"], helper["nested_cages_thickness"] = True, obj, 2.0 * radius
+    helper[keys.HELPER], helper[keys.LINES_OF], helper[keys.LINE_THICKNESS] = True, obj, 2.0 * radius
     helper.hide_viewport = helper.hide_select = True
     helper.parent = obj
     collection.objects.link(helper)
     node_groups.add(helper, node_groups.EDGES, Object=obj)
-    display.set_thickness(helper, obj[ownership.LEVEL], 2.0 * radius)
+    display.set_thickness(helper, obj[keys.LEVEL], 2.0 * radius)

@@ -10,7 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal, load_core
+from .. import keys
+from ..errors import UserError
 from ..scene import display, filling
 from ..scene.plane import size, transform
 from . import node_groups, weights
@@ -26,8 +27,6 @@ NAMES = {
     PRISM: "Mesh Deform",
 }
 AUTOMATIC = (weights.HARMONIC, SURFACE, PRISM)
-# Marks the objects that only help others to follow.
-HELPER = "nested_cages_helper"
 
 # Largest distance from where a vertex belongs, as a part of the size, that counts as following: while nothing is posed
 # some roundings of float32; under affine poses what the grid of Mesh Deform is seen to lose, with room to spare.
@@ -55,7 +54,7 @@ class Link:
 
 
 def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> Link:
-    """Makes `inner` follow `cage`, a filled mesh, by `method`, or by the best one if "AUTO". Raises: Refusal."""
+    """Makes `inner` follow `cage`, a filled mesh, by `method`, or by the best one if "AUTO". Raises: UserError."""
     wanted: Sequence[str] = (method,)
     if method == "AUTO":
         wanted = AUTOMATIC if weights.fits(inner, cage) else AUTOMATIC[1:]
@@ -63,7 +62,7 @@ def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
     for kind in wanted:
         try:
             tried = _try(context, inner, cage, kind)
-        except Refusal:
+        except UserError:
             if method != "AUTO":
                 raise
             tried = None
@@ -75,12 +74,9 @@ def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
             release(inner)
     if not found:
         release(inner)
-        raise Refusal(
-            "'{inner}' cannot follow '{cage}': no modifier of Blender holds it to {rest:g} of its size at rest; move "
-            "vertices of the cage that lie nearly on one line or on each other, and try again",
-            inner=inner.name,
-            cage=cage.name,
-            rest=REST_ERROR,
+        raise UserError(
+            f"'{inner.name}' cannot follow '{cage.name}': no modifier of Blender keeps it within {REST_ERROR:g} of its "
+            "size at rest; move vertices of the cage that lie nearly on one line or on each other, and try again"
         )
     best = min(found, key=lambda tried: tried.affine)
     if best is not tried:
@@ -91,9 +87,9 @@ def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
 
 def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> bool:
     """Adds the modifiers, before all others, and binds them; whether Blender could."""
-    if node_groups.REST not in inner.data.attributes:
-        inner.data.attributes.new(node_groups.REST, "FLOAT_VECTOR", "POINT")
-    rest = inner.data.attributes[node_groups.REST]
+    if keys.REST not in inner.data.attributes:
+        inner.data.attributes.new(keys.REST, "FLOAT_VECTOR", "POINT")
+    rest = inner.data.attributes[keys.REST]
     rest.data.foreach_set("vector", filling.points_of(inner.data).astype(np.float32).ravel())
     modifier = bind_modifier(context, inner, cage, method)
     node_groups.add(inner, node_groups.REMEMBER)
@@ -104,7 +100,7 @@ def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.
         inner.modifiers.move(inner.modifiers.find(name), place)
     bound = is_bound(modifier)
     if bound:
-        rest = inner.data.attributes[node_groups.REST]
+        rest = inner.data.attributes[keys.REST]
         # What the modifier is off by while nothing is posed, in thin triangles for instance, counts as no edit.
         rest.data.foreach_set("vector", evaluated_points(context, inner).astype(np.float32).ravel())
         inner.data.update()
@@ -143,20 +139,19 @@ def surface_of(follower: bpy.types.Object, cage: bpy.types.Object) -> bpy.types.
 
     Surface Deform takes no notice of its target's transform; this way a cage that is moved as an object counts too.
     """
-    found = next((child for child in follower.children if child.get("nested_cages_surface") == cage), None)
-    return found or _helper(f"{cage.name} Surface", cage, follower, node_groups.WHOLE, {"nested_cages_surface": cage})
+    found = next((child for child in follower.children if child.get(keys.SURFACE_OF) == cage), None)
+    return found or _helper(f"{cage.name} Surface", cage, follower, node_groups.WHOLE, {keys.SURFACE_OF: cage})
 
 
 def prism_of(follower: bpy.types.Object, cage: bpy.types.Object, half_height: float = 0.0) -> bpy.types.Object:
     """The hidden prism over a follower's cage, which moves with the cage, made if there is none high enough."""
     high = max(filling.HALF_HEIGHT * size(filling.points_of(cage.data)), half_height)
     for child in follower.children:
-        if child.get("nested_cages_prism") == cage and child["nested_cages_high"] >= high:
+        if child.get(keys.PRISM_OF) == cage and child[keys.PRISM_HEIGHT] >= high:
             return child
-    core = load_core()
     name = f"{cage.name} Prism"
-    data = filling.prism(name, filling.points_of(cage.data), filling.outline(cage, core), high, core)
-    properties = {"nested_cages_prism": cage, "nested_cages_high": high}
+    data = filling.prism(name, filling.points_of(cage.data), filling.outline(cage), high)
+    properties = {keys.PRISM_OF: cage, keys.PRISM_HEIGHT: high}
     return _helper(name, cage, follower, node_groups.WALLS, properties, data)
 
 
@@ -170,7 +165,7 @@ def _helper(
 ) -> bpy.types.Object:
     """A new hidden object that stands where its parent does and shows the cage through a node group."""
     helper = bpy.data.objects.new(name, data or bpy.data.meshes.new(name))
-    helper[HELPER] = True
+    helper[keys.HELPER] = True
     for key, value in properties.items():
         helper[key] = value
     helper.parent = parent

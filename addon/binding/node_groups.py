@@ -6,14 +6,9 @@ from collections.abc import Callable
 
 import bpy
 
+from .. import keys
 from ..scene import display
-from ..scene.filling import CORNER, HEIGHT
 
-# Where a vertex was when it was bound, and how far it has been edited since; attributes of the bound mesh.
-REST, EDIT = "nested_cages_rest", "nested_cages_edit"
-# Attributes with the share that a vertex of the cage has in each vertex, and its slopes along x and y; the number of
-# the cage's vertex is behind.
-WEIGHT = "nested_cages_weight_"
 # Sums of the vertices of the cage: by weights, and by the slopes of the weights.
 SUMS = ("Place", "Along X", "Along Y")
 
@@ -57,10 +52,10 @@ def _remember(tree: Tree) -> None:
     store = tree.nodes.new("GeometryNodeStoreNamedAttribute")
     difference.operation = "SUBTRACT"
     store.data_type, store.domain = "FLOAT_VECTOR", "POINT"
-    store.inputs["Name"].default_value = EDIT
+    store.inputs["Name"].default_value = keys.EDIT
     value = next(socket for socket in store.inputs if socket.enabled and socket.name == "Value")
     tree.links.new(place.outputs[0], difference.inputs[0])
-    tree.links.new(_attribute(tree, REST, "FLOAT_VECTOR"), difference.inputs[1])
+    tree.links.new(_attribute(tree, keys.REST, "FLOAT_VECTOR"), difference.inputs[1])
     tree.links.new(start.outputs[0], store.inputs["Geometry"])
     tree.links.new(difference.outputs[0], value)
     tree.links.new(store.outputs[0], end.inputs[0])
@@ -71,7 +66,7 @@ def _add_edits(tree: Tree) -> None:
     start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
     move = tree.nodes.new("GeometryNodeSetPosition")
     tree.links.new(start.outputs[0], move.inputs["Geometry"])
-    tree.links.new(_attribute(tree, EDIT, "FLOAT_VECTOR"), move.inputs["Offset"])
+    tree.links.new(_attribute(tree, keys.EDIT, "FLOAT_VECTOR"), move.inputs["Offset"])
     tree.links.new(move.outputs[0], end.inputs[0])
 
 
@@ -94,8 +89,8 @@ def _walls(tree: Tree) -> None:
     sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
     tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
     tree.links.new(place.outputs[0], sockets["Value"])
-    tree.links.new(_attribute(tree, CORNER, "INT"), sockets["Index"])
-    tree.links.new(_attribute(tree, HEIGHT, "FLOAT"), raised.inputs["Z"])
+    tree.links.new(_attribute(tree, keys.CORNER, "INT"), sockets["Index"])
+    tree.links.new(_attribute(tree, keys.HEIGHT, "FLOAT"), raised.inputs["Z"])
     tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
     tree.links.new(next(s for s in pick.outputs if s.enabled), move.inputs["Position"])
     scale, turn = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("FunctionNodeRotateVector")
@@ -137,7 +132,7 @@ def _coordinates(tree: Tree) -> None:
     tree.links.new(place.outputs[0], sockets["Value"])
     tree.links.new(first.outputs["Number"], sockets["Index"])
     digits, name_of = tree.nodes.new("FunctionNodeValueToString"), tree.nodes.new("FunctionNodeReplaceString")
-    name_of.inputs["String"].default_value, name_of.inputs["Find"].default_value = f"{WEIGHT}#", "#"
+    name_of.inputs["String"].default_value, name_of.inputs["Find"].default_value = f"{keys.WEIGHT}#", "#"
     tree.links.new(first.outputs["Number"], digits.inputs["Value"])
     tree.links.new(digits.outputs[0], name_of.inputs["Replace"])
     weight, parts = _attribute(tree, "", "FLOAT_VECTOR"), tree.nodes.new("ShaderNodeSeparateXYZ")
@@ -157,7 +152,7 @@ def _coordinates(tree: Tree) -> None:
     normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
     right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
     up, edit = _vector(tree, "CROSS_PRODUCT", normal, right), tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(_attribute(tree, EDIT, "FLOAT_VECTOR"), edit.inputs[0])
+    tree.links.new(_attribute(tree, keys.EDIT, "FLOAT_VECTOR"), edit.inputs[0])
     for axis, part in zip((right, up, normal), edit.outputs, strict=True):
         where = _vector(tree, "MULTIPLY_ADD", axis, part, where)
     move = tree.nodes.new("GeometryNodeSetPosition")

@@ -7,12 +7,11 @@ from contextlib import contextmanager, suppress
 
 import bpy
 
-from ..errors import Refusal, say
+from .. import keys
+from ..errors import UserError
 from ..scene import convert, display, ownership
 from . import deform_modifiers, node_groups, weights
 
-# Custom property with the collection that an object follows, and its modifier.
-ORIGINAL = "nested_cages_follows"
 ORIGINAL_MODIFIER = "Nested Cages Follow"
 
 
@@ -39,26 +38,23 @@ def follow(
     fine = levels[0]
     source = ownership.source_of(collection)
     if source is None or source == fine:
-        return say("The original object is gone; '{fine}' follows", fine=fine.name)
+        return f"The original object is gone; '{fine.name}' follows"
     if source.name not in context.view_layer.objects or not source.is_editable or not convert.readable(source):
-        return say("'{name}' cannot be changed here; '{fine}' follows in its place", name=source.name, fine=fine.name)
+        return f"'{source.name}' cannot be changed here; '{fine.name}' follows in its place"
     solid = source.type in {"CURVE", "FONT"} and (source.data.bevel_depth or source.data.extrude)
     if source.type == "MESH" or solid or (source.type == "CURVE" and source.data.bevel_mode == "OBJECT"):
         kind = _bind_shape(context, source, levels[1], method if source.type == "MESH" else deform_modifiers.PRISM)
         if kind is None:
-            return say(
-                "'{name}' cannot be bound itself; '{fine}' follows in its place", name=source.name, fine=fine.name
-            )
-        source[ORIGINAL] = collection
+            return f"'{source.name}' cannot be bound itself; '{fine.name}' follows in its place"
+        source[keys.FOLLOWS] = collection
         words = deform_modifiers.NAMES[kind]
         if kind == deform_modifiers.PRISM:
             words += ", which is exact to a few per cent"
-        return say("'{name}' follows by {kind}", name=source.name, kind=words)
+        return f"'{source.name}' follows by {words}"
     if source.type not in {"CURVE", "FONT", "CURVES"}:
-        return say(
-            "Blender has no modifier that lets a Grease Pencil follow; '{fine}' follows in place of '{name}'",
-            name=source.name,
-            fine=fine.name,
+        return (
+            f"Blender has no modifier that deforms Grease Pencil by a cage; '{fine.name}' follows in place of "
+            f"'{source.name}'"
         )
     flat = source.type == "FONT" or (source.type == "CURVE" and source.data.dimensions == "2D")
     if flat and source.data.fill_mode != "NONE":
@@ -66,8 +62,8 @@ def follow(
     else:
         modifier = node_groups.add(source, node_groups.CURVES, Object=fine)
     modifier.name = ORIGINAL_MODIFIER
-    source[ORIGINAL] = collection
-    return say("'{name}' shows what '{fine}' does", name=source.name, fine=fine.name)
+    source[keys.FOLLOWS] = collection
+    return f"'{source.name}' shows what '{fine.name}' does"
 
 
 def _bind_shape(
@@ -83,7 +79,7 @@ def _bind_shape(
         )
     reach = 2.0 * max(abs(corner[2]) for corner in source.bound_box)
     for kind in methods:
-        with suppress(Refusal):
+        with suppress(UserError):
             modifier = deform_modifiers.bind_modifier(context, source, cage, kind, reach)
             if deform_modifiers.is_bound(modifier):
                 modifier.name = ORIGINAL_MODIFIER
@@ -96,8 +92,8 @@ def release(collection: bpy.types.Collection) -> None:
     """Lets the objects that follow a collection show their own shape again."""
     for obj in bpy.data.objects:
         modifier = obj.modifiers.get(ORIGINAL_MODIFIER)
-        if modifier is not None and obj.get(ORIGINAL) == collection:
+        if modifier is not None and obj.get(keys.FOLLOWS) == collection:
             display.remove_modifier(obj, modifier)
             if obj.type == "MESH":
                 weights.clear(obj)
-            del obj[ORIGINAL]
+            del obj[keys.FOLLOWS]

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ..errors import Refusal, load_core
+from .. import keys
+from ..core import core
+from ..errors import UserError
 from ..scene import filling
 from ..scene.plane import PLANARITY, Array, size, transform
 from . import node_groups
 
 HARMONIC, LINEAR = "HARMONIC", "LINEAR"
 # The core's coordinates by method.
-KINDS: dict[str, Callable[[ModuleType], Any]] = {
-    HARMONIC: lambda core: core.Harmonic(),
-    LINEAR: lambda core: core.PiecewiseLinear(),
+KINDS: dict[str, Callable[[], Any]] = {
+    HARMONIC: lambda: core.Harmonic(),
+    LINEAR: lambda: core.PiecewiseLinear(),
 }
 # Vertices times vertices of the cage, at the most: Blender sums this many weights in a few hundredths of a second, on
 # every frame.
@@ -33,24 +34,23 @@ def fits(obj: bpy.types.Object, cage: bpy.types.Object) -> bool:
 def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: str) -> bpy.types.Modifier:
     """Stores the weights of an object's vertices at `points` (n, 3), in its own space, and adds the modifier.
 
-    Raises: Refusal if the points are not in the plane and the inside of the cage.
+    Raises: UserError if the points are not in the plane and the inside of the cage.
     """
-    core = load_core()
     there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(obj.matrix_world)
     inside, corners = transform(there, points), filling.points_of(cage.data)
     if np.ptp(np.concatenate([inside[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
-        raise Refusal("'{inner}' and '{cage}' do not lie in one plane", inner=obj.name, cage=cage.name)
+        raise UserError(f"'{obj.name}' and '{cage.name}' do not lie in one plane")
     try:
-        kind, outline = KINDS[method](core), filling.outline(cage, core)
+        kind, outline = KINDS[method](), filling.outline(cage)
         found = core.cage_coordinates(inside[:, :2], outline, kind)
         slopes = kind.gradients(inside[:, :2], outline) @ there[:2, :2]  # along the object's own axes
     except core.NestedCagesError as error:
-        raise Refusal("'{name}': {problem}", name=obj.name, problem=error) from error
+        raise UserError(f"'{obj.name}': {error}") from error
     dense = found if isinstance(found, np.ndarray) else found.toarray()
     columns = np.concatenate([dense[:, :, None], slopes], axis=2).astype(np.float32)
     clear(obj)
     for corner in range(columns.shape[1]):
-        attribute = obj.data.attributes.new(f"{node_groups.WEIGHT}{corner}", "FLOAT_VECTOR", "POINT")
+        attribute = obj.data.attributes.new(f"{keys.WEIGHT}{corner}", "FLOAT_VECTOR", "POINT")
         attribute.data.foreach_set("vector", columns[:, corner].ravel())
     return node_groups.add(obj, node_groups.COORDINATES, Object=cage)
 
@@ -58,5 +58,5 @@ def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: st
 def clear(obj: bpy.types.Object) -> None:
     """Takes the weights off a mesh object."""
     attributes = obj.data.attributes
-    for name in [attribute.name for attribute in attributes if attribute.name.startswith(node_groups.WEIGHT)]:
+    for name in [attribute.name for attribute in attributes if attribute.name.startswith(keys.WEIGHT)]:
         attributes.remove(attributes[name])

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from types import ModuleType
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal, say
+from ..core import core
+from ..errors import UserError
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 
 
@@ -32,18 +32,18 @@ class Finding:
     fine_faults: NDArray[np.float32]
 
 
-def check(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> list[Finding]:
-    """Checks each object against the one before it, as evaluated on the current frame. Raises: Refusal."""
+def check(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> list[Finding]:
+    """Checks each object against the one before it, as evaluated on the current frame. Raises: UserError."""
     outlines = [read(context, obj) for obj in objects]
     frame = fine_drawing(outlines[0]).frame
     drawings = [drawing_in(frame, outline) for outline in outlines]
     pairs = zip(outlines[:-1], drawings[:-1], outlines[1:], drawings[1:], strict=True)
-    return [_finding(*pair, core, context.scene.frame_current) for pair in pairs]
+    return [_finding(*pair, context.scene.frame_current) for pair in pairs]
 
 
-def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Object], core: ModuleType) -> list[Finding]:
+def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> list[Finding]:
     """Checks on the scene's frames from its first to its last, up to the first with a fault, which then is the current
-    one. Raises: Refusal, with the frame.
+    one. Raises: UserError, with the frame.
     """
     scene, shown = context.scene, context.window_manager
     first, last, findings = scene.frame_start, scene.frame_end, []
@@ -53,9 +53,9 @@ def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Obje
             scene.frame_set(frame)
             shown.progress_update(frame)
             try:
-                found = check(context, objects, core)
-            except Refusal as refusal:
-                raise Refusal("Frame {frame}: {problem}", frame=frame, problem=refusal) from refusal
+                found = check(context, objects)
+            except UserError as error:
+                raise UserError(f"Frame {frame}: {error}") from error
             if not all(finding.holds for finding in found):
                 return [_on(finding, first, frame) for finding in found]
             findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
@@ -66,19 +66,15 @@ def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Obje
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:
     """The finding of the first frame with a fault, told with that frame."""
-    sentence = say("Frame {frame}: {problem}", frame=frame, problem=finding.sentence)
+    sentence = f"Frame {frame}: {finding.sentence}"
     return replace(finding, frames=(first, frame), sentence=sentence)
 
 
 def _enclosing(finding: Finding, first: int, last: int) -> Finding:
     """The finding of least clearance, told of all frames."""
-    sentence = say(
-        "'{cage}' encloses '{fine}' on all frames from {first} to {last}: clearance {clearance:.3g} at least",
-        cage=finding.cage,
-        fine=finding.fine,
-        first=first,
-        last=last,
-        clearance=finding.clearance,
+    sentence = (
+        f"'{finding.cage}' encloses '{finding.fine}' on all frames from {first} to {last}: "
+        f"clearance {finding.clearance:.3g} at least"
     )
     return replace(finding, frames=(first, last), sentence=sentence)
 
@@ -93,27 +89,21 @@ def same_frame(scene: bpy.types.Scene) -> Iterator[None]:
         scene.frame_set(frame, subframe=subframe)
 
 
-def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core: ModuleType, frame: int) -> Finding:
+def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame: int) -> Finding:
     clearance = 0.0
     try:
-        outside, inside = cage.mesh(core), fine.mesh(core)
+        outside, inside = cage.mesh(), fine.mesh()
         certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
-    except Refusal as refusal:
-        holds, sentence = False, str(refusal)
+    except UserError as error:
+        holds, sentence = False, str(error)
     else:
         holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
-        words = {
-            "clearance": clearance,
-            "excess": 100.0 * certificate.excess,
-            "cage": outer.name,
-            "fine": inner.name,
-            "problems": " ".join(certificate.problems),
-        }
         if holds:
-            sentence = say("'{cage}' encloses '{fine}': clearance {clearance:.3g}, excess {excess:.2f} %", **words)
+            excess = 100.0 * certificate.excess
+            sentence = f"'{outer.name}' encloses '{inner.name}': clearance {clearance:.3g}, excess {excess:.2f} %"
         else:
-            sentence = say("'{cage}' does not enclose '{fine}'. {problems}", **words)
-    cage_faults, fine_faults = _faults(cage, fine, core)
+            sentence = f"'{outer.name}' does not enclose '{inner.name}'. {' '.join(certificate.problems)}"
+    cage_faults, fine_faults = _faults(cage, fine)
     return Finding(
         outer.name,
         inner.name,
@@ -126,7 +116,7 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, core:
     )
 
 
-def _faults(cage: Drawing, fine: Drawing, core: ModuleType) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _faults(cage: Drawing, fine: Drawing) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which points of both drawings are on edges that cross, or are outside of the cage or inside of a hole of it."""
     predicates = core.geometry.predicates
     (points, ends), (fine_points, fine_ends) = (_edges(drawing) for drawing in (cage, fine))

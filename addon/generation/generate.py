@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal, load_core, say
-from ..properties.methods import Methods
+from ..core import core
+from ..errors import UserError
 from ..scene.convert import Drawing
+from .methods import Methods
 
 # Automatic clearances as parts of the drawing's diagonal: the core's default, and one for drawings whose gaps leave no
 # room for it. Less than that cannot be told from nothing in float32.
@@ -104,7 +105,7 @@ class Progress:
 
 
 def parse_levels(text: str) -> tuple[Level, ...]:
-    """Counts, percentages and own drawings from a text such as "64, 24", "10% 3%" or "64, *". Raises: Refusal."""
+    """Counts, percentages and own drawings from a text such as "64, 24", "10% 3%" or "64, *". Raises: UserError."""
     levels: list[Level] = []
     words = re.findall(r"[^\s,;]+", re.sub(r"\s+%", "%", text)) or [text]
     for word in words:
@@ -115,51 +116,46 @@ def parse_levels(text: str) -> tuple[Level, ...]:
         elif word == OWN:
             levels.append(OWN)
         else:
-            raise Refusal(
-                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas, and * for an "
-                "object of your own; '{text}' is none of these",
-                text=word,
+            raise UserError(
+                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas, or * for an "
+                f"object of your own; '{word}' is none of these"
             )
     return tuple(levels)
 
 
 def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, ...]:
-    """Vertex counts for a drawing's ``Mesh``; each loop gets three at least. Raises: Refusal if they do not go down."""
+    """Vertex counts for a drawing's ``Mesh``, at least three per loop. Raises: UserError unless they decrease."""
     total, least = len(fine.vertices), 3 * len(fine.loops)
     found: list[int] = []
     for level in levels:
         count = level if isinstance(level, int) else max(least, round(total * level / 100.0))
         before = found[-1] if found else total
         if count > before:
-            sentence = (
-                "'{name}': a level of {count} vertices is more than the {before} of the level before it; list levels "
-                "from finest to coarsest"
+            problem = (
+                f"the {before} of the level before it; list levels from finest to coarsest"
                 if found
-                else "'{name}': a level of {count} vertices is more than the {before} of the drawing; list fewer, or "
-                "give the drawing a higher resolution"
+                else f"the {before} of the drawing; list fewer, or give the drawing a higher resolution"
             )
-            raise Refusal(sentence, name=name, count=count, before=before)
+            raise UserError(f"'{name}': a level of {count} vertices is more than {problem}")
         if count < least:
-            sentence = (
-                "'{name}': a level of {count} is too small: an outline needs three vertices"
+            problem = (
+                "an outline needs three vertices"
                 if len(fine.loops) == 1
-                else "'{name}': a level of {count} is too small for its {loops} loops, which need three vertices each"
+                else f"its {len(fine.loops)} loops need three vertices each"
             )
-            raise Refusal(sentence, name=name, count=count, loops=len(fine.loops))
+            raise UserError(f"'{name}': a level of {count} is too small: {problem}")
         found.append(count)
     return tuple(found)
 
 
 def _wanted(levels: Sequence[Level], fine: Any, own: Sequence[Any], name: str) -> tuple[Any, ...]:
-    """The vertex count or own ``Mesh`` of each level. Raises: Refusal."""
+    """The vertex count or own ``Mesh`` of each level. Raises: UserError."""
     if not levels:
         return tuple(own)
     if levels.count(OWN) != len(own):
-        raise Refusal(
-            "'{name}': own objects (*) in the levels: {places}, objects named: {objects}; name one for each",
-            name=name,
-            places=levels.count(OWN),
-            objects=len(own),
+        raise UserError(
+            f"'{name}': own objects (*) in the levels: {levels.count(OWN)}, objects named: {len(own)}; "
+            "name one for each"
         )
     numbers = iter(counts([level for level in levels if level != OWN], fine, name))
     meshes = iter(own)
@@ -170,20 +166,19 @@ class Generation:
     """Cages for several drawings as an iterator of `Progress`; ``results`` is complete when it ends. Dropping it
     cancels.
 
-    Everything that can be refused without computing is refused by the constructor. Raises: Refusal.
+    Everything that can be refused without computing is refused by the constructor. Raises: UserError.
     """
 
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
-        self.core = load_core()
         self.options = options
         options.methods.check()
         self.results: list[Result] = []
         self._plans: list[tuple[Request, Any, tuple[Any, ...]]] = []
         for request in requests:
-            fine = request.fine.mesh(self.core)
-            own = tuple(drawing.mesh(self.core) for drawing in request.coarse)
+            fine = request.fine.mesh()
+            own = tuple(drawing.mesh() for drawing in request.coarse)
             if not own and not options.levels:
-                raise Refusal("Give a vertex count for at least one level, such as 64")
+                raise UserError("Give a vertex count for at least one level, such as 64")
             self._plans.append((request, fine, _wanted(options.levels, fine, own, request.fine.name)))
 
     def __iter__(self) -> Iterator[Progress]:
@@ -193,16 +188,16 @@ class Generation:
             clearances = self._clearances(request, fine)
             inner, finished = fine, []
             for number, wanted in enumerate(levels, 1):
-                name = say("{name}, level {number}", name=request.fine.name, number=number)
+                name = f"{request.fine.name}, level {number}"
                 yield Progress(reached, name)  # before anything is computed, so that it can be shown
                 for step in self._level(name, inner, wanted, clearances, number):
                     if isinstance(step, CageLevel):
                         finished.append(step)
-                        inner = self.core.Mesh(step.cage.astype(np.float64), step.cage_edges)
+                        inner = core.Mesh(step.cage.astype(np.float64), step.cage_edges)
                     else:
                         # A level that starts anew, from another coarse mesh, goes back; what is shown does not.
                         reached = max(reached, (done + step.fraction) / total)
-                        yield Progress(reached, f"{name}: {say(STAGES[step.stage])}")
+                        yield Progress(reached, f"{name}: {STAGES[step.stage]}")
                 done += 1
                 reached = done / total
                 yield Progress(reached, name)
@@ -215,18 +210,18 @@ class Generation:
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
 
     def _level(self, name: str, fine: Any, wanted: Any, clearances: Sequence[float], number: int) -> Iterator[Any]:
-        """The core's progress of one level, and at the end its `CageLevel`. Raises: Refusal."""
+        """The core's progress of one level, and at the end its `CageLevel`. Raises: UserError."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
-        settings = self.options.methods.settings(self.core, number)
+        settings = self.options.methods.settings(number)
         for clearance in clearances:
             for margins in MARGINS:
                 asked = replace(settings, clearance=clearance + margins * margin)
-                run = self.core.NestedCagesRun(fine, [wanted], asked)
+                run = core.NestedCagesRun(fine, [wanted], asked)
                 try:
                     yield from run
                     level = self._stored(fine, run.hierarchy.levels[0], clearance)
-                except self.core.NestedCagesError as error:
+                except core.NestedCagesError as error:
                     problem = problem or str(error)
                     break
                 finally:
@@ -234,12 +229,12 @@ class Generation:
                 if level.certificate.holds:
                     yield level
                     return
-                problem = say(
-                    "the cage does not hold in Blender's single precision ({problem}); move the drawing closer to its "
-                    "object's origin, or ask for more clearance",
-                    problem="; ".join(level.certificate.problems),
+                problem = (
+                    "the cage does not hold in Blender's single precision "
+                    f"({'; '.join(level.certificate.problems)}); move the drawing closer to its object's origin, or "
+                    "ask for more clearance"
                 )
-        raise Refusal("'{name}': {problem}", name=name, problem=problem)
+        raise UserError(f"'{name}': {problem}")
 
     def _stored(self, fine: Any, level: Any, clearance: float) -> CageLevel:
         """The core's level in float32, certified as such: the flow, during which the coarse mesh stands still, and the
@@ -259,7 +254,7 @@ class Generation:
             cage_steps=cage_steps,
             flow_end=inside,
             tightening=max(inside, len(flow) - 1 + reinflation.tightening_start),
-            certificate=self.core.verify(cage, fine, clearance, same_loops=same_loops),
+            certificate=core.verify(cage, fine, clearance, same_loops=same_loops),
             report=level.report,
         )
 
@@ -270,7 +265,7 @@ class Generation:
         """
         while True:
             cages, fines = (steps[first:].astype(np.float64) for steps in (cage_steps, fine_steps))
-            motion = self.core.verify_motion(cage, fine, cages, fines)
+            motion = core.verify_motion(cage, fine, cages, fines)
             if motion.free:
                 return first
             first += motion.step + 1

@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from ..errors import say
 from .generate import Generation, Progress
 
 # Seconds of work per tick of the timer, and seconds between ticks: some ten redraws a second, with most of the time
@@ -23,13 +22,13 @@ class Job:
     def __init__(self, generation: Generation) -> None:
         self.generation = generation
         self.fraction = 0.0
-        self.message = say("Starting")
+        self.message = "Starting"
         self.cancelled = False
         self.end: Callable[[Any], None] = lambda _context: self.stop()
         self._work: Iterator[Progress] = iter(generation)
 
     def advance(self, seconds: float = SLICE) -> bool:
-        """Works for about `seconds`; True when everything is done. Raises: Refusal.
+        """Works for about `seconds`; True when everything is done. Raises: UserError.
 
         A stage that begins ends the slice: some report nothing while they work, and what is shown is what is done.
         """
@@ -42,7 +41,7 @@ class Job:
         return True
 
     def drain(self) -> None:
-        """Works to the end. Raises: Refusal."""
+        """Works to the end. Raises: UserError."""
         while not self.advance(float("inf")):
             pass
 

@@ -1,1 +1,1 @@
-"""Drawings from files and images, cages as files and as other objects."""
+"""Files and images to drawings, and cages to files and other objects: `importers`, `exporters`, `image_outline`."""

@@ -4,37 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
+from .. import keys
 from ..animation import visibility
-from ..errors import Refusal
-from ..scene import convert, display, filling, output, ownership
+from ..core import core
+from ..errors import UserError
+from ..scene import convert, display, filling, ownership
 from ..scene.plane import PLANARITY, size
-from .importers import Y_DOWN
 
 
-def as_curve(name: str, points: filling.Points, mesh: Any, _height: float, _core: ModuleType) -> bpy.types.ID:
+def as_curve(name: str, points: filling.Points, mesh: Any, _height: float) -> bpy.types.ID:
     """A filled 2D curve."""
     return filling.curve(name, points, mesh)
 
 
-def as_faces(name: str, points: filling.Points, mesh: Any, _height: float, core: ModuleType) -> bpy.types.ID:
+def as_faces(name: str, points: filling.Points, mesh: Any, _height: float) -> bpy.types.ID:
     """A mesh of triangles."""
-    return filling.filled(name, points, mesh, core)
+    return filling.filled(name, points, mesh)
 
 
-def as_prism(name: str, points: filling.Points, mesh: Any, height: float, core: ModuleType) -> bpy.types.ID:
+def as_prism(name: str, points: filling.Points, mesh: Any, height: float) -> bpy.types.ID:
     """A closed mesh of this height, or of a fifth of the size if that is 0."""
     half = 0.5 * height if height > 0.0 else filling.HALF_HEIGHT * size(points)
-    return filling.prism(name, points, mesh, half, core)
+    return filling.prism(name, points, mesh, half)
 
 
-SHAPES: dict[str, Callable[[str, filling.Points, Any, float, ModuleType], bpy.types.ID]] = {
+SHAPES: dict[str, Callable[[str, filling.Points, Any, float], bpy.types.ID]] = {
     "CURVE": as_curve,
     "FILLED": as_faces,
     "PRISM": as_prism,
@@ -42,38 +42,38 @@ SHAPES: dict[str, Callable[[str, filling.Points, Any, float, ModuleType], bpy.ty
 
 
 def make(
-    context: bpy.types.Context, objects: Sequence[bpy.types.Object], shape: str, height: float, core: ModuleType
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], shape: str, height: float
 ) -> list[bpy.types.Object]:
-    """New objects of a kind of `SHAPES`, one for each object as it is evaluated now, beside it. Raises: Refusal."""
+    """New objects of a kind of `SHAPES`, one for each object as it is evaluated now, beside it. Raises: UserError."""
     drawings = [convert.fine_drawing(convert.read(context, obj)) for obj in objects]
-    meshes = [drawing.mesh(core) for drawing in drawings]
+    meshes = [drawing.mesh() for drawing in drawings]
     made = []
     for obj, drawing, mesh in zip(objects, drawings, meshes, strict=True):
         frame = drawing.frame
         name = f"{obj.name} {shape.title()}"
         points = frame.points(mesh.vertices)
-        new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale, core))
-        new.color = display.colour(obj.get(ownership.LEVEL, 0))
+        new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
+        new.color = display.colour(obj.get(keys.LEVEL, 0))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
         if frame.own and obj.parent is None and not obj.constraints:
-            output.copy_transform(obj, new)
+            ownership.copy_transform(obj, new)
         else:
             new.matrix_world = Matrix(frame.matrix.tolist())
         made.append(new)
     return made
 
 
-def make_animated(objects: Sequence[bpy.types.Object], core: ModuleType) -> list[bpy.types.Object]:
+def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
     """A copy of each animated level beside it, with its shape keys, its action, and triangles between its vertices.
 
     Alembic keeps only the points of a mesh without faces; glTF carries either, lone edges as lines if asked for them.
     The triangles fill the result, and only follow on the way to it. The copies are seen on all frames, because
-    exporters leave out what is hidden on their first. Raises: Refusal.
+    exporters leave out what is hidden on their first. Raises: UserError.
     """
     for obj in objects:
-        if ownership.LEVEL not in obj or obj.data.shape_keys is None:
-            raise Refusal("'{name}' is no cage that is animated: choose faces instead", name=obj.name)
-    outlines = [filling.outline(obj, core) for obj in objects]
+        if keys.LEVEL not in obj or obj.data.shape_keys is None:
+            raise UserError(f"'{obj.name}' is no cage that is animated: choose faces instead")
+    outlines = [filling.outline(obj) for obj in objects]
     made = []
     for obj, outline in zip(objects, outlines, strict=True):
         new = obj.copy()
@@ -85,7 +85,7 @@ def make_animated(objects: Sequence[bpy.types.Object], core: ModuleType) -> list
             visibility.always_show(new)
         display.set_thickness(new, 0, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
-        for name in [name for name in new.keys() if name.startswith("nested_cages_")]:  # noqa: SIM118
+        for name in [name for name in new.keys() if name.startswith(keys.PREFIX)]:  # noqa: SIM118
             del new[name]
         (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
         made.append(new)
@@ -103,12 +103,11 @@ def _own_action(obj: bpy.types.Object) -> None:
 def meshes(
     context: bpy.types.Context,
     objects: Sequence[bpy.types.Object],
-    core: ModuleType,
     *,
     world: bool = False,
     scale: float = 1.0,
 ) -> dict[str, Any]:
-    """The core's ``Mesh`` of each object by its name, times `scale`. Raises: Refusal.
+    """The core's ``Mesh`` of each object by its name, times `scale`. Raises: UserError.
 
     In the plane and coordinates of the first; or, with `world`, in those of the world as seen from the top, the front
     or the right, whichever the drawing faces.
@@ -119,7 +118,7 @@ def meshes(
     found = {}
     for obj, outline in zip(objects, outlines, strict=True):
         drawing = first if outline is outlines[0] else convert.drawing_in(first.frame, outline)
-        mesh = drawing.mesh(core)
+        mesh = drawing.mesh()
         if seen is not None or scale != 1.0:
             points = mesh.vertices if seen is None else first.frame.to_world(mesh.vertices)[:, seen]
             mesh = core.Mesh.from_loops([scale * points[loop] for loop in mesh.loops])
@@ -128,45 +127,45 @@ def meshes(
 
 
 def _seen(drawing: convert.Drawing) -> list[int]:
-    """The two axes of the world in which a drawing is seen. Raises: Refusal if it is tilted against all of them."""
+    """The two axes of the world in which a drawing is seen. Raises: UserError if it is tilted against all of them."""
     normal = np.abs(np.cross(drawing.frame.matrix[:3, 0], drawing.frame.matrix[:3, 1]))
     away = int(normal.argmax())
     if np.delete(normal, away).max() > PLANARITY * normal[away]:
-        raise Refusal("'{name}' is tilted: turn it to the top, front or right, or untick 'World'", name=drawing.name)
+        raise UserError(f"'{drawing.name}' is tilted: turn it to the top, front or right, or untick 'World'")
     return [axis for axis in range(3) if axis != away]
 
 
-def write(path: Path, kind: str, shapes: dict[str, Any], core: ModuleType, *, flip_y: bool, triangles: bool) -> int:
-    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; how many it holds. Raises: Refusal.
+def write(path: Path, kind: str, shapes: dict[str, Any], *, flip_y: bool, triangles: bool) -> int:
+    """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; returns how many.
 
-    flip_y: y pointing down as in pictures.
+    flip_y: y pointing down as in pictures. Raises: UserError.
     """
     try:
-        text, count = WRITERS[kind](shapes, core, flip_y, triangles)
+        text, count = WRITERS[kind](shapes, flip_y, triangles)
         path.write_text(text, encoding="utf-8")
     except (core.NestedCagesError, OSError) as error:
-        raise Refusal("'{path}' cannot be written: {problem}", path=path.name, problem=error) from error
+        raise UserError(f"'{path.name}' cannot be written: {error}") from error
     return count
 
 
-def _svg(shapes: dict[str, Any], core: ModuleType, flip_y: bool, _triangles: bool) -> tuple[str, int]:
-    return core.exchange.to_svg(_turned(shapes, core, flip_y)), len(shapes)
+def _svg(shapes: dict[str, Any], flip_y: bool, _triangles: bool) -> tuple[str, int]:
+    return core.exchange.to_svg(_turned(shapes, flip_y)), len(shapes)
 
 
-def _geojson(shapes: dict[str, Any], core: ModuleType, flip_y: bool, _triangles: bool) -> tuple[str, int]:
-    down = {Y_DOWN: True} if flip_y else {}
-    turned = _turned(shapes, core, flip_y)
+def _geojson(shapes: dict[str, Any], flip_y: bool, _triangles: bool) -> tuple[str, int]:
+    down = {keys.Y_DOWN: True} if flip_y else {}
+    turned = _turned(shapes, flip_y)
     features = [core.exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
     return core.exchange.to_geojson(features), len(shapes)
 
 
-def _engine(shapes: dict[str, Any], core: ModuleType, flip_y: bool, triangles: bool) -> tuple[str, int]:
+def _engine(shapes: dict[str, Any], flip_y: bool, triangles: bool) -> tuple[str, int]:
     """Of the last mesh alone, the outermost."""
     outermost = list(shapes.values())[-1]
     return core.exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles), 1
 
 
-WRITERS: dict[str, Callable[[dict[str, Any], ModuleType, bool, bool], tuple[str, int]]] = {
+WRITERS: dict[str, Callable[[dict[str, Any], bool, bool], tuple[str, int]]] = {
     "SVG": _svg,
     "GEOJSON": _geojson,
     "ENGINE": _engine,
@@ -174,9 +173,9 @@ WRITERS: dict[str, Callable[[dict[str, Any], ModuleType, bool, bool], tuple[str,
 """Text of a file and the number of outlines in it, by kind."""
 
 
-def _turned(shapes: dict[str, Any], core: ModuleType, flip_y: bool) -> dict[str, Any]:
-    return {name: _upside_down(mesh, core) for name, mesh in shapes.items()} if flip_y else shapes
+def _turned(shapes: dict[str, Any], flip_y: bool) -> dict[str, Any]:
+    return {name: _upside_down(mesh) for name, mesh in shapes.items()} if flip_y else shapes
 
 
-def _upside_down(mesh: Any, core: ModuleType) -> Any:
+def _upside_down(mesh: Any) -> Any:
     return core.Mesh(mesh.vertices * (1.0, -1.0) + 0.0, mesh.edges)

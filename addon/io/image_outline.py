@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal
-from ..scene import display, output
+from ..core import core
+from ..errors import UserError
+from ..scene import display, ownership
 
 
 def alpha_of(image: bpy.types.Image) -> NDArray[np.float32]:
-    """Opacity (H, W) of an image, the top row first. Raises: Refusal if there is none."""
+    """Opacity (H, W) of an image, the top row first. Raises: UserError if there is none."""
     width, height = image.size
     if not width or not height:
-        raise Refusal("The image '{name}' has no pixels: its file may be missing", name=image.name)
+        raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
     if image.channels not in (2, 4):
-        raise Refusal(
-            "The image '{name}' has no alpha channel: save it as RGBA, or choose another image", name=image.name
-        )
+        raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
     return pixels.reshape(height, width, image.channels)[::-1, :, -1]
 
 
-def outline(image: bpy.types.Image, vertices: int, core: ModuleType, **options: Any) -> Any:
-    """The core's ``Mesh`` around all opaque pixels, in pixels with y upwards from the bottom. Raises: Refusal.
+def outline(image: bpy.types.Image, vertices: int, **options: Any) -> Any:
+    """The core's ``Mesh`` around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
 
     options: padding, threshold and holes of ``pictures.collision_outline``.
     """
@@ -37,7 +35,7 @@ def outline(image: bpy.types.Image, vertices: int, core: ModuleType, **options: 
         points = found.vertices * (1.0, -1.0) + (0.0, image.size[1])
         return core.Mesh(points, found.edges)
     except core.NestedCagesError as error:
-        raise Refusal("'{name}': {problem}", name=image.name, problem=error) from error
+        raise UserError(f"'{image.name}': {error}") from error
 
 
 def place(
@@ -56,11 +54,11 @@ def place(
     data = bpy.data.meshes.new(name)
     data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), mesh.edges.tolist(), [])
     obj = bpy.data.objects.new(name, data)
-    display.dress(obj, 1)
+    display.apply_display(obj, 1)
     (target.users_collection[0] if target is not None else context.collection).objects.link(obj)
     if target is not None:
         if target.parent is None and not target.constraints:
-            output.copy_transform(target, obj)
+            ownership.copy_transform(target, obj)
         else:
             obj.matrix_world = target.matrix_world
     return obj

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal
+from .. import keys
+from ..core import core
+from ..errors import UserError
 from ..scene.chains import without_doubles
 from ..scene.plane import size
 
 SVG, MAPS = (".svg",), (".geojson", ".json")
-# What features written with y pointing down say of it.
-Y_DOWN = "nested_cages_y_down"
 
 
 @dataclass(frozen=True)
@@ -29,36 +28,36 @@ class Shape:
     y_down: bool
 
 
-def shapes_in(path: Path, core: ModuleType) -> list[Shape]:
-    """The filled area of an SVG, each feature of a GeoJSON, or a collision outline. Raises: Refusal."""
+def shapes_in(path: Path) -> list[Shape]:
+    """The filled area of an SVG, each feature of a GeoJSON, or a collision outline. Raises: UserError."""
     exchange = core.exchange
     try:
         if path.suffix.lower() in SVG:
             return [Shape(path.stem, exchange.read_svg(path), True)]
         if path.suffix.lower() not in MAPS:
-            raise Refusal("'{path}' is no kind of file that is read: choose .svg, .geojson or .json", path=path.name)
+            raise UserError(f"'{path.name}' is no kind of file that is read: choose .svg, .geojson or .json")
         text = path.read_bytes()
         if exchange.is_engine_json(text):
             return [Shape(path.stem, exchange.from_engine_json(text), True)]
         features = exchange.features_from_geojson(text)
     except (core.NestedCagesError, OSError) as error:
-        raise Refusal("'{path}' cannot be read: {problem}", path=path.name, problem=error) from error
+        raise UserError(f"'{path.name}' cannot be read: {error}") from error
     if not features:
-        raise Refusal("'{path}' has no polygons", path=path.name)
+        raise UserError(f"'{path.name}' has no polygons")
     return [
         Shape(
             str(feature.properties.get("name") or feature.properties.get("NAME") or feature.id or path.stem),
             feature.mesh,
-            bool(feature.properties.get(Y_DOWN, False)),
+            bool(feature.properties.get(keys.Y_DOWN, False)),
         )
         for feature in features
     ]
 
 
 def place(
-    context: bpy.types.Context, shapes: list[Shape], *, y_down: bool | None, scale: float, core: ModuleType
+    context: bpy.types.Context, shapes: list[Shape], *, y_down: bool | None, scale: float
 ) -> list[bpy.types.Object]:
-    """New objects of edges, each around its own middle, so that places far away keep their digits. Raises: Refusal.
+    """New objects of edges, each around its own middle, so that places far away keep their digits. Raises: UserError.
 
     y_down: whether y is turned over, None for what is usual in the file; scale: metres of one unit of the file.
     """
@@ -67,7 +66,7 @@ def place(
         turned = shape.y_down if y_down is None else y_down
         points = shape.mesh.vertices * (scale, -scale if turned else scale)
         middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
-        stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops], core)
+        stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops])
         made.append((shape.name, stored, middle))
     objects = []
     for name, mesh, middle in made:
@@ -81,8 +80,8 @@ def place(
     return objects
 
 
-def _stored(name: str, loops: list[NDArray[np.float64]], core: ModuleType) -> Any:
-    """The core's ``Mesh`` of loops (k, 2) in the numbers that Blender stores. Raises: Refusal.
+def _stored(name: str, loops: list[NDArray[np.float64]]) -> Any:
+    """The core's ``Mesh`` of loops (k, 2) in the numbers that Blender stores. Raises: UserError.
 
     Points that float32 cannot tell apart become one, and loops that touch because of it are joined.
     """
@@ -95,7 +94,7 @@ def _stored(name: str, loops: list[NDArray[np.float64]], core: ModuleType) -> An
             mended = core.exchange.solid([core.exchange.Painted(kept, evenodd=True)])
             return core.Mesh.from_loops([_rounded(mended.vertices[loop], extent) for loop in mended.loops])
     except core.NestedCagesError as error:
-        raise Refusal("'{name}' loses detail in Blender's precision: {problem}", name=name, problem=error) from error
+        raise UserError(f"'{name}' loses detail in Blender's precision: {error}") from error
 
 
 def _rounded(loop: NDArray[np.float64], extent: float) -> NDArray[np.float64]:

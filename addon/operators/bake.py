@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..animation import bake
-from ..binding import binding
-from ..errors import Refusal, say
+from ..errors import UserError
+from ..scene import ownership
 from ..scene.selection import OnOutput, collection_of_active
 
 
@@ -15,7 +15,7 @@ class OnAnimation(OnOutput):
 
     @classmethod
     def obstacle(cls, collection: bpy.types.Collection) -> str:
-        if binding.is_bound(collection):
+        if ownership.is_bound(collection):
             return "Unbind the drawing from its cages first: its animation is put aside"
         return "" if bake.is_animated(collection) else "The cages have no animation"
 
@@ -38,10 +38,10 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             action = bake.bake(collection_of_active(context))
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, say("The animation is in the action '{name}'", name=action.name))
+        self.report({"INFO"}, f"The animation is in the action '{action.name}'")
         return {"FINISHED"}
 
 
@@ -56,8 +56,8 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             bake.remove(context.scene, collection_of_active(context))
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 

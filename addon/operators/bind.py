@@ -8,7 +8,7 @@ from bpy.props import EnumProperty
 from ..binding import binding
 from ..binding.deform_modifiers import NAMES, PRISM, SURFACE
 from ..binding.weights import HARMONIC, LINEAR
-from ..errors import Refusal, say
+from ..errors import UserError
 from ..scene import ownership
 from ..scene.selection import OnOutput, collection_of_active, select
 
@@ -33,7 +33,7 @@ class Bindable(OnOutput):
 
     @classmethod
     def obstacle(cls, collection: bpy.types.Collection) -> str:
-        if binding.is_bound(collection) == cls.needs_bound:
+        if ownership.is_bound(collection) == cls.needs_bound:
             return ""
         return "Nothing is bound to these cages" if cls.needs_bound else "These cages are bound already"
 
@@ -52,22 +52,15 @@ class Binding(Bindable):
         collection = collection_of_active(context)
         try:
             made = (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         cage = ownership.members(collection)[-1]
         select(context, cage)
-        worst = max(made.links, key=lambda link: link.affine)
         self.report(
             {"INFO"},
-            say(
-                "Move '{cage}' and the drawing follows; errors {rest:.1e} at rest and {affine:.1e} under affine poses. "
-                "{original}",
-                cage=cage.name,
-                rest=max(link.rest for link in made.links),
-                affine=worst.affine,
-                original=made.original,
-            ),
+            f"Move '{cage.name}' and the drawing follows; errors {max(link.rest for link in made.links):.1e} at rest "
+            f"and {max(link.affine for link in made.links):.1e} under affine poses. {made.original}",
         )
         return {"FINISHED"}
 

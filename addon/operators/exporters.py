@@ -7,7 +7,8 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
-from ..errors import Refusal, load_core, say_count
+from .. import keys
+from ..errors import UserError, counted
 from ..io import exporters
 from ..scene import convert, ownership
 from ..scene.selection import select
@@ -62,13 +63,13 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            core, objects = load_core(), chosen(context)
+            objects = chosen(context)
             if self.shape == "ANIMATED":
-                made = exporters.make_animated(objects, core)
+                made = exporters.make_animated(objects)
             else:
-                made = exporters.make(context, objects, self.shape, self.height, core)
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+                made = exporters.make(context, objects, self.shape, self.height)
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         select(context, *made)
         return {"FINISHED"}
@@ -132,27 +133,25 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             if not self.filepath:
-                raise Refusal("Name the file to write")
-            core = load_core()
+                raise UserError("Name the file to write")
             path = Path(bpy.path.abspath(self.filepath))
-            shapes = exporters.meshes(context, chosen(context), core, world=self.world, scale=self.scale)
-            count = exporters.write(path, self.kind, shapes, core, flip_y=self.flip_y, triangles=self.triangles)
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+            shapes = exporters.meshes(context, chosen(context), world=self.world, scale=self.scale)
+            count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, triangles=self.triangles)
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        sentences = "{count} outline written to {path}", "{count} outlines written to {path}"
-        self.report({"INFO"}, say_count(count, *sentences, path=path.name))
+        self.report({"INFO"}, f"{counted(count, 'outline')} written to {path.name}")
         return {"FINISHED"}
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The selected outlines from the inside out; of a single drawing that has cages, the drawing and all of these."""
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-    if len(selected) == 1 and not selected[0].get(ownership.LEVEL):
+    if len(selected) == 1 and not selected[0].get(keys.LEVEL):
         collection = ownership.collection_about(context.scene, selected[0])
         if collection is not None:
             return ownership.members(collection)
-    return sorted(selected, key=lambda obj: (obj.get(ownership.LEVEL, 0), obj.name))
+    return sorted(selected, key=lambda obj: (obj.get(keys.LEVEL, 0), obj.name))
 
 
 CLASSES = (OBJECT_OT_nested_cages_to_objects, OBJECT_OT_nested_cages_export)

@@ -6,13 +6,15 @@ from typing import Any
 
 import bpy
 
+from .. import keys
 from ..binding import binding, originals
-from ..errors import Refusal, say, say_count
+from ..errors import UserError, counted
+from ..generation import output
 from ..generation.generate import OWN, Generation, Request
 from ..generation.job import TICK, Job, running
 from ..properties import settings as properties
 from ..properties.settings import GenerationProperties
-from ..scene import convert, output, ownership
+from ..scene import convert
 
 
 class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
@@ -60,16 +62,16 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             job = self._prepare(context)
             job.drain()
             return self._write(context.scene, job)
-        except Refusal as refusal:
-            return self._refuse(refusal)
+        except UserError as error:
+            return self._refuse(error)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background or context.window is None:
             return self.execute(context)
         try:
             self._job = self._prepare(context)
-        except Refusal as refusal:
-            return self._refuse(refusal)
+        except UserError as error:
+            return self._refuse(error)
         self._scene_name = context.scene.name
         self._job.start(self.cancel)
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
@@ -81,7 +83,7 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         job = self._job
         if job.cancelled or (event.type == "ESC" and event.value == "PRESS"):
             self.cancel(context)
-            self.report({"INFO"}, say("Nested Cages: cancelled, nothing was changed"))
+            self.report({"INFO"}, "Nested Cages: cancelled, nothing was changed")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
@@ -92,14 +94,14 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             self.cancel(context)
             scene = bpy.data.scenes.get(self._scene_name)
             if scene is None:
-                raise Refusal("The scene of the drawing is gone, so its cages were dropped")
+                raise UserError("The scene of the drawing is gone, so its cages were dropped")
             outcome = self._write(scene, job)
             _show_colours(context)
             _redraw(context)
             return outcome
-        except Refusal as refusal:
+        except UserError as error:
             self.cancel(context)
-            return self._refuse(refusal)
+            return self._refuse(error)
         except Exception:
             self.cancel(context)
             raise
@@ -116,32 +118,31 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         _redraw(context)
 
     def _prepare(self, context: bpy.types.Context) -> Job:
-        """Reads the selection. Raises: Refusal."""
+        """Reads the selection. Raises: UserError."""
         options = properties.options(self)
         with originals.unposed(sources(context)):
             return Job(Generation(requests(context, self), options))
 
     def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:
-        """Puts the results into the scene. Raises: Refusal."""
+        """Puts the results into the scene. Raises: UserError."""
         results = job.generation.results
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
         if gone is not None:
-            raise Refusal("'{name}' was deleted meanwhile, so its cages were dropped", name=gone)
+            raise UserError(f"'{gone}' was deleted meanwhile, so its cages were dropped")
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")
         collections = output.write(scene, results, properties.timing(self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
-            scene.frame_set(max(collection["nested_cages_end"] for collection in collections))
+            scene.frame_set(max(collection[keys.END] for collection in collections))
         for collection, method in bound.items():
             self._bind_again(collection, method)
         cages = [level for result in results for level in result.levels]
         excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
-        sentences = "{count} certified cage; excess {excess}", "{count} certified cages; excess {excess}"
         for note in dict.fromkeys(note for level in cages for note in level.report.notes):
             self.report({"WARNING"}, note)
-        self.report({"INFO"}, say_count(len(cages), *sentences, excess=excess))
+        self.report({"INFO"}, f"{counted(len(cages), 'certified cage')}; excess {excess}")
         return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:
@@ -149,20 +150,16 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         if method:
             try:
                 binding.bind(bpy.context, collection, method)
-            except Refusal as refusal:
-                self.report({"WARNING"}, say("Not bound again: {problem}", problem=refusal))
+            except UserError as error:
+                self.report({"WARNING"}, f"Not bound again: {error}")
 
-    def _refuse(self, refusal: Refusal) -> set[str]:
-        self.report({"ERROR"}, str(refusal))
+    def _refuse(self, error: UserError) -> set[str]:
+        self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 
     def _show(self, context: bpy.types.Context) -> None:
         """Progress in the status bar, and in the panel by drawing it again."""
-        text = say(
-            "Nested Cages {percent:.0f} %  {message}   |   Esc: cancel",
-            percent=100.0 * self._job.fraction,
-            message=self._job.message,
-        )
+        text = f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc: cancel"
         context.workspace.status_text_set(text)
         _redraw(context)
 
@@ -199,19 +196,19 @@ def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def _is_output_of(obj: bpy.types.Object, drawings: list[bpy.types.Object]) -> bool:
-    collection = next((c for c in obj.users_collection if ownership.SOURCE in c), None)
-    return ownership.LEVEL in obj and collection is not None and collection[ownership.SOURCE] in drawings
+    collection = next((c for c in obj.users_collection if keys.SOURCE in c), None)
+    return keys.LEVEL in obj and collection is not None and collection[keys.SOURCE] in drawings
 
 
 def requests(context: bpy.types.Context, values: GenerationProperties) -> list[Request]:
     """What the selection asks for: each drawing with its own cages, all in common ones, or the active one with the
-    others as its levels. Raises: Refusal.
+    others as its levels. Raises: UserError.
     """
     reading = properties.reading_options(values)
     selected, active = sources(context), context.view_layer.objects.active
     if values.use_selected_as_levels:
         if active not in selected or len(selected) < 2:
-            raise Refusal(
+            raise UserError(
                 "'Selected as Levels' needs the drawing as the active object and at least one coarse mesh selected "
                 "beside it"
             )
@@ -222,7 +219,7 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
         alone = sorted((obj for obj in selected if obj not in own), key=lambda obj: obj is not active)
         drawings = [alone] if values.together else [[obj] for obj in alone]
         if not alone:
-            raise Refusal("Select the drawing too: all that is selected is one of its levels")
+            raise UserError("Select the drawing too: all that is selected is one of its levels")
     found = []
     for objects in drawings:
         outlines = [convert.read(context, obj, reading) for obj in objects]
@@ -236,14 +233,14 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
 
 
 def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:
-    """The objects that are levels. Raises: Refusal."""
+    """The objects that are levels. Raises: UserError."""
     objects = []
     for name in properties.own_names(values):
         obj = context.scene.objects.get(name)
         if obj is None:
-            raise Refusal("'{name}' is named as a level but is not in the scene", name=name)
+            raise UserError(f"'{name}' is named as a level but is not in the scene")
         if not convert.readable(obj):
-            raise Refusal("'{name}' is named as a level but has no outline", name=name)
+            raise UserError(f"'{name}' is named as a level but has no outline")
         objects.append(obj)
     return objects
 

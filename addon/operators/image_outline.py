@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from ..errors import Refusal, load_core, say
+from ..errors import UserError
 from ..io import image_outline
 from ..scene.selection import select
 
@@ -74,11 +74,10 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
         try:
             image = bpy.data.images.get(self.image) if self.image else image_outline.image_of(context)
             if image is None:
-                raise Refusal("Choose an image: none is named, and the active object is no image empty")
-            core = load_core()
-            mesh = image_outline.outline(image, self.vertices, core, **{name: getattr(self, name) for name in OPTIONS})
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+                raise UserError("Choose an image: none is named, and the active object is no image empty")
+            mesh = image_outline.outline(image, self.vertices, **{name: getattr(self, name) for name in OPTIONS})
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         active = context.view_layer.objects.active
         shows_it = active is not None and active.type == "EMPTY" and active.data == image
@@ -86,7 +85,7 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
         select(context, obj)
         self.report(
             {"INFO"},
-            say("{count} vertices around all opaque pixels of '{name}'", count=len(mesh.vertices), name=image.name),
+            f"{len(mesh.vertices)} vertices around all opaque pixels of '{image.name}'",
         )
         return {"FINISHED"}
 

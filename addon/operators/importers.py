@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from ..errors import Refusal, load_core, say_count
+from ..errors import UserError, counted
 from ..io import importers
 from ..scene.selection import select
 
@@ -56,18 +56,21 @@ class OBJECT_OT_nested_cages_import(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             if not self.filepath:
-                raise Refusal("Name the file to read")
-            core = load_core()
-            shapes = importers.shapes_in(Path(bpy.path.abspath(self.filepath)), core)
+                raise UserError("Name the file to read")
+            shapes = importers.shapes_in(Path(bpy.path.abspath(self.filepath)))
             y_down = {"AUTO": None, "DOWN": True, "UP": False}[self.y]
-            made = importers.place(context, shapes, y_down=y_down, scale=self.scale, core=core)
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+            made = importers.place(
+                context,
+                shapes,
+                y_down=y_down,
+                scale=self.scale,
+            )
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         select(context, *made)
         count = sum(len(obj.data.vertices) for obj in made)
-        sentences = "{count} outline, {vertices} vertices", "{count} outlines, {vertices} vertices"
-        self.report({"INFO"}, say_count(len(made), *sentences, vertices=count))
+        self.report({"INFO"}, f"{counted(len(made), 'outline')}, {count} vertices")
         return {"FINISHED"}
 
 

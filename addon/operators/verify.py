@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
+from .. import keys
 from ..animation import bake
-from ..binding import binding
-from ..errors import Refusal, load_core, say
+from ..errors import UserError
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
 from ..scene import convert, ownership
 from ..scene.selection import collection_of_active, select
@@ -55,16 +55,16 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
             if self.whole:
                 _refuse_steps(scene, objects)
             with same_frame(scene) if self.whole else nullcontext():
-                findings = (check_animation if self.whole else check)(context, objects, load_core())
+                findings = (check_animation if self.whole else check)(context, objects)
                 at_fault = [obj for obj in objects if _select_faults(context, obj, findings)]
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+        except UserError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for finding in findings:
             cage = next(obj for obj in objects if obj.name == finding.cage)
-            if ownership.LEVEL in cage:
-                cage["nested_cages_check"] = _verdict(finding)
-                cage["nested_cages_finding"] = finding.sentence
+            if keys.LEVEL in cage:
+                cage[keys.CHECK] = _verdict(finding)
+                cage[keys.FINDING] = finding.sentence
         reports = dict.fromkeys((finding.holds, finding.sentence) for finding in findings)
         for holds, sentence in sorted(reports, key=lambda found: not found[0]):
             # The status bar shows the last one: what does not hold.
@@ -75,14 +75,13 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
 
 
 def _refuse_steps(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
-    """Raises: Refusal if cages play how they came about, in which what is inside comes through them on purpose."""
+    """Raises: UserError if cages play how they came about, in which what is inside comes through them on purpose."""
     for obj in objects:
-        collection = ownership.collection_about(scene, obj) if ownership.LEVEL in obj else None
-        if collection is not None and not binding.is_bound(collection) and bake.is_animated(collection):
-            raise Refusal(
-                "'{name}' plays how its cages came about, and there they are crossed on purpose: bind the drawing or "
-                "remove the animation first, or check single frames",
-                name=collection.name,
+        collection = ownership.collection_about(scene, obj) if keys.LEVEL in obj else None
+        if collection is not None and not ownership.is_bound(collection) and bake.is_animated(collection):
+            raise UserError(
+                f"'{collection.name}' plays how its cages came about, and there they are crossed on purpose: "
+                "bind the drawing or remove the animation first, or check single frames"
             )
 
 
@@ -97,10 +96,10 @@ def _verdict(finding: Finding) -> str:
     """What the panel says."""
     first, last = finding.frames
     if not finding.holds:
-        return say("Broken on frame {frame}", frame=last)
+        return f"Broken on frame {last}"
     if first == last:
-        return say("Holds on frame {frame}", frame=last)
-    return say("Holds on {first} – {last}", first=first, last=last)
+        return f"Holds on frame {last}"
+    return f"Holds on {first} – {last}"
 
 
 def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.Object]:
@@ -109,7 +108,7 @@ def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.
     """
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:
-        return sorted(chosen, key=lambda obj: (obj.get(ownership.LEVEL, 0), obj.dimensions.length))
+        return sorted(chosen, key=lambda obj: (obj.get(keys.LEVEL, 0), obj.dimensions.length))
     collection = collection_of_active(context)
     members = ownership.members(collection) if collection is not None else []
     return [obj for obj in members if hidden or not obj.hide_viewport]

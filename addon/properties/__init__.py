@@ -1,1 +1,1 @@
-"""What the user can set: in the panel, for the operator, and as preferences."""
+"""What the user can set: `settings` of the scene and the operator, and `level_list`, their levels one by one."""

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 
-from ..errors import Refusal
+from ..errors import UserError
 from ..generation.generate import OWN, parse_levels
 
 KIND_ITEMS = (
@@ -91,7 +91,7 @@ def fill(settings: Any) -> None:
         return
     try:
         levels = parse_levels(settings.levels)
-    except Refusal:
+    except UserError:
         return
     names = iter(names_of(settings.levels, settings.level_objects))
     _busy.append(settings)

@@ -16,12 +16,12 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..animation.shape_keys import Timing
+from ..animation.timeline import Timing
+from ..generation.choices import REPAIRS, SETTINGS
 from ..generation.generate import Options, parse_levels
+from ..generation.methods import Methods
 from ..scene.convert import ReadingOptions
 from . import level_list
-from .choices import REPAIRS, SETTINGS
-from .methods import Methods
 
 Filled = TypeVar("Filled", ReadingOptions, Timing, Methods)
 # Parts, because any drawing has them; of a text or an imported icon they are some 60 and 24 vertices.
@@ -224,7 +224,7 @@ def _filled(kind: type[Filled], values: GenerationProperties) -> Filled:
 
 
 def options(values: GenerationProperties) -> Options:
-    """What is computed. Raises: Refusal if the levels cannot be read."""
+    """What is computed. Raises: UserError if the levels cannot be read."""
     levels = () if values.use_selected_as_levels else parse_levels(values.levels)
     return Options(levels=levels, clearance=values.clearance, methods=methods(values))
 

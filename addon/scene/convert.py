@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal
+from ..core import core
+from ..errors import UserError
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform
 from .reading import READERS, lines_of
@@ -63,12 +63,12 @@ class Drawing:
         """The object that it was read from, unless that is gone."""
         return next((obj for obj in bpy.data.objects if obj.session_uid == self.identity), None)
 
-    def mesh(self, core: ModuleType) -> Any:
-        """The core's ``Mesh`` of this drawing. Raises: Refusal, with the drawing's name, if the core refuses it."""
+    def mesh(self) -> Any:
+        """The core's ``Mesh`` of this drawing. Raises: UserError, with the drawing's name, if the core refuses it."""
         try:
             return core.Mesh.from_loops(self.loops)
         except core.NestedCagesError as error:
-            raise Refusal("'{name}': {problem}", name=self.name, problem=error) from error
+            raise UserError(f"'{self.name}': {error}") from error
 
 
 def readable(obj: bpy.types.Object) -> bool:
@@ -77,7 +77,7 @@ def readable(obj: bpy.types.Object) -> bool:
 
 
 def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions = ReadingOptions()) -> Outline:
-    """The outline of an object as it is evaluated now. Raises: Refusal."""
+    """The outline of an object as it is evaluated now. Raises: UserError."""
     context.evaluated_depsgraph_get()  # brings the object's matrix up to date
     vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
@@ -85,7 +85,7 @@ def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOpti
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
-    """The outline in its own plane: the object's frame where it can be kept, else a fitted one. Raises: Refusal."""
+    """The outline in its own plane: the object's frame where it can be kept, else a fitted one. Raises: UserError."""
     frame = own_frame(outline.matrix, outline.points)
     if frame is None:
         return drawing_in(fitted_frame(outline.matrix, outline.points), outline, options)
@@ -94,7 +94,7 @@ def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -
 
 
 def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
-    """The outline in a given frame, rounded to float32. Raises: Refusal if it is not in the frame's plane."""
+    """The outline in a given frame, rounded to float32. Raises: UserError if it is not in the frame's plane."""
     loops, off = [], 0.0
     there = np.array_equal(outline.matrix, frame.matrix)
     for loop in outline.loops:
@@ -107,11 +107,9 @@ def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = Reading
         off = max(off, float(np.abs(heights).max()))
     extent = float(np.linalg.norm(np.ptp(np.concatenate(loops), axis=0))) * frame.scale
     if off > PLANARITY * extent and not options.project:
-        raise Refusal(
-            "'{name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, or "
-            "tick 'Project Anyway'",
-            name=outline.name,
-            off=off,
+        raise UserError(
+            f"'{outline.name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, "
+            "or tick 'Project Anyway'"
         )
     return Drawing(outline.name, frame, tuple(loops), outline.identity)
 
@@ -124,30 +122,26 @@ def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
 def _closed_loops(
     obj: bpy.types.Object, vertices: NDArray[np.float32], edges: NDArray[np.int64], options: ReadingOptions
 ) -> tuple[NDArray[np.float32], ...]:
-    """The loops (k, 3) that the edges make, doubled points merged. Raises: Refusal."""
+    """The loops (k, 3) that the edges make, doubled points merged. Raises: UserError."""
     found = chains(edges, len(vertices))
     if len(found.branching):
-        raise Refusal(
-            "'{name}' branches at ({place}): at each point of an outline two edges meet, so separate or delete "
-            "the others",
-            name=obj.name,
-            place=_place(vertices[found.branching[0]]),
+        raise UserError(
+            f"'{obj.name}' branches at ({_place(vertices[found.branching[0]])}): at each point of an outline two edges "
+            "meet, so separate or delete the others"
         )
     # A cyclic spline of two points is one edge to and fro, which Blender shows as one edge.
     opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not _all_cyclic(obj)]
     if opened and not options.close_open:
-        raise _open_refusal(obj, opened)
+        raise _open_error(obj, opened)
     loops = [vertices[line] for line in (*found.closed, *found.opened)]
     if not loops:
-        raise Refusal("'{name}' has no outline: neither edges without faces nor an open boundary", name=obj.name)
+        raise UserError(f"'{obj.name}' has no outline: neither edges without faces nor an open boundary")
     extent = extent_of(loops)
     for number, loop in enumerate(loops):
         loops[number] = without_doubles(loop, extent)
         if len(loops[number]) < SMALLEST_LOOP:
-            raise Refusal(
-                "'{name}' has a loop with fewer than three different points at ({place}): delete it",
-                name=obj.name,
-                place=_place(loop[0]),
+            raise UserError(
+                f"'{obj.name}' has a loop with fewer than three different points at ({_place(loop[0])}): delete it"
             )
     return tuple(loops)
 
@@ -157,16 +151,18 @@ def _all_cyclic(obj: bpy.types.Object) -> bool:
     return obj.type == "CURVE" and all(spline.use_cyclic_u for spline in obj.data.splines)
 
 
-def _open_refusal(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> Refusal:
+def _open_error(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> UserError:
     """Says which line of the object is open, by the number of its spline if that is known."""
     splines = obj.data.splines if obj.type == "CURVE" else ()
     number = next((i for i, spline in enumerate(splines, 1) if not spline.use_cyclic_u), None)
     if number is not None:
-        sentence = "'{name}' is open: make its spline {number} cyclic (Alt C in Edit Mode), or tick 'Close Open Lines'"
-        return Refusal(sentence, name=obj.name, number=number)
+        return UserError(
+            f"'{obj.name}' is open: make its spline {number} cyclic (Alt C in Edit Mode), or tick 'Close Open Lines'"
+        )
     start, end = _place(lines[0][0]), _place(lines[0][-1])
-    sentence = "'{name}' is open: join the ends of its line at ({start}) and ({end}), or tick 'Close Open Lines'"
-    return Refusal(sentence, name=obj.name, start=start, end=end)
+    return UserError(
+        f"'{obj.name}' is open: join the ends of its line at ({start}) and ({end}), or tick 'Close Open Lines'"
+    )
 
 
 def _place(point: NDArray[np.float32]) -> str:

@@ -27,7 +27,7 @@ def colour(level: int) -> tuple[float, float, float, float]:
     return CAGE_COLOURS[(level - 1) % len(CAGE_COLOURS)] if level else FINE_COLOUR
 
 
-def dress(obj: bpy.types.Object, level: int) -> None:
+def apply_display(obj: bpy.types.Object, level: int) -> None:
     """Makes a new output object a wire in front of everything, in the colour of its level."""
     obj.display_type = "WIRE"
     obj.show_in_front = True

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal
+from .. import keys
+from ..core import core
+from ..errors import UserError
 
-# Corners of a prism know the vertex of the cage that they stand over, and how high.
-CORNER, HEIGHT = "nested_cages_corner", "nested_cages_height"
 # Half the height of a prism around a planar drawing, as a part of the cage's size.
 HALF_HEIGHT = 0.1
 
@@ -35,15 +34,15 @@ def loop_edges(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
     return edges[np.bincount(corners, minlength=len(edges)) <= 1].astype(np.int64)
 
 
-def outline(obj: bpy.types.Object, core: ModuleType) -> Any:
-    """The core's ``Mesh`` of a mesh object's own x and y, unposed. Raises: Refusal."""
+def outline(obj: bpy.types.Object) -> Any:
+    """The core's ``Mesh`` of a mesh object's own x and y, unposed. Raises: UserError."""
     try:
         return core.Mesh(points_of(obj.data)[:, :2], loop_edges(obj.data))
     except core.NestedCagesError as error:
-        raise Refusal("'{name}': {problem}", name=obj.name, problem=error) from error
+        raise UserError(f"'{obj.name}': {error}") from error
 
 
-def filled(name: str, points: Points, mesh: Any, core: ModuleType) -> bpy.types.Mesh:
+def filled(name: str, points: Points, mesh: Any) -> bpy.types.Mesh:
     """A new mesh with the points (n, 3), the outline's edges first and then its triangles, which leave holes open."""
     data = bpy.data.meshes.new(name)
     triangles = core.geometry.triangulation.triangulate(mesh).triangles
@@ -62,7 +61,7 @@ def add_faces(data: bpy.types.Mesh, triangles: NDArray[np.int64]) -> None:
     data.validate()
 
 
-def prism(name: str, points: Points, mesh: Any, half_height: float, core: ModuleType) -> bpy.types.Mesh:
+def prism(name: str, points: Points, mesh: Any, half_height: float) -> bpy.types.Mesh:
     """A new closed mesh: the filled outline (n, 3) below and above its plane, and walls between; normals point out."""
     count = len(points)
     raised = np.array([0.0, 0.0, half_height])
@@ -72,9 +71,9 @@ def prism(name: str, points: Points, mesh: Any, half_height: float, core: Module
     data = bpy.data.meshes.new(name)
     faces = [*below[:, ::-1].tolist(), *(below + count).tolist(), *walls.tolist()]
     data.from_pydata(np.concatenate([points - raised, points + raised]).tolist(), [], faces)
-    corner = data.attributes.new(CORNER, "INT", "POINT")
+    corner = data.attributes.new(keys.CORNER, "INT", "POINT")
     corner.data.foreach_set("value", np.tile(start, 2).astype(np.int32))
-    height = data.attributes.new(HEIGHT, "FLOAT", "POINT")
+    height = data.attributes.new(keys.HEIGHT, "FLOAT", "POINT")
     height.data.foreach_set("value", np.repeat([-half_height, half_height], count).astype(np.float32))
     data.update()
     return data

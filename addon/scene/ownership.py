@@ -4,38 +4,68 @@ from __future__ import annotations
 
 import bpy
 
-# Custom properties that say where an output comes from, and which level an object of it is; 0 is the fine mesh.
-SOURCE = "nested_cages_source"
-LEVEL = "nested_cages_level"
+from .. import keys
+
+# What a transform consists of; copying these keeps the exact numbers, which a matrix would round.
+TRANSFORM = (
+    "rotation_mode",
+    "location",
+    "rotation_euler",
+    "rotation_quaternion",
+    "rotation_axis_angle",
+    "scale",
+    "delta_location",
+    "delta_rotation_euler",
+    "delta_rotation_quaternion",
+    "delta_scale",
+)
+
+
+def level_of(obj: bpy.types.Object) -> int | None:
+    """The level of an output object, 0 for the fine mesh; None for other objects."""
+    level = keys.integer(obj, keys.LEVEL) if obj.type == "MESH" else None
+    return level if level is not None and level >= 0 else None
+
+
+def is_bound(collection: bpy.types.Collection) -> bool:
+    """Whether the cages of an output collection move what is in them."""
+    return bool(keys.text(collection, keys.BOUND))
 
 
 def collection_of(scene: bpy.types.Scene, source: bpy.types.Object) -> bpy.types.Collection | None:
     """The collection that holds the output of an object, if there is one in the scene."""
-    return next((c for c in scene.collection.children_recursive if c.get(SOURCE) == source), None)
+    return next((c for c in scene.collection.children_recursive if c.get(keys.SOURCE) == source), None)
 
 
 def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
     """The output that an object belongs to or is the source of."""
-    if LEVEL in obj:
-        return next((c for c in obj.users_collection if SOURCE in c), None)
+    if level_of(obj) is not None:
+        return next((c for c in obj.users_collection if keys.SOURCE in c), None)
     return collection_of(scene, obj)
 
 
 def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
     """The object that an output was made of; None if it has been deleted, even though the collection knows it still."""
-    source = collection.get(SOURCE)
+    source = keys.block(collection, keys.SOURCE, bpy.types.Object)
     return source if source is not None and source.users_scene else None
 
 
 def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | None:
     """The object of a level in an output collection; level 0 is the fine mesh."""
-    return next((o for o in collection.objects if o.get(LEVEL) == level), None)
+    return next((o for o in collection.objects if level_of(o) == level), None)
 
 
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """All output objects of a collection, the fine mesh first; copies that the user made of them do not count."""
     found: dict[int, bpy.types.Object] = {}
     for obj in collection.objects:
-        if LEVEL in obj:
-            found.setdefault(obj[LEVEL], obj)
+        level = level_of(obj)
+        if level is not None:
+            found.setdefault(level, obj)
     return [found[level] for level in sorted(found)]
+
+
+def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Copies the exact transform of an object to another one."""
+    for channel in TRANSFORM:
+        setattr(target, channel, getattr(source, channel))

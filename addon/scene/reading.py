@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Refusal
+from ..errors import UserError
 
 
 class Lines(NamedTuple):
@@ -22,15 +22,15 @@ class Lines(NamedTuple):
 
 
 def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int = 0) -> Lines:
-    """The lines of an object as it is evaluated now, or the selected ones of a mesh in Edit Mode. Raises: Refusal.
+    """The lines of an object as it is evaluated now, or the selected ones of a mesh in Edit Mode. Raises: UserError.
 
     resolution: segments between two control points of a curve, 0 = the curve's own.
     """
     if obj.type == "MESH" and obj.mode == "EDIT":
         return _selected_edges(obj)
     if obj.type not in READERS:
-        raise Refusal(
-            "'{name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh", name=obj.name
+        raise UserError(
+            f"'{obj.name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh"
         )
     with READERS[obj.type](context, obj, resolution) as subject:
         return _evaluated_lines(context, subject)
@@ -140,12 +140,12 @@ def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines
 
 
 def _selected_edges(obj: bpy.types.Object) -> Lines:
-    """The selected edges of a mesh in Edit Mode, of selected faces only the border. Raises: Refusal if none is."""
+    """The selected edges of a mesh in Edit Mode, of selected faces only the border. Raises: UserError if none is."""
     mesh = bmesh.from_edit_mesh(obj.data)
     mesh.verts.index_update()
     faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]
     chosen = [edge for edge, count in zip(mesh.edges, faces, strict=True) if count == 1 or (count == 0 and edge.select)]
     if not chosen:
-        raise Refusal("'{name}' is in Edit Mode without selected edges: select the loops of the drawing", name=obj.name)
+        raise UserError(f"'{obj.name}' is in Edit Mode without selected edges: select the loops of the drawing")
     vertices = np.array([vertex.co for vertex in mesh.verts], dtype=np.float32)
     return Lines(vertices, np.array([[vertex.index for vertex in edge.verts] for edge in chosen], dtype=np.int64))

@@ -1,1 +1,1 @@
-"""Panels and the manual; they read and never compute."""
+"""What users see besides operators: `panels` in the sidebar, the add-on's `preferences`, and `manual`, the F1 pages."""

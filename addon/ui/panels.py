@@ -6,13 +6,13 @@ import textwrap
 
 import bpy
 
-from ..binding import binding
-from ..errors import say
+from .. import keys
+from ..generation import output
 from ..generation.job import running
 from ..presets import NESTEDCAGES_PT_presets
 from ..properties import settings as properties
 from ..properties.settings import copy_values, timing
-from ..scene import output, ownership
+from ..scene import ownership
 from ..scene.selection import collection_of_active
 
 CATEGORY = "Nested Cages"
@@ -105,7 +105,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
         for obj in ownership.members(collection):
             box = layout.box().column(align=True)
-            icon = "MOD_MESHDEFORM" if obj[ownership.LEVEL] else "MESH_DATA"
+            icon = "MOD_MESHDEFORM" if obj[keys.LEVEL] else "MESH_DATA"
             box.label(text=obj.name, icon=icon, translate=False)
             for label, text in _readout(obj):
                 row = box.split(factor=0.45)
@@ -115,7 +115,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
                 box.label(text=line, translate=False)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
-        if binding.is_bound(collection):
+        if ownership.is_bound(collection):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
 
 
@@ -131,7 +131,7 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        if binding.is_bound(collection_of_active(context)):
+        if ownership.is_bound(collection_of_active(context)):
             row = layout.row(align=True)
             row.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
             row.operator("object.nested_cages_unbind", icon="UNLINKED")
@@ -165,7 +165,7 @@ def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
     frames = output.length(collection, timing(scene.nested_cages)) if collection is not None else None
     if frames is not None:
         seconds = frames * scene.render.fps_base / scene.render.fps
-        layout.label(text=say("Length as before: {frames} frames, {seconds:.1f} s", frames=frames, seconds=seconds))
+        layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
 
 
 class NESTEDCAGES_UL_levels(bpy.types.UIList):
@@ -179,24 +179,24 @@ class NESTEDCAGES_UL_levels(bpy.types.UIList):
 
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """Label and value of what is stored on an output object."""
-    rows = [("Vertices", str(obj.get("nested_cages_vertices", "")))]
-    if obj[ownership.LEVEL]:
+    rows = [("Vertices", str(obj.get(keys.VERTICES, "")))]
+    if obj[keys.LEVEL]:
         rows += [
-            ("Excess", f"{100.0 * obj['nested_cages_excess']:.2f} %"),
-            ("Clearance", f"{obj['nested_cages_clearance']:.3g}"),
-            ("Time", f"{obj['nested_cages_seconds']:.2f} s"),
+            ("Excess", f"{100.0 * obj[keys.EXCESS]:.2f} %"),
+            ("Clearance", f"{obj[keys.CLEARANCE]:.3g}"),
+            ("Time", f"{obj[keys.SECONDS]:.2f} s"),
         ]
-        if "nested_cages_end" in obj:
-            rows.append(("Frames", f"{obj['nested_cages_flow_start']} – {obj['nested_cages_end']}"))
-        if "nested_cages_check" in obj:
-            rows.append(("Check", obj["nested_cages_check"]))
+        if keys.END in obj:
+            rows.append(("Frames", f"{obj[keys.FLOW_START]} – {obj[keys.END]}"))
+        if keys.CHECK in obj:
+            rows.append(("Check", obj[keys.CHECK]))
     return rows
 
 
 def _notes(obj: bpy.types.Object) -> list[str]:
     """Lines of what is said about an output object in whole sentences."""
-    sentences = [say("Follows by {link}", link=obj["nested_cages_link"])] if "nested_cages_link" in obj else []
-    sentences.append(obj.get("nested_cages_notes", ""))
+    sentences = [f"Follows by {obj[keys.LINK]}"] if keys.LINK in obj else []
+    sentences.append(obj.get(keys.NOTES, ""))
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
 
 

@@ -35,15 +35,15 @@ def level(addon):
 
 
 def test_levels_play_one_after_the_other(addon, level) -> None:
-    timing = addon.animation.shape_keys.Timing(start_frame=10, frames_per_step=PER_STEP)
-    first, second = addon.animation.shape_keys.spans([level, level], timing)
+    timing = addon.animation.timeline.Timing(start_frame=10, frames_per_step=PER_STEP)
+    first, second = addon.animation.timeline.spans([level, level], timing)
     assert (first.flow, first.reinflation, first.tightening, first.end) == (10, 22, 38, 42)
     assert second.flow == first.end + PER_STEP
     assert second.end - second.flow == first.end - first.flow
 
 
 def test_without_the_flow_the_animation_starts_at_the_reinflation(addon, level) -> None:
-    (span,) = addon.animation.shape_keys.spans([level], addon.animation.shape_keys.Timing(5, PER_STEP, show_flow=False))
+    (span,) = addon.animation.timeline.spans([level], addon.animation.timeline.Timing(5, PER_STEP, show_flow=False))
     assert (span.flow, span.reinflation, span.end) == (5, 5, 5 + (STEPS - 1 - FLOW_END) * PER_STEP)
 
 
@@ -105,11 +105,11 @@ def test_an_object_is_hidden_until_its_frame(addon) -> None:
 
 def test_markers_are_taken_back_once_each(addon, level) -> None:
     scene = bpy.context.scene
-    timing = addon.animation.shape_keys.Timing(1, PER_STEP)
-    mine = addon.animation.shape_keys.add_markers(scene, addon.animation.shape_keys.spans([level], timing))
-    addon.animation.shape_keys.add_markers(scene, addon.animation.shape_keys.spans([level], timing))
+    timing = addon.animation.timeline.Timing(1, PER_STEP)
+    mine = addon.animation.timeline.add_markers(scene, addon.animation.timeline.spans([level], timing))
+    addon.animation.timeline.add_markers(scene, addon.animation.timeline.spans([level], timing))
     assert [name for name, _ in mine] == ["Flow 1", "Reinflation 1", "Tightening 1"]
-    addon.animation.shape_keys.remove_markers(scene, mine)
+    addon.animation.timeline.remove_markers(scene, mine)
     assert sorted((marker.name, marker.frame) for marker in scene.timeline_markers) == sorted(mine)
 
 

@@ -107,7 +107,7 @@ def test_the_method_chosen_is_exact_where_triangles_are_thin(extension, core) ->
     twice = np.stack([tips, beside], axis=1).reshape(-1, 2)  # as cages have them at sharp tips
     outline = core.Mesh.from_loops([twice])
     points = np.column_stack([outline.vertices, np.zeros(len(twice))])
-    cage = add("Cage", filling.filled("Cage", points, outline, core))
+    cage = add("Cage", filling.filled("Cage", points, outline))
     best = following.link(bpy.context, inner, cage, "AUTO")
     assert best.method == "HARMONIC"
     assert best.rest <= 1e-5
@@ -330,7 +330,7 @@ def test_a_binding_that_fails_half_way_changes_nothing(extension, addon, monkeyp
 
     def second_fails(context, inner, cage, method):
         if cage.name.endswith("2"):
-            raise addon.errors.Refusal("It does not hold")
+            raise addon.errors.UserError("It does not hold")
         return made(context, inner, cage, method)
 
     monkeypatch.setattr(following, "link", second_fails)
@@ -386,7 +386,7 @@ def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> No
     binding = sys.modules[f"{extension.__name__}.addon.binding.binding"]
 
     def refused(*_) -> None:
-        raise addon.errors.Refusal("It does not hold")
+        raise addon.errors.UserError("It does not hold")
 
     monkeypatch.setattr(binding, "bind", refused)
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}

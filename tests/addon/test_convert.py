@@ -153,7 +153,7 @@ def test_curves_without_a_mesh_of_their_own_are_read(addon, make) -> None:
 @pytest.mark.parametrize("make", [hair, grease_pencil])
 def test_open_strokes_are_refused_or_closed(addon, make) -> None:
     obj = make("Strokes", [star()], cyclic=False)
-    with pytest.raises(addon.errors.Refusal, match="'Strokes' is open: join the ends"):
+    with pytest.raises(addon.errors.UserError, match="'Strokes' is open: join the ends"):
         read(addon, obj)
     assert len(read(addon, obj, close_open=True).loops[0]) == 60
 
@@ -200,7 +200,7 @@ def test_in_edit_mode_selected_loops_are_read(addon) -> None:
     assert [len(loop) for loop in read(addon, obj).loops] == [10]
     for edge in mesh.edges:
         edge.select_set(False)
-    with pytest.raises(addon.errors.Refusal, match="'Wire' is in Edit Mode without selected edges"):
+    with pytest.raises(addon.errors.UserError, match="'Wire' is in Edit Mode without selected edges"):
         read(addon, obj)
 
 
@@ -313,7 +313,7 @@ def test_a_refusal_names_the_object_and_leaves_everything(addon, name) -> None:
     obj = make(addon)
     bpy.context.view_layer.update()
     before = snapshot()
-    with pytest.raises(addon.errors.Refusal, match="^" + sentence.replace("(", r"\(")):
+    with pytest.raises(addon.errors.UserError, match="^" + sentence.replace("(", r"\(")):
         read(addon, obj)
     assert snapshot() == before
 
@@ -323,7 +323,7 @@ def test_a_branching_mesh_is_refused_with_the_place(addon) -> None:
     mesh.from_pydata(
         [*raised(circle(6)).tolist(), (0.0, 0.0, 0.0)], [(i, (i + 1) % 6) for i in range(6)] + [(0, 6), (6, 3)], []
     )
-    with pytest.raises(addon.errors.Refusal, match=r"'Theta' branches at \(1, 0, 0\)"):
+    with pytest.raises(addon.errors.UserError, match=r"'Theta' branches at \(1, 0, 0\)"):
         read(addon, add("Theta", mesh))
 
 

@@ -28,7 +28,7 @@ def test_levels_are_counts_or_percentages(addon, text, levels) -> None:
 
 @pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3"])
 def test_other_texts_are_refused(addon, text) -> None:
-    with pytest.raises(addon.errors.Refusal, match="Levels are vertex counts such as 64, 24"):
+    with pytest.raises(addon.errors.UserError, match="Levels are vertex counts such as 64, 24"):
         addon.generation.generate.parse_levels(text)
 
 
@@ -43,7 +43,7 @@ def request(addon, loops, name="Drawing"):
     [((24, 9), (24, 9)), ((50.0, 10.0), (30, 6)), ((1.0,), (6,)), ((100.0, 60), (60, 60))],
 )
 def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon, levels, counts) -> None:
-    fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh(addon.errors.load_core())
+    fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh()
     assert addon.generation.generate.counts(levels, fine, "Drawing") == counts
 
 
@@ -52,25 +52,25 @@ def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon,
     [
         ((61,), "a level of 61 vertices is more than the 60 of the drawing"),
         ((20, 21), "a level of 21 vertices is more than the 20 of the level before it"),
-        ((5,), "a level of 5 is too small for its 2 loops"),
+        ((5,), "a level of 5 is too small: its 2 loops need three"),
     ],
 )
 def test_levels_go_down_but_not_below_three_per_loop(addon, levels, sentence) -> None:
     options = addon.generation.generate.Options(levels=levels)
-    with pytest.raises(addon.errors.Refusal, match="^'Drawing': " + sentence):
+    with pytest.raises(addon.errors.UserError, match="^'Drawing': " + sentence):
         addon.generation.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
 
 
 def test_a_drawing_that_crosses_itself_is_refused_by_name(addon) -> None:
     eight = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
-    with pytest.raises(addon.errors.Refusal, match=r"^'Eight': "):
+    with pytest.raises(addon.errors.UserError, match=r"^'Eight': "):
         addon.generation.generate.Generation(
             [request(addon, [eight], "Eight")], addon.generation.generate.Options(levels=(3,))
         )
 
 
 def test_without_levels_there_is_nothing_to_do(addon) -> None:
-    with pytest.raises(addon.errors.Refusal, match="vertex count for at least one level"):
+    with pytest.raises(addon.errors.UserError, match="vertex count for at least one level"):
         addon.generation.generate.Generation([request(addon, [circle(48)])], addon.generation.generate.Options())
 
 
@@ -93,13 +93,13 @@ def test_progress_goes_up_to_one_over_all_drawings(addon) -> None:
 @pytest.mark.parametrize("decimation", ["ON_CURVE", "OUTER_HULL", "ARC_LENGTH"])
 def test_every_way_to_make_coarse_meshes_is_certified_as_stored(addon, core, decimation) -> None:
     options = addon.generation.generate.Options(
-        levels=(20, 10), methods=addon.properties.methods.Methods(decimation=decimation)
+        levels=(20, 10), methods=addon.generation.methods.Methods(decimation=decimation)
     )
     generation = addon.generation.generate.Generation([request(addon, [star()])], options)
     for _ in generation:
         pass
     (result,) = generation.results
-    inner = result.drawing.mesh(core)
+    inner = result.drawing.mesh()
     clearance = 1e-5 * inner.diagonal
     for level in result.levels:
         cage = core.Mesh(level.cage.astype(float), level.cage_edges)
@@ -115,7 +115,7 @@ def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> No
     for _ in generation:
         pass
     (level,) = generation.results[0].levels
-    fine = generation.results[0].drawing.mesh(core)
+    fine = generation.results[0].drawing.mesh()
     assert core.verify(core.Mesh(level.cage.astype(float), level.cage_edges), fine, 1e-6 * fine.diagonal).holds
 
 

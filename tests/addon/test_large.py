@@ -50,8 +50,8 @@ def result(addon):
 def test_a_large_drawing_is_written_saved_and_loaded(addon, tmp_path) -> None:
     made = result(addon)
     (level,) = made.levels
-    timing = addon.animation.shape_keys.Timing(1, 2)
-    (collection,) = addon.scene.output.write(bpy.context.scene, [made], timing)
+    timing = addon.animation.timeline.Timing(1, 2)
+    (collection,) = addon.generation.output.write(bpy.context.scene, [made], timing)
     end = collection["nested_cages_end"]
     assert end == 1 + 2 * (STEPS - 1)
     path = str(tmp_path / "large.blend")

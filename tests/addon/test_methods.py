@@ -60,13 +60,13 @@ PRESETS = ROOT / "addon" / "presets" / "nested_cages"
 
 
 def choices(addon):
-    return [(name, key) for name, setting in addon.properties.choices.SETTINGS.items() for key in setting.choices]
+    return [(name, key) for name, setting in addon.generation.choices.SETTINGS.items() for key in setting.choices]
 
 
 def test_the_table_is_complete(addon) -> None:
     expansion = {("expansion_energy", key) for name, key in EXPECTED if name == "energy"}
     assert set(choices(addon)) == set(EXPECTED) | expansion | {("expansion_energy", "SAME")}
-    for setting in addon.properties.choices.SETTINGS.values():
+    for setting in addon.generation.choices.SETTINGS.values():
         for key, name, description in setting.items:
             assert key.isupper() and name and len(description) > 15, (key, name)
             assert not description.endswith("."), key  # Blender adds it
@@ -75,22 +75,22 @@ def test_the_table_is_complete(addon) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "key"), EXPECTED)
 def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, key) -> None:
-    methods = addon.properties.methods.Methods(**WITH.get(name, {}) | {name: key})
+    methods = addon.generation.methods.Methods(**WITH.get(name, {}) | {name: key})
     methods.check()
-    settings = methods.settings(core, 1)
+    settings = methods.settings(1)
     owner = {"quadrature": settings.flow, "step_filter": settings.contact, "broad_phase": settings.contact}
     assert repr(getattr(owner.get(name, settings), name)).startswith(EXPECTED[name, key])
 
 
 def test_untouched_they_are_the_core_s_own(addon, core) -> None:
-    assert addon.properties.methods.Methods(decimation="OUTER_HULL").settings(core, 1) == core.Settings()
-    assert addon.properties.methods.Methods().settings(core, 2) == core.Settings()
+    assert addon.generation.methods.Methods(decimation="OUTER_HULL").settings(1) == core.Settings()
+    assert addon.generation.methods.Methods().settings(2) == core.Settings()
     assert bpy.context.scene.nested_cages.contact == "AUTOMATIC"
-    assert addon.properties.settings.methods(bpy.context.scene.nested_cages) == addon.properties.methods.Methods()
+    assert addon.properties.settings.methods(bpy.context.scene.nested_cages) == addon.generation.methods.Methods()
 
 
 def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon, core) -> None:
-    paper = addon.properties.methods.Methods(
+    paper = addon.generation.methods.Methods(
         contact="PAPER", repairs=frozenset(), tighten=False, fall_back=False, starts=1
     )
     plain = core.Settings(
@@ -107,37 +107,37 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
         assert settings.tightening.iterations == 0
         return replace(settings, tightening=plain.tightening)
 
-    assert without_tightening(paper.settings(core, 1)) == plain
-    exact = replace(paper, repairs=frozenset({"PARITY"})).settings(core, 1)
+    assert without_tightening(paper.settings(1)) == plain
+    exact = replace(paper, repairs=frozenset({"PARITY"})).settings(1)
     assert exact.flow.exact_parity and exact.contact.repairs == core.Repairs(parity=True)
-    finite = replace(paper, repairs=frozenset({"FINITE"})).settings(core, 1)
+    finite = replace(paper, repairs=frozenset({"FINITE"})).settings(1)
     assert finite.solver.refuse_infinite and finite.contact == plain.contact
-    home = replace(paper, repairs=frozenset({"HOME"})).settings(core, 1)
+    home = replace(paper, repairs=frozenset({"HOME"})).settings(1)
     assert home.contact.repairs == core.Repairs(exact_home=True)
     # One improvement at a time: a partner that is set stays.
     others = {"solver": "PROJECTED_NEWTON", "step_filter": "TIME_OF_IMPACT", "broad_phase": "CELLS"}
     newton = replace(paper, **others, flow="TWO_SIDED")
-    settings = newton.settings(core, 1)
+    settings = newton.settings(1)
     assert settings.solver == core.ProjectedNewton() and settings.flow == core.TwoSidedFlow()
     assert settings.contact == core.PaperContact(step_filter=core.TimeOfImpact(), broad_phase=core.UniformGrid())
 
 
 def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:
-    methods = addon.properties.methods.Methods(contact="VELOCITY_FILTER")
-    assert methods.settings(core, 1).expansion_energy == core.NoEnergy()
-    assert replace(methods, expansion_energy="SAME").settings(core, 1).expansion_energy is None
-    assert addon.properties.methods.Methods().settings(core, 1).expansion_energy is None
+    methods = addon.generation.methods.Methods(contact="VELOCITY_FILTER")
+    assert methods.settings(1).expansion_energy == core.NoEnergy()
+    assert replace(methods, expansion_energy="SAME").settings(1).expansion_energy is None
+    assert addon.generation.methods.Methods().settings(1).expansion_energy is None
 
 
 @pytest.mark.parametrize(
     ("chosen", "sentence"),
     [
-        ({"step_filter": "NONE"}, "'Step Filter' has no part .* Contact › IPC, Contact › The Paper's"),
-        ({"contact": "SEQUENTIAL_QP", "broad_phase": "CELLS"}, "'Broad Phase' has no part"),
-        ({"contact": "SEQUENTIAL_QP", "solver": "GRADIENT_DESCENT"}, "'Solver' has no part"),
-        ({"contact": "VELOCITY_FILTER", "solver": "PROJECTED_NEWTON"}, "'Solver' has no part"),
-        ({"contact": "SEQUENTIAL_QP", "expansion_energy": "AREA"}, "'While Growing' has no part"),
-        ({"quadrature": "MIDPOINT"}, "'Quadrature' has no part .* choose Flow › Signed Distance"),
+        ({"step_filter": "NONE"}, "'Step Filter' does not apply .* Contact › IPC, Contact › The Paper's"),
+        ({"contact": "SEQUENTIAL_QP", "broad_phase": "CELLS"}, "'Broad Phase' does not apply"),
+        ({"contact": "SEQUENTIAL_QP", "solver": "GRADIENT_DESCENT"}, "'Solver' does not apply"),
+        ({"contact": "VELOCITY_FILTER", "solver": "PROJECTED_NEWTON"}, "'Solver' does not apply"),
+        ({"contact": "SEQUENTIAL_QP", "expansion_energy": "AREA"}, "'While Growing' does not apply"),
+        ({"quadrature": "MIDPOINT"}, "'Quadrature' does not apply .* choose Flow › Signed Distance"),
     ],
 )
 def test_what_nothing_would_use_is_refused(addon, chosen, sentence) -> None:
@@ -145,12 +145,12 @@ def test_what_nothing_would_use_is_refused(addon, chosen, sentence) -> None:
     with pytest.raises(RuntimeError, match=sentence):
         bpy.ops.object.nested_cages_generate(levels="12", **chosen)
     assert [obj.name for obj in bpy.data.objects] == ["Drawing"]
-    dimmed = addon.properties.methods.Methods(**chosen)
+    dimmed = addon.generation.methods.Methods(**chosen)
     assert not all(dimmed.has_use_for(name) for name in chosen)
 
 
 def test_what_is_dimmed_follows_the_contact(addon) -> None:
-    methods = addon.properties.methods.Methods
+    methods = addon.generation.methods.Methods
     dependent = ("repairs", "solver", "step_filter", "broad_phase", "expansion_energy", "quadrature")
 
     def used(**chosen):
@@ -179,7 +179,7 @@ def test_each_choice_makes_a_certified_cage(addon, name, key) -> None:
 
 @pytest.mark.parametrize("option", [{"tighten": False}, {"starts": 1}, {"fall_back": False}])
 def test_other_advanced_settings_reach_the_core(addon, core, option) -> None:
-    settings = addon.properties.methods.Methods(**option).settings(core, 1)
+    settings = addon.generation.methods.Methods(**option).settings(1)
     assert (settings.tightening.iterations == 0) == ("tighten" in option)
     assert (settings.starts == 1) == ("starts" in option)
     assert (settings.fallback is None) == ("fall_back" in option)
@@ -234,6 +234,6 @@ def test_presets_that_come_along_set_all_that_makes_a_cage(addon, path) -> None:
         if isinstance(target, ast.Attribute)
     }
     expected = {"levels", "use_selected_as_levels", "together", "clearance", "show_flow"} | set(
-        addon.properties.methods.Methods.__dataclass_fields__
+        addon.generation.methods.Methods.__dataclass_fields__
     )
     assert assigned == expected

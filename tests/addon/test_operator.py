@@ -328,7 +328,7 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
         "first level": (addon.animation.shape_keys, "add_steps", 1),
         "second level": (addon.animation.visibility, "hide_until", 2),
         "second drawing": (addon.animation.shape_keys, "add_steps", 4),
-        "markers": (addon.animation.shape_keys, "add_markers", 2),
+        "markers": (addon.animation.timeline, "add_markers", 2),
         "thickness": (addon.scene.display, "set_thickness", 4),
     }[place]
     real, countdown = getattr(room, name), itertools.count(1)
@@ -525,7 +525,7 @@ def test_a_fault_while_writing_leaves_nothing_behind(addon, monkeypatch) -> None
     def fault(*_):
         raise MemoryError("no room")
 
-    monkeypatch.setattr(addon.animation.shape_keys, "add_markers", fault)
+    monkeypatch.setattr(addon.animation.timeline, "add_markers", fault)
     with pytest.raises(RuntimeError, match="no room"):
         generate()
     assert snapshot() == before

@@ -15,7 +15,7 @@ FLOW_END, TIGHTENING, LAST, PER_STEP = 3, 7, 12, 4
 
 @pytest.fixture
 def level(addon):
-    return addon.animation.shape_keys.StoredPhases(FLOW_END, TIGHTENING, LAST)
+    return addon.animation.timeline.StoredPhases(FLOW_END, TIGHTENING, LAST)
 
 
 def generate(**properties):
@@ -27,9 +27,9 @@ def generate(**properties):
 
 @pytest.mark.parametrize("show_flow", [True, False])
 def test_easing_keeps_the_frames_of_the_phases(addon, level, show_flow) -> None:
-    eased = addon.animation.shape_keys.Timing(10, PER_STEP, show_flow, ease=True)
-    (span,) = addon.animation.shape_keys.spans([level], eased)
-    frames = addon.animation.shape_keys.step_frames(level, span, eased)
+    eased = addon.animation.timeline.Timing(10, PER_STEP, show_flow, ease=True)
+    (span,) = addon.animation.timeline.spans([level], eased)
+    frames = addon.animation.timeline.step_frames(level, span, eased)
     first = 0 if show_flow else FLOW_END
     assert len(frames) == LAST + 1 - first
     assert (np.diff(frames) > 0.0).all()
@@ -42,9 +42,9 @@ def test_easing_keeps_the_frames_of_the_phases(addon, level, show_flow) -> None:
 
 
 def test_eased_steps_are_on_their_frames_and_linear_between(addon, level) -> None:
-    timing = addon.animation.shape_keys.Timing(1, PER_STEP, ease=True)
-    (span,) = addon.animation.shape_keys.spans([level], timing)
-    frames = addon.animation.shape_keys.step_frames(level, span, timing)
+    timing = addon.animation.timeline.Timing(1, PER_STEP, ease=True)
+    (span,) = addon.animation.timeline.spans([level], timing)
+    frames = addon.animation.timeline.step_frames(level, span, timing)
     rng = np.random.default_rng(2)
     steps = (circle(12)[None] * rng.uniform(0.5, 1.5, (LAST + 1, 1, 1))).astype(np.float32)
     obj = wire("Object", [steps[-1]])
@@ -102,8 +102,8 @@ def test_the_length_is_known_for_other_timings(addon) -> None:
     poly_curve("Drawing", [star()])
     collection, _, _ = generate()
     for timing, show_flow, loop_back in itertools.product((1, 3), (True, False), (True, False)):
-        wanted = addon.animation.shape_keys.Timing(5, timing, show_flow, loop_back=loop_back)
-        told = addon.scene.output.length(collection, wanted)
+        wanted = addon.animation.timeline.Timing(5, timing, show_flow, loop_back=loop_back)
+        told = addon.generation.output.length(collection, wanted)
         bpy.context.scene.frame_end = 6
         generate(start_frame=5, frames_per_step=timing, show_flow=show_flow, loop_back=loop_back)
         assert bpy.context.scene.frame_end == 5 + told - 1

@@ -6,11 +6,11 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 
-from ..ui import panels
-from .settings import GenerationProperties, copy_values
+from ..properties.settings import GenerationProperties, copy_values
+from . import panels
 
 # The extension's package, whatever name Blender gave it.
-PACKAGE = __package__.removesuffix(".addon.properties")
+PACKAGE = __package__.removesuffix(".addon.ui")
 
 
 def _move_panels(preferences: NestedCagesPreferences, _context: bpy.types.Context) -> None:

@@ -7,10 +7,10 @@ a use for it is refused.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Any
 
-from ..errors import Refusal, say
+from ..core import core
+from ..errors import UserError
 from .choices import AUTOMATIC, CONTACTS, REPAIRS, SETTINGS, Choice
 
 
@@ -47,13 +47,12 @@ class Methods:
         return replace(self, **chosen)
 
     def check(self) -> None:
-        """Raises: Refusal for what is set although no chosen method has a use for it."""
+        """Raises: UserError for what is set although no chosen method has a use for it."""
         for name, setting in SETTINGS.items():
             if setting.automatic is not None and getattr(self, name) != AUTOMATIC and not self.has_use_for(name):
-                raise Refusal(
-                    "'{setting}' has no part in the methods chosen: set it to Automatic, or choose {methods}",
-                    setting=say(setting.name),
-                    methods=", ".join(_users(name)),
+                raise UserError(
+                    f"'{setting.name}' does not apply to the chosen methods: set it to Automatic, or choose "
+                    f"{', '.join(_users(name))}"
                 )
 
     def has_use_for(self, name: str) -> bool:
@@ -61,16 +60,16 @@ class Methods:
         full = self.with_partners()
         return name not in PARTS or any(name in full._choice(other).uses for other in SETTINGS)
 
-    def part(self, name: str, core: ModuleType, level: int = 1) -> Any:
+    def part(self, name: str, level: int = 1) -> Any:
         """The core's object for one of the settings, none of which is automatic, on a level, the first being 1."""
         choice = self._choice(name)
-        return (choice.make if level == 1 or choice.later is None else choice.later)(core, self)
+        return (choice.make if level == 1 or choice.later is None else choice.later)(self)
 
-    def settings(self, core: ModuleType, level: int) -> Any:
+    def settings(self, level: int) -> Any:
         """The core's ``Settings`` for a level, the first being 1."""
         chosen = self.with_partners()
         return core.Settings(
-            **{name: chosen.part(name, core, level) for name in OF_THE_CORE},
+            **{name: chosen.part(name, level) for name in OF_THE_CORE},
             tightening=core.Tightening() if self.tighten else core.Tightening(iterations=0),
             starts=self.starts,
             fallback=core.OuterHull() if self.fall_back else None,
@@ -90,7 +89,7 @@ OF_THE_CORE = ("decimation", "energy", "contact", "expansion_energy", "flow", "s
 def _users(name: str) -> list[str]:
     """Names of the methods that have a use for a setting, with what they are."""
     return [
-        f"{say(setting.name)} › {say(choice.name)}"
+        f"{setting.name} › {choice.name}"
         for setting in SETTINGS.values()
         for choice in setting.choices.values()
         if name in choice.uses

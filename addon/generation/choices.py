@@ -7,16 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from .methods import Methods
+from ..core import core
 
 AUTOMATIC = "AUTOMATIC"
 Items = tuple[tuple[str, str, str], ...]
-# Makes the object from the core and the other chosen methods.
-Make = Callable[[ModuleType, "Methods"], Any]
+
+
+class Chosen(Protocol):
+    """All chosen methods, of which a method may need parts."""
+
+    @property
+    def repairs(self) -> frozenset[str]: ...
+
+    def part(self, name: str, /) -> Any:
+        """The core's object for one of the settings."""
+
+
+# Makes the core's object, from the other chosen methods if it needs any.
+Make = Callable[[Chosen], Any]
 
 
 @dataclass(frozen=True)
@@ -61,79 +71,77 @@ DECIMATIONS = {
         "On the Curve",
         "Coarse meshes start on the drawing, so that it is seen to shrink, and to push them out while it grows back; "
         "further levels start from the outer hull",
-        lambda core, _: core.OnCurve(),
-        later=lambda core, _: core.OuterHull(),  # from outside, so that the cage before need not shrink again
+        lambda _: core.OnCurve(),
+        later=lambda _: core.OuterHull(),  # from outside, so that the cage before need not shrink again
     ),
     "OUTER_HULL": Choice(
         "Outer Hull",
         "Coarse meshes start outside of the drawing, which need not shrink: the tightest cages",
-        lambda core, _: core.OuterHull(),
+        lambda _: core.OuterHull(),
     ),
     "ARC_LENGTH": Choice(
         "Even Resampling",
         "Coarse vertices lie on the drawing at equal distances along it, on every level",
-        lambda core, _: core.ArcLength(),
+        lambda _: core.ArcLength(),
     ),
     "DOUGLAS_PEUCKER": Choice(
         "Douglas-Peucker",
         "Keeps the vertices of the drawing that stand out most, as for maps and angular drawings",
-        lambda core, _: core.DouglasPeucker(),
+        lambda _: core.DouglasPeucker(),
     ),
     "VISVALINGAM": Choice(
         "Visvalingam",
         "Drops the vertices of the drawing that span least area, as for maps and rounded drawings",
-        lambda core, _: core.Visvalingam(),
+        lambda _: core.Visvalingam(),
     ),
     "EDGE_COLLAPSE": Choice(
         "Edge Collapse",
         "Merges neighbours by quadric error, as the decimation of meshes does: near the drawing, within and without",
-        lambda core, _: core.EdgeCollapse(),
+        lambda _: core.EdgeCollapse(),
     ),
     "LEVEL_SET": Choice(
         "Level Set",
         "The closest contour around the drawing that still encloses it with so few vertices: Simple Nested Cages. "
         "Where holes would close or parts merge, it starts from the outer hull",
-        lambda core, _: core.LevelSet(),
+        lambda _: core.LevelSet(),
     ),
     "LEVEL_SET_MERGING": Choice(
         "Level Set, Merging",
         "The same contour, but holes may close and parts may merge: for very few vertices around many parts",
-        lambda core, _: core.LevelSet(change_loops=True),
+        lambda _: core.LevelSet(change_loops=True),
     ),
 }
 
 ENERGIES = {
-    "AREA": Choice("Least Area", "As tight as the number of vertices allows", lambda core, _: core.Area()),
+    "AREA": Choice("Least Area", "As tight as the number of vertices allows", lambda _: core.Area()),
     "SHAPE_KEEPING": Choice(
         "Keep Shape",
         "Tight, but straight stays straight, level stays level and symmetric symmetric",
-        lambda core, _: core.ShapeKeeping(),
+        lambda _: core.ShapeKeeping(),
     ),
     "INITIAL_DISPLACEMENT": Choice(
-        "Least Motion", "As close to the coarse mesh as can be", lambda core, _: core.InitialDisplacement()
+        "Least Motion", "As close to the coarse mesh as can be", lambda _: core.InitialDisplacement()
     ),
     "STEP_DISPLACEMENT": Choice(
         "Least Step",
         "Moves as little as can be from each step to the next, and forgets where it came from",
-        lambda core, _: core.StepDisplacement(),
+        lambda _: core.StepDisplacement(),
     ),
     "BOUNDARY_ARAP": Choice(
         "Rigid Outline",
         "The outline of the coarse mesh bends and stretches as little as can be",
-        lambda core, _: core.BoundaryARAP(),
+        lambda _: core.BoundaryARAP(),
     ),
     "INTERIOR_ARAP": Choice(
         "Rigid Inside",
         "What is inside the coarse mesh bends and stretches as little as can be",
-        lambda core, _: core.InteriorARAP(),
+        lambda _: core.InteriorARAP(),
     ),
-    "NONE": Choice(
-        "None", "Moves only where contact pushes it: loose, for comparisons", lambda core, _: core.NoEnergy()
-    ),
+    "NONE": Choice("None", "Moves only where contact pushes it: loose, for comparisons", lambda _: core.NoEnergy()),
 }
 
 EXPANSION_ENERGIES = {
-    "SAME": Choice("Same Energy", "What the finished cage minimises as well", lambda core, _: None),
+    "SAME": Choice("Same Energy", "What the finished cage minimises as well", lambda _: None),
     **ENERGIES,
 }
 
@@ -142,26 +150,24 @@ CONTACTS = {
         "Automatic",
         "IPC for small drawings and sequential quadratic programs for large ones, each backed by the other: for "
         "everyday use",
-        lambda core, _: None,
+        lambda _: None,
         uses=("expansion_energy", "solver"),
     ),
     "IPC": Choice(
         "IPC",
         "Barriers that adapt to the gaps push the cage out: smooth motion, for small and middling drawings",
-        lambda core, chosen: core.IPC(
-            step_filter=chosen.part("step_filter", core), broad_phase=chosen.part("broad_phase", core)
-        ),
+        lambda chosen: core.IPC(step_filter=chosen.part("step_filter"), broad_phase=chosen.part("broad_phase")),
         uses=("expansion_energy", "solver", "step_filter", "broad_phase"),
     ),
     "SEQUENTIAL_QP": Choice(
         "Sequential QP",
         "The cage gives way by quadratic programs with few long steps: the quickest for large drawings",
-        lambda core, _: core.SequentialQP(),
+        lambda _: core.SequentialQP(),
     ),
     "VELOCITY_FILTER": Choice(
         "Velocity Filter",
         "The contact of Nested Cages of 2015: velocities that would collide are corrected. For comparisons",
-        lambda core, _: core.VelocityFilter(),
+        lambda _: core.VelocityFilter(),
         uses=("expansion_energy",),
         partners={"expansion_energy": "NONE"},
     ),
@@ -169,10 +175,10 @@ CONTACTS = {
         "The Paper's",
         "Barriers as in Augmenting Nested Cages with IPC of 2022, with repairs by choice: slow and loose, for "
         "comparisons",
-        lambda core, chosen: core.PaperContact(
+        lambda chosen: core.PaperContact(
             repairs=core.Repairs(parity="PARITY" in chosen.repairs, exact_home="HOME" in chosen.repairs),
-            step_filter=chosen.part("step_filter", core),
-            broad_phase=chosen.part("broad_phase", core),
+            step_filter=chosen.part("step_filter"),
+            broad_phase=chosen.part("broad_phase"),
         ),
         uses=("expansion_energy", "solver", "step_filter", "broad_phase", "repairs"),
         partners={
@@ -188,18 +194,18 @@ FLOWS = {
     "TWO_SIDED": Choice(
         "Two-sided",
         "Looks from both boundaries, keeps the drawing's shape and says where it cannot get in: for everyday use",
-        lambda core, _: core.TwoSidedFlow(),
+        lambda _: core.TwoSidedFlow(),
     ),
     "SIGNED_DISTANCE": Choice(
         "Signed Distance",
         "The papers' flow down the distance to the coarse mesh, with the quadrature below and exact tests",
-        lambda core, chosen: core.SignedDistanceFlow(quadrature=chosen.part("quadrature", core)),
+        lambda chosen: core.SignedDistanceFlow(quadrature=chosen.part("quadrature")),
         uses=("quadrature",),
     ),
     "PAPER": Choice(
         "The Paper's",
         "The flow of the paper's program with its step and its test of parity, with repairs by choice. For comparisons",
-        lambda core, chosen: core.PaperFlow(exact_parity="PARITY" in chosen.repairs),
+        lambda chosen: core.PaperFlow(exact_parity="PARITY" in chosen.repairs),
         uses=("repairs",),
     ),
 }
@@ -208,27 +214,27 @@ QUADRATURES = {
     "QUADRATIC_FALL_OFF": Choice(
         "Fall-off",
         "Four samples whose weight falls off from the vertex: the paper's",
-        lambda core, _: core.QuadraticFallOff(),
+        lambda _: core.QuadraticFallOff(),
     ),
     "MIDPOINT": Choice(
         "Midpoints",
         "One sample in the middle of each edge: that of Nested Cages of 2015",
-        lambda core, _: core.Midpoint(),
+        lambda _: core.Midpoint(),
     ),
-    "GAUSS_1": Choice("Gauss, 1 Point", "One Gauss point per edge", lambda core, _: core.GaussLegendre(1)),
-    "GAUSS_2": Choice("Gauss, 2 Points", "Two Gauss points per edge", lambda core, _: core.GaussLegendre(2)),
-    "GAUSS_3": Choice("Gauss, 3 Points", "Three Gauss points per edge", lambda core, _: core.GaussLegendre(3)),
-    "EVEN": Choice("Even Samples", "Four evenly spaced samples per edge", lambda core, _: core.EvenSamples()),
+    "GAUSS_1": Choice("Gauss, 1 Point", "One Gauss point per edge", lambda _: core.GaussLegendre(1)),
+    "GAUSS_2": Choice("Gauss, 2 Points", "Two Gauss points per edge", lambda _: core.GaussLegendre(2)),
+    "GAUSS_3": Choice("Gauss, 3 Points", "Three Gauss points per edge", lambda _: core.GaussLegendre(3)),
+    "EVEN": Choice("Even Samples", "Four evenly spaced samples per edge", lambda _: core.EvenSamples()),
 }
 
 SOLVERS = {
     "PROJECTED_NEWTON": Choice(
-        "Projected Newton", "Second derivatives: a handful of steps", lambda core, _: core.ProjectedNewton()
+        "Projected Newton", "Second derivatives: a handful of steps", lambda _: core.ProjectedNewton()
     ),
     "GRADIENT_DESCENT": Choice(
         "Gradient Descent",
         "A hundred steps downhill, as the paper does: slow, for comparisons",
-        lambda core, chosen: core.GradientDescent(refuse_infinite="FINITE" in chosen.repairs),
+        lambda chosen: core.GradientDescent(refuse_infinite="FINITE" in chosen.repairs),
         uses=("repairs",),
     ),
 }
@@ -237,28 +243,26 @@ STEP_FILTERS = {
     "TIME_OF_IMPACT": Choice(
         "Time of Impact",
         "Up to the first contact, from quadratic equations: the longest safe steps",
-        lambda core, _: core.TimeOfImpact(),
+        lambda _: core.TimeOfImpact(),
     ),
     "SMALLEST_DISTANCE": Choice(
         "Smallest Distance",
         "By the smallest distance that is known: safe without equations, but short steps",
-        lambda core, _: core.SmallestDistance(),
+        lambda _: core.SmallestDistance(),
     ),
     "NONE": Choice(
         "None",
         "Any step, as the paper does; what passes through a contact is refused in the end",
-        lambda core, _: core.NoFilter(),
+        lambda _: core.NoFilter(),
     ),
 }
 
 BROAD_PHASES = {
-    "CELLS": Choice(
-        "Uniform Grid", "Pairs near each other, kept while little moves", lambda core, _: core.UniformGrid()
-    ),
+    "CELLS": Choice("Uniform Grid", "Pairs near each other, kept while little moves", lambda _: core.UniformGrid()),
     "ALL_PAIRS": Choice(
         "All Pairs",
         "Every point with every edge, as the paper does: slow, for comparisons",
-        lambda core, _: core.AllPairs(),
+        lambda _: core.AllPairs(),
     ),
 }
 

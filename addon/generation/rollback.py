@@ -8,29 +8,15 @@ from typing import Any
 
 import bpy
 
+from .. import keys
 from ..animation import shape_keys
-from ..animation.visibility import HIDING, Hiding, take_hiding
-from . import display
-from .ownership import LEVEL, members
-
-# What a transform consists of; setting these copies the very numbers, which a matrix would round.
-TRANSFORM = (
-    "rotation_mode",
-    "location",
-    "rotation_euler",
-    "rotation_quaternion",
-    "rotation_axis_angle",
-    "scale",
-    "delta_location",
-    "delta_rotation_euler",
-    "delta_rotation_quaternion",
-    "delta_scale",
-)
-# What all of our custom properties begin with.
-PREFIX = "nested_cages_"
+from ..animation.shape_keys import remove_mesh
+from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
+from ..scene import display
+from ..scene.ownership import TRANSFORM, level_of, members
 
 
-class Replaced:
+class Rollback:
     """The scene's frames and the output collections as they are now, to be restored or to be finished with."""
 
     def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
@@ -46,13 +32,13 @@ class Replaced:
 
     def set_aside(self, obj: bpy.types.Object) -> None:
         """Takes what we gave an object's animation away, and the names of its mesh, which is about to be replaced."""
-        keys = obj.data.shape_keys
-        for block in (obj.data, keys, _action(keys)):
+        shapes = obj.data.shape_keys
+        for block in (obj.data, shapes, _action(shapes)):
             self._rename(block)
-        hiding = take_hiding(obj)
-        if hiding.action is not None and not hiding.kept:
-            self._rename(hiding.action)
-        next(member for member in self._members if member.obj == obj).hiding = hiding
+        visibility = detach(obj)
+        if visibility.action is not None and not visibility.kept:
+            self._rename(visibility.action)
+        next(member for member in self._members if member.obj == obj).visibility = visibility
 
     def drop(self, obj: bpy.types.Object) -> None:
         """This object is not needed any more once all is done."""
@@ -64,7 +50,7 @@ class Replaced:
         for obj in self._surplus:
             shape_keys.remove_animation(obj)
             bpy.data.objects.remove(obj)
-        actions = {member.hiding.action for member in self._members if member.hiding is not None}
+        actions = {member.visibility.action for member in self._members if member.visibility is not None}
         for action in actions | {value for value in kept if isinstance(value, bpy.types.Action)}:
             if action is not None and action.users == 0:
                 bpy.data.actions.remove(action)
@@ -96,7 +82,7 @@ class Replaced:
         """Frees the name of a data-block for the one that replaces it."""
         if block is not None:
             self._names.append((block, block.name))
-            block.name = f"{PREFIX}{len(self._names)}"
+            block.name = f"{keys.PREFIX}{len(self._names)}"
 
 
 @dataclass(eq=False)
@@ -109,27 +95,21 @@ class _Member:
         obj, modifier = self.obj, self.obj.modifiers.get(display.THICKNESS)
         self.name, self.mesh = obj.name, obj.data
         self.transform = {name: _plain(getattr(obj, name)) for name in TRANSFORM}
-        self.hidden = {name: getattr(obj, name) for name in HIDING}
+        self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
         self.properties = _properties(obj)
+        self.level = level_of(obj) or 0
         self.radius = 0.0 if modifier is None else display.get_input(modifier, "Radius")
-        self.hiding: Hiding | None = None
+        self.visibility: VisibilityAnimation | None = None
 
     def restore(self) -> None:
         obj = self.obj
         obj.data = self.mesh
-        for name, value in (self.transform | self.hidden).items():
+        for name, value in (self.transform | self.visibility_values).items():
             setattr(obj, name, value)
-        if self.hiding is not None:
-            self.hiding.give_back(obj)
-        display.set_thickness(obj, self.properties[LEVEL], 2.0 * self.radius)
+        if self.visibility is not None:
+            self.visibility.restore(obj)
+        display.set_thickness(obj, self.level, 2.0 * self.radius)
         _set_properties(obj, self.properties)
-
-
-def remove_mesh(mesh: bpy.types.Mesh) -> None:
-    """Removes a mesh that nothing uses any more, with the actions of its shape keys."""
-    if mesh.users == 0:
-        shape_keys.remove_animation(mesh.shape_keys)
-        bpy.data.meshes.remove(mesh)
 
 
 def _everything() -> Iterator[bpy.types.ID]:
@@ -146,14 +126,12 @@ def _action(owner: Any) -> bpy.types.Action | None:
 
 def _properties(owner: bpy.types.ID) -> dict[str, Any]:
     """Our custom properties of a data-block."""
-    return {name: _plain(value) for name, value in owner.items() if name.startswith(PREFIX)}
+    return {key: _plain(owner[key]) for key in keys.ours(owner)}
 
 
 def _set_properties(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
-    for name in [name for name in owner.keys() if name.startswith(PREFIX) and name not in properties]:  # noqa: SIM118
-        del owner[name]
-    for name, value in properties.items():
-        owner[name] = value
+    keys.remove(owner, [key for key in keys.ours(owner) if key not in properties])
+    keys.store(owner, properties)
 
 
 def _plain(value: Any) -> Any:

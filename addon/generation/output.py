@@ -1,0 +1,210 @@
+"""Results to objects: one collection per drawing with its fine mesh and one object per cage, replacing what was there
+from before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from .. import keys
+from ..animation import shape_keys, timeline, visibility
+from ..animation.timeline import Span, StoredPhases, Timing
+from ..errors import UserError
+from ..scene import display
+from ..scene.ownership import collection_of, copy_transform, level_of, member, members
+from .generate import CageLevel, Result
+from .rollback import Rollback
+
+
+def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
+    """Frames that the steps of an output would play with other timing, or None if it has none."""
+    stored = [StoredPhases.of(cage) for cage in members(collection)[1:]]
+    phases = [found for found in stored if found is not None]
+    if not stored or len(phases) < len(stored):
+        return None
+    return timeline.last_frame(timeline.spans(phases, timing), timing) - timing.start_frame + 1
+
+
+def write(
+    scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
+) -> list[bpy.types.Collection]:
+    """Writes the output of each drawing. Raises: UserError, before anything is changed, if earlier output cannot be
+    replaced.
+    """
+    earlier = [_earlier(scene, result) for result in results]
+    for collection in earlier:
+        _check_replaceable(collection)
+    rollback = Rollback(scene, (collection for collection in earlier if collection is not None))
+    try:
+        collections = [
+            _write_one(scene, result, timing, collection, rollback)
+            for result, collection in zip(results, earlier, strict=True)
+        ]
+        for result, collection in zip(results, collections, strict=True):
+            for obj in members(collection):
+                display.set_thickness(obj, level_of(obj) or 0, thickness / result.drawing.frame.scale)
+    except BaseException:
+        rollback.restore()
+        raise
+    rollback.finish()
+    return collections
+
+
+def _earlier(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
+    """The output that the result will replace."""
+    source = result.drawing.source
+    return collection_of(scene, source) if source is not None else None
+
+
+def _check_replaceable(collection: bpy.types.Collection | None) -> None:
+    for obj in members(collection) if collection else ():
+        if obj.mode != "OBJECT":
+            raise UserError(f"'{obj.name}' is about to be replaced but is being edited: go back to Object Mode first")
+        if not obj.is_editable:
+            raise UserError(f"'{obj.name}' cannot be replaced because it is linked from another file")
+
+
+def _write_one(
+    scene: bpy.types.Scene,
+    result: Result,
+    timing: Timing,
+    collection: bpy.types.Collection | None,
+    rollback: Rollback,
+) -> bpy.types.Collection:
+    """Writes one output into its collection, a new one if there is none."""
+    source, first = result.drawing.source, result.levels[0]
+    name = source.name if source is not None else result.drawing.name
+    if collection is None:
+        collection = bpy.data.collections.new(f"{name} Cages")
+        scene.collection.children.link(collection)
+    for obj in members(collection):
+        rollback.set_aside(obj)
+    _rename(collection, name)
+    timeline.restore_scene(scene, collection)
+    played = timeline.spans(result.levels, timing)
+
+    fine = _member_with_mesh(collection, 0, f"{name} Fine", first.fine_edges, first.fine_steps[-1], result)
+    _play(fine, first.fine_steps, first, played, timing, 1)
+    keys.store(fine, {keys.LEVEL: 0, keys.VERTICES: len(fine.data.vertices)})
+    for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
+        cage = _member_with_mesh(
+            collection,
+            number,
+            f"{name} Cage {number}",
+            level.cage_edges,
+            level.cage,
+            result,
+        )
+        _play(cage, level.cage_steps, level, played, timing, number)
+        if number < len(result.levels):
+            inner = result.levels[number]
+            _play(cage, inner.fine_steps, inner, played, timing, number + 1, from_rest=True)
+        gone = timeline.mirrored(span.flow, played[-1].end, timing)
+        visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
+        keys.store(cage, _facts(result, level, span, number))
+    for surplus in members(collection)[len(result.levels) + 1 :]:
+        rollback.drop(surplus)
+
+    if source is not None:
+        collection[keys.SOURCE] = source
+    keys.store(collection, {keys.NAME: name, keys.LEVELS: len(result.levels), keys.END: played[-1].end})
+    timeline.extend_scene(scene, collection, played, timing)
+    return collection
+
+
+def _play(
+    obj: bpy.types.Object,
+    steps: NDArray[np.float32],
+    level: CageLevel,
+    played: Sequence[Span],
+    timing: Timing,
+    number: int,
+    *,
+    from_rest: bool = False,
+) -> None:
+    """Animates the steps of the level of that number on one object."""
+    shown = steps if timing.show_flow else steps[level.flow_end :]
+    frames = timeline.step_frames(level, played[number - 1], timing)
+    back = timeline.mirrored(frames, played[-1].end, timing) if timing.loop_back else None
+    shape_keys.add_steps(obj, shown, frames, f"Level {number}", back=back, from_rest=from_rest)
+
+
+def _member_with_mesh(
+    collection: bpy.types.Collection,
+    level: int,
+    name: str,
+    edges: NDArray[np.int64],
+    vertices: NDArray[np.float32],
+    result: Result,
+) -> bpy.types.Object:
+    """The collection's object of a level with a new mesh that lies where the drawing does; the object is kept if there
+    is one.
+    """
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(vertices))
+    mesh.edges.add(len(edges))
+    mesh.vertices.foreach_set("co", result.drawing.frame.points(vertices).astype(np.float32).ravel())
+    mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
+    mesh.update()
+    obj = member(collection, level)
+    if obj is None:
+        obj = bpy.data.objects.new(name, mesh)
+        obj[keys.LEVEL] = level
+        collection.objects.link(obj)
+        display.apply_display(obj, level)
+    else:
+        obj.data = mesh
+    _place(obj, result)
+    return obj
+
+
+def _place(obj: bpy.types.Object, result: Result) -> None:
+    """Puts the object where the drawing is; with the very numbers of the source's transform if that can be."""
+    source = result.drawing.source
+    stands_there = source is not None and np.array_equal(np.array(source.matrix_world), result.drawing.frame.matrix)
+    if result.drawing.frame.own and stands_there and source.parent is None and not source.constraints:
+        copy_transform(source, obj)
+    else:
+        obj.matrix_world = Matrix(result.drawing.frame.matrix.tolist())
+
+
+def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:
+    """What the panel and other programs can read from a cage; lengths are those of the scene."""
+    certificate, report = level.certificate, level.report
+    clearance = certificate.clearance * result.drawing.frame.scale
+    loops = "all loops kept" if certificate.loops_kept else "with loops of its own"
+    sentence = (
+        f"Certified as stored: simple, {loops}, strictly encloses level {number - 1}; clearance {clearance:.3g}, "
+        f"excess {100.0 * certificate.excess:.2f} %"
+    )
+    return {
+        keys.LEVEL: number,
+        keys.VERTICES: len(level.cage),
+        keys.CLEARANCE: clearance,
+        keys.EXCESS: float(certificate.excess),
+        keys.BEGINS_FROM: str(report.start),
+        keys.SECONDS: float(sum(report.seconds.values())),
+        keys.NOTES: "; ".join(report.notes),
+        keys.FLOW_START: span.flow,
+        keys.REINFLATION_START: span.reinflation,
+        keys.TIGHTENING_START: span.tightening,
+        keys.END: span.end,
+        keys.PHASES: [level.flow_end, level.tightening, level.last],
+        keys.CERTIFICATE: sentence,
+    }
+
+
+def _rename(collection: bpy.types.Collection, name: str) -> None:
+    """Names an output after its drawing again if that was renamed; names that the user gave stay."""
+    before = keys.text(collection, keys.NAME)
+    if before in ("", name):
+        return
+    for block in (collection, *members(collection)):
+        if block.name.startswith(f"{before} "):
+            block.name = name + block.name.removeprefix(before)

@@ -1,0 +1,122 @@
+"""Names of the custom properties and attributes that the add-on stores in files, and typed access to them.
+
+Files of earlier versions hold these names, so they never change. Files of strangers may hold anything under them: a
+value of another type counts as absent.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, TypeVar
+
+import bpy
+
+# All custom properties begin with this.
+PREFIX = "nested_cages_"
+
+# Of an output collection: the object it was made from, the name that object had, the number of levels, the markers
+# (JSON: pairs of name and frame), the scene's last frame before and after, and the method that it is bound by.
+SOURCE = "nested_cages_source"
+NAME = "nested_cages_name"
+LEVELS = "nested_cages_levels"
+MARKERS = "nested_cages_markers"
+FRAME_END = "nested_cages_frame_end"
+BOUND = "nested_cages_bound"
+
+# Of its objects: the level, 0 for the fine mesh, and the number of vertices. Of cages: the certificate and report.
+LEVEL = "nested_cages_level"
+VERTICES = "nested_cages_vertices"
+CLEARANCE = "nested_cages_clearance"
+EXCESS = "nested_cages_excess"
+BEGINS_FROM = "nested_cages_begins_from"
+SECONDS = "nested_cages_seconds"
+NOTES = "nested_cages_notes"
+CERTIFICATE = "nested_cages_certificate"
+# The result of Verify Cages: in a few words, and as a sentence.
+CHECK = "nested_cages_check"
+FINDING = "nested_cages_finding"
+# When a cage plays its phases, in frames, the last one also of a collection; and which steps they begin with.
+FLOW_START = "nested_cages_flow_start"
+REINFLATION_START = "nested_cages_reinflation_start"
+TIGHTENING_START = "nested_cages_tightening_start"
+END = "nested_cages_end"
+PHASES = "nested_cages_phases"
+
+# Of bound objects: mesh, action and transform before they were bound, and how they follow.
+STORED_MESH = "nested_cages_mesh"
+STORED_ACTION = "nested_cages_action"
+STORED_STATE = "nested_cages_before"
+LINK = "nested_cages_link"
+# Of the original object: the collection that it follows.
+FOLLOWS = "nested_cages_follows"
+# Of hidden helper objects: what they show, and how high or thick.
+HELPER = "nested_cages_helper"
+SURFACE_OF = "nested_cages_surface"
+PRISM_OF = "nested_cages_prism"
+PRISM_HEIGHT = "nested_cages_high"
+LINES_OF = "nested_cages_lines_of"
+LINE_THICKNESS = "nested_cages_thickness"
+
+# Attributes of meshes. A prism's corner: the cage's vertex below it, and its height. A bound vertex: its position when
+# bound, its offset since, and its weights, one attribute per vertex of the cage.
+CORNER = "nested_cages_corner"
+HEIGHT = "nested_cages_height"
+REST = "nested_cages_rest"
+EDIT = "nested_cages_edit"
+WEIGHT = "nested_cages_weight_"
+
+# Property of GeoJSON features with y pointing down.
+Y_DOWN = "nested_cages_y_down"
+
+Block = TypeVar("Block", bound=bpy.types.ID)
+
+
+def integer(owner: bpy.types.ID, key: str) -> int | None:
+    """A whole number."""
+    value = owner.get(key)
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+
+def number(owner: bpy.types.ID, key: str) -> float | None:
+    """A finite number."""
+    value = owner.get(key)
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
+
+
+def text(owner: bpy.types.ID, key: str) -> str:
+    """A text, empty if there is none."""
+    value = owner.get(key)
+    return value if isinstance(value, str) else ""
+
+
+def numbers(owner: bpy.types.ID, key: str, count: int) -> tuple[float, ...] | None:
+    """So many finite numbers."""
+    value = owner.get(key)
+    found = list(value) if hasattr(value, "__len__") and not isinstance(value, str | bytes) else []
+    good = len(found) == count and all(isinstance(x, int | float) and math.isfinite(x) for x in found)
+    return tuple(float(x) for x in found) if good else None
+
+
+def block(owner: bpy.types.ID, key: str, kind: type[Block]) -> Block | None:
+    """A data-block of a kind."""
+    value = owner.get(key)
+    return value if isinstance(value, kind) else None
+
+
+def store(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
+    """Sets custom properties."""
+    for key, value in properties.items():
+        owner[key] = value
+
+
+def remove(owner: bpy.types.ID, names: Iterable[str]) -> None:
+    """Removes custom properties, those that are there."""
+    for key in names:
+        if key in owner:
+            del owner[key]
+
+
+def ours(owner: bpy.types.ID) -> list[str]:
+    """Names of the add-on's custom properties of a data-block."""
+    return [key for key in owner.keys() if key.startswith(PREFIX)]  # noqa: SIM118 - an ID is no mapping
