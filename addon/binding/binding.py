@@ -7,6 +7,7 @@ that they had are kept and come back when they are unbound.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,10 +19,14 @@ from .. import keys
 from ..animation.shape_keys import remove_mesh
 from ..core import core
 from ..errors import UserError
+from ..generation.job import Progress, Work, completed
 from ..scene import display, filling, ownership
 from ..scene.plane import PLANARITY, size, transform
 from . import deform_modifiers, node_groups, originals
 from .deform_modifiers import Link
+
+# What the job says.
+STAGE = "binding"
 
 
 @dataclass(frozen=True)
@@ -32,32 +37,35 @@ class Binding:
     original: str
 
 
-def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Binding:
+def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Work[Binding]:
     """Makes every level of an output collection follow the next one. Raises: UserError, leaving all as it was."""
     levels = _levels(context, collection)
-    for obj in levels:
-        _park(obj)
-    context.view_layer.update()
+    yield Progress(0.0, STAGE)
     try:
+        for obj in levels:
+            _park(obj)
+        context.view_layer.update()
         _fill(levels)
-        return _connect(context, collection, levels, method)
+        return (yield from _connect(context, collection, levels, method))
     except BaseException:
         unbind(collection)
         raise
 
 
-def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Binding:
+def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Work[Binding]:
     """Binds anew, cages and drawing as their vertices and transforms are now. Raises: UserError.
 
     What follows goes back to its own shape first. If the cages do not enclose what is in them like that, nothing is
-    changed.
+    changed. It can be cancelled up to the first change.
     """
     levels = _levels(context, collection)
-    for inner, cage in pairwise(levels):
+    for done, (inner, cage) in enumerate(pairwise(levels)):
+        yield Progress(done / len(levels), f"checking '{cage.name}'")
         _check_enclosed(inner, cage)
+    yield Progress(1.0 - 1.0 / len(levels), STAGE)
     _disconnect(collection, levels)
     _fill(levels)
-    return _connect(context, collection, levels, method)
+    return completed(_connect(context, collection, levels, method))
 
 
 def unbind(collection: bpy.types.Collection) -> None:
@@ -66,8 +74,7 @@ def unbind(collection: bpy.types.Collection) -> None:
     _disconnect(collection, levels)
     for obj in levels:
         _unpark(obj)
-    if keys.BOUND in collection:
-        del collection[keys.BOUND]
+    keys.remove(collection, [keys.BOUND])
 
 
 def forget(collection: bpy.types.Collection) -> str:
@@ -79,17 +86,16 @@ def forget(collection: bpy.types.Collection) -> str:
     levels = ownership.members(collection)
     _disconnect(collection, levels, lines_back=False)
     for obj in levels:
-        mesh, action = obj.get(keys.STORED_MESH), obj.get(keys.STORED_ACTION)
-        for name in (keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE):
-            if name in obj:
-                del obj[name]
+        mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
+        action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)
+        keys.remove(obj, [keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE])
         if mesh is not None:
             remove_mesh(mesh)
         if action is not None and action.users == 0:
             bpy.data.actions.remove(action)
-    method = collection[keys.BOUND]
-    del collection[keys.BOUND]
-    return str(method)
+    method = keys.text(collection, keys.BOUND)
+    keys.remove(collection, [keys.BOUND])
+    return method
 
 
 def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -108,7 +114,8 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
 
 def _park(obj: bpy.types.Object) -> None:
     """Gives an object a copy of its mesh without shape keys and takes its own action away, and keeps both for later."""
-    obj[keys.STORED_STATE] = [*(x for row in obj.matrix_basis for x in row), float(obj.hide_render)]
+    hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
+    obj[keys.STORED_STATE] = [*(x for row in obj.matrix_basis for x in row), *map(float, hidden)]
     obj[keys.STORED_MESH] = obj.data
     animation = obj.animation_data
     if animation is not None and animation.action is not None:
@@ -124,23 +131,34 @@ def _park(obj: bpy.types.Object) -> None:
 
 
 def _unpark(obj: bpy.types.Object) -> None:
-    if keys.STORED_MESH not in obj:
+    mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
+    if mesh is None:
         return
-    posed, obj.data = obj.data, obj[keys.STORED_MESH]
-    del obj[keys.STORED_MESH]
+    posed, obj.data = obj.data, mesh
     remove_mesh(posed)
-    if keys.STORED_ACTION in obj:
+    action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)
+    if action is not None:
         animation = obj.animation_data or obj.animation_data_create()
-        animation.action = obj[keys.STORED_ACTION]
+        animation.action = action
         if getattr(animation, "action_slot", True) is None and animation.action_suitable_slots:
             animation.action_slot = animation.action_suitable_slots[0]
-        del obj[keys.STORED_ACTION]
-    *basis, hidden = obj[keys.STORED_STATE]
-    before = Matrix(np.reshape(basis, (4, 4)).tolist())
+    _restore_state(obj)
+    keys.remove(obj, [keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE])
+
+
+def _restore_state(obj: bpy.types.Object) -> None:
+    """The transform and what hid the object before it was bound; earlier versions stored `hide_render` alone."""
+    state = keys.numbers(obj, keys.STORED_STATE, 19) or keys.numbers(obj, keys.STORED_STATE, 17)
+    if state is None:
+        return
+    before = Matrix(np.reshape(state[:16], (4, 4)).tolist())
     if obj.matrix_basis != before:
         obj.matrix_basis = before
-    obj.hide_render = bool(hidden)
-    del obj[keys.STORED_STATE]
+    obj.hide_render = bool(state[16])
+    if len(state) > 17:
+        obj.hide_viewport = bool(state[17])
+        with suppress(RuntimeError):  # not in this view layer
+            obj.hide_set(bool(state[18]))
 
 
 def _fill(levels: list[bpy.types.Object]) -> None:
@@ -177,13 +195,16 @@ def _connect(
     collection: bpy.types.Collection,
     levels: list[bpy.types.Object],
     method: str,
-) -> Binding:
+) -> Work[Binding]:
     """Links the levels from the inside out, so that each link is measured before its cage follows another."""
     collection[keys.BOUND] = method
     context.view_layer.update()
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage)
-    links = tuple(deform_modifiers.link(context, inner, cage, method) for inner, cage in pairwise(levels))
+    links: list[Link] = []
+    for inner, cage in pairwise(levels):
+        yield Progress((1.0 + len(links)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
+        links.append(deform_modifiers.link(context, inner, cage, method))
     for obj, made in zip(levels, links, strict=False):
         obj[keys.LINK] = (
             f"{deform_modifiers.NAMES[made.method]}, error {made.rest:.1e} at rest, "
@@ -193,19 +214,19 @@ def _connect(
         _take_lines_out(obj, collection)
     sentence = originals.follow(context, collection, levels, links[0].method)
     _remove_helpers([obj for obj in collection.objects if keys.HELPER in obj and not _used(obj)])
-    return Binding(links, sentence)
+    return Binding(tuple(links), sentence)
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:
     for obj in levels:
         deform_modifiers.release(obj)
-        if keys.LINK in obj:
-            del obj[keys.LINK]
+        keys.remove(obj, [keys.LINK])
     originals.release(collection)
     for helper in [obj for obj in collection.objects if keys.HELPER in obj]:
-        owner = helper.get(keys.LINES_OF)
+        owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)
         if lines_back and owner is not None:
-            display.set_thickness(owner, owner[keys.LEVEL], helper[keys.LINE_THICKNESS])
+            thickness = keys.number(helper, keys.LINE_THICKNESS) or 0.0
+            display.set_thickness(owner, ownership.level_of(owner) or 0, thickness)
     _remove_helpers([obj for obj in collection.objects if keys.HELPER in obj])
 
 
@@ -235,7 +256,7 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     if modifier is None:
         return
     radius = display.get_input(modifier, "Radius")
-    display.set_thickness(obj, obj[keys.LEVEL], 0.0)
+    display.set_thickness(obj, ownership.level_of(obj) or 0, 0.0)
     name = f"{obj.name} Lines"
     helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     helper[keys.HELPER], helper[keys.LINES_OF], helper[keys.LINE_THICKNESS] = True, obj, 2.0 * radius
@@ -243,4 +264,4 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     helper.parent = obj
     collection.objects.link(helper)
     node_groups.add(helper, node_groups.EDGES, Object=obj)
-    display.set_thickness(helper, obj[keys.LEVEL], 2.0 * radius)
+    display.set_thickness(helper, ownership.level_of(obj) or 0, 2.0 * radius)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..core import core
 from ..errors import UserError
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
+from .job import Progress, Work
 
 
 @dataclass(frozen=True)
@@ -41,26 +42,23 @@ def check(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> li
     return [_finding(*pair, context.scene.frame_current) for pair in pairs]
 
 
-def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> list[Finding]:
+def check_animation(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Work[list[Finding]]:
     """Checks on the scene's frames from its first to its last, up to the first with a fault, which then is the current
     one. Raises: UserError, with the frame.
     """
-    scene, shown = context.scene, context.window_manager
-    first, last, findings = scene.frame_start, scene.frame_end, []
-    shown.progress_begin(first, last)
-    try:
-        for frame in range(first, last + 1):
-            scene.frame_set(frame)
-            shown.progress_update(frame)
-            try:
-                found = check(context, objects)
-            except UserError as error:
-                raise UserError(f"Frame {frame}: {error}") from error
-            if not all(finding.holds for finding in found):
-                return [_on(finding, first, frame) for finding in found]
-            findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
-    finally:
-        shown.progress_end()
+    scene = context.scene
+    first, last = scene.frame_start, scene.frame_end
+    findings: list[Finding] = []
+    for frame in range(first, last + 1):
+        yield Progress((frame - first) / (last + 1 - first), "checking frames")
+        scene.frame_set(frame)
+        try:
+            found = check(context, objects)
+        except UserError as error:
+            raise UserError(f"Frame {frame}: {error}") from error
+        if not all(finding.holds for finding in found):
+            return [_on(finding, first, frame) for finding in found]
+        findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
     return [_enclosing(finding, first, last) for finding in findings]
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..core import core
 from ..errors import UserError
 from ..scene.convert import Drawing
+from .job import Progress
 from .methods import Methods
 
 # Automatic clearances as parts of the drawing's diagonal: the core's default, and one for drawings whose gaps leave no
@@ -94,14 +95,6 @@ class Result:
 
     drawing: Drawing
     levels: tuple[CageLevel, ...]
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How much of everything is done, in [0, 1], and what is being done."""
-
-    fraction: float
-    message: str
 
 
 def parse_levels(text: str) -> tuple[Level, ...]:

@@ -1,31 +1,50 @@
-"""Work that goes on in slices while Blender stays usable; the panel shows what ``running()`` says."""
+"""Work that goes on in slices while Blender stays usable; the panel shows the job that ``running()`` returns.
+
+Work is a generator of `Progress` that returns its result. It computes first and writes last; what it must take back
+when it is cancelled is in a ``finally``.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
-from .generate import Generation, Progress
+import bpy
 
 # Seconds of work per tick of the timer, and seconds between ticks: some ten redraws a second, with most of the time
 # spent working.
 SLICE = 0.08
 TICK = 0.01
 
+Result = TypeVar("Result")
 
-class Job:
-    """A generation under way: ``fraction`` and ``message`` for display, ``cancelled`` for anybody to set, and ``end``,
-    which stops it with all that its operator has set up, given the context.
+
+@dataclass(frozen=True)
+class Progress:
+    """How much of everything is done, in [0, 1], and what is being done."""
+
+    fraction: float
+    message: str
+
+
+Work = Generator[Progress, None, Result]
+
+
+class Job(Generic[Result]):
+    """Work under way: ``fraction`` and ``message`` for display, ``cancelled`` for anybody to set, and ``end``, which
+    stops it with all that its operator has set up, given the context. ``result`` is there when it is done.
     """
 
-    def __init__(self, generation: Generation) -> None:
-        self.generation = generation
+    result: Result
+
+    def __init__(self, work: Work[Result]) -> None:
         self.fraction = 0.0
         self.message = "Starting"
         self.cancelled = False
-        self.end: Callable[[Any], None] = lambda _context: self.stop()
-        self._work: Iterator[Progress] = iter(generation)
+        self.end: Callable[[bpy.types.Context], None] = lambda _context: self.stop()
+        self._work = work
 
     def advance(self, seconds: float = SLICE) -> bool:
         """Works for about `seconds`; True when everything is done. Raises: UserError.
@@ -33,19 +52,18 @@ class Job:
         A stage that begins ends the slice: some report nothing while they work, and what is shown is what is done.
         """
         until = time.perf_counter() + seconds
-        for progress in self._work:
+        while True:
+            try:
+                progress = next(self._work)
+            except StopIteration as done:
+                self.result = done.value
+                return True
             begins = progress.message != self.message
             self.fraction, self.message = progress.fraction, progress.message
             if begins or time.perf_counter() >= until:
                 return False
-        return True
 
-    def drain(self) -> None:
-        """Works to the end. Raises: UserError."""
-        while not self.advance(float("inf")):
-            pass
-
-    def start(self, end: Callable[[Any], None] | None = None) -> None:
+    def start(self, end: Callable[[bpy.types.Context], None] | None = None) -> None:
         """Makes this the job that `running` returns."""
         if end is not None:
             self.end = end
@@ -54,12 +72,22 @@ class Job:
     def stop(self) -> None:
         """Drops the work; `running` returns None again."""
         _current.clear()
-        self._work = iter(())
+        self._work.close()
 
 
-_current: list[Job] = []
+def completed(work: Work[Result]) -> Result:
+    """Works to the end at once. Raises: UserError."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as done:
+            result: Result = done.value
+            return result
 
 
-def running() -> Job | None:
+_current: list[Job[Any]] = []
+
+
+def running() -> Job[Any] | None:
     """The job under way, if there is one."""
     return _current[0] if _current else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -10,47 +11,68 @@ from numpy.typing import NDArray
 
 from ..core import core
 from ..errors import UserError
+from ..generation.generate import STAGES
+from ..generation.job import Progress, Work
 from ..scene import display, ownership
 
 
-def alpha_of(image: bpy.types.Image) -> NDArray[np.float32]:
-    """Opacity (H, W) of an image, the top row first. Raises: UserError if there is none."""
-    width, height = image.size
-    if not width or not height:
-        raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
-    if image.channels not in (2, 4):
-        raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    return pixels.reshape(height, width, image.channels)[::-1, :, -1]
+@dataclass(frozen=True)
+class Picture:
+    """The opacity of an image: name and alpha (H, W), the top row first."""
 
+    name: str
+    alpha: NDArray[np.float32]
 
-def outline(image: bpy.types.Image, vertices: int, **options: Any) -> Any:
-    """The core's ``Mesh`` around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
+    @classmethod
+    def of(cls, image: bpy.types.Image) -> Picture:
+        """The opacity of an image of Blender's. Raises: UserError if it has none."""
+        width, height = image.size
+        if not width or not height:
+            raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
+        if image.channels not in (2, 4):
+            raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)
+        return cls(image.name, pixels.reshape(height, width, image.channels)[::-1, :, -1])
 
-    options: padding, threshold and holes of ``pictures.collision_outline``.
-    """
-    try:
-        found = core.collision_outline(alpha_of(image), vertices, **options)
-        points = found.vertices * (1.0, -1.0) + (0.0, image.size[1])
-        return core.Mesh(points, found.edges)
-    except core.NestedCagesError as error:
-        raise UserError(f"'{image.name}': {error}") from error
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        height, width = self.alpha.shape
+        return width, height
+
+    def outline(self, vertices: int, **options: Any) -> Work[core.Mesh]:
+        """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
+
+        options: padding, threshold and holes of ``picture_cages``.
+        """
+        yield Progress(0.0, f"'{self.name}': tracing pixels")
+        try:
+            steps = core.exchange.pictures.picture_cages_run(self.alpha, [vertices], **options)
+            while True:
+                try:
+                    step = next(steps)
+                except StopIteration as done:
+                    found = done.value.cages[0]
+                    break
+                yield Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}")
+            return core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
+        except core.NestedCagesError as error:
+            raise UserError(f"'{self.name}': {error}") from error
 
 
 def place(
-    context: bpy.types.Context, image: bpy.types.Image, mesh: Any, target: bpy.types.Object | None = None
+    context: bpy.types.Context, picture: Picture, mesh: core.Mesh, target: bpy.types.Object | None = None
 ) -> bpy.types.Object:
     """A new object with the outline, a wire over the image as an image empty of size 1 shows it, or as `target` does.
 
     The longer side of the picture is one unit, and its middle is the object's origin.
     """
-    width, height = image.size
-    unit, offset = 1.0 / max(width, height), (-0.5, -0.5)
+    unit, offset = 1.0 / max(picture.size), (-0.5, -0.5)
     if target is not None:
-        unit, offset = unit * target.empty_display_size, tuple(target.empty_image_offset)
-    points = (mesh.vertices + np.array(offset) * (width, height)) * unit
-    name = f"{image.name} Outline"
+        unit, offset = unit * target.empty_display_size, (target.empty_image_offset[0], target.empty_image_offset[1])
+    points = (mesh.vertices + np.array(offset) * picture.size) * unit
+    name = f"{picture.name} Outline"
     data = bpy.data.meshes.new(name)
     data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), mesh.edges.tolist(), [])
     obj = bpy.data.objects.new(name, data)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import keys
 from ..core import core
 from ..errors import UserError
+from ..generation.job import Progress, Work
 from ..scene.chains import without_doubles
 from ..scene.plane import size
 
@@ -56,28 +57,31 @@ def shapes_in(path: Path) -> list[Shape]:
 
 def place(
     context: bpy.types.Context, shapes: list[Shape], *, y_down: bool | None, scale: float
-) -> list[bpy.types.Object]:
+) -> Work[list[bpy.types.Object]]:
     """New objects of edges, each around its own middle, so that places far away keep their digits. Raises: UserError.
 
-    y_down: whether y is turned over, None for what is usual in the file; scale: metres of one unit of the file.
+    y_down: whether the y axis points down, None for what is usual in the file; scale: metres per unit of the file.
     """
     made = []
     for shape in shapes:
+        yield Progress(0.5 + 0.5 * len(made) / len(shapes), f"placing '{shape.name}'")
         turned = shape.y_down if y_down is None else y_down
         points = shape.mesh.vertices * (scale, -scale if turned else scale)
         middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
         stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops])
         made.append((shape.name, stored, middle))
-    objects = []
-    for name, mesh, middle in made:
-        data = bpy.data.meshes.new(name)
-        corners = np.column_stack([mesh.vertices, np.zeros(len(mesh.vertices))])
-        data.from_pydata(corners.tolist(), mesh.edges.tolist(), [])
-        obj = bpy.data.objects.new(name, data)
-        obj.location = (*middle, 0.0)
-        context.collection.objects.link(obj)
-        objects.append(obj)
-    return objects
+    return [_object(context, *parts) for parts in made]
+
+
+def _object(context: bpy.types.Context, name: str, mesh: core.Mesh, middle: NDArray[np.float64]) -> bpy.types.Object:
+    """A new object of edges that stands at `middle` (2,)."""
+    data = bpy.data.meshes.new(name)
+    corners = np.column_stack([mesh.vertices, np.zeros(len(mesh.vertices))])
+    data.from_pydata(corners.tolist(), mesh.edges.tolist(), [])
+    obj = bpy.data.objects.new(name, data)
+    obj.location = (*middle.tolist(), 0.0)
+    context.collection.objects.link(obj)
+    return obj
 
 
 def _stored(name: str, loops: list[NDArray[np.float64]]) -> Any:

@@ -7,14 +7,14 @@ import bpy
 from ..animation import bake
 from ..errors import UserError
 from ..scene import ownership
-from ..scene.selection import OnOutput, collection_of_active
+from .base import OnOutput, Outcome
 
 
 class OnAnimation(OnOutput):
     """What both operators share: they work on the animated cages of the active object."""
 
     @classmethod
-    def obstacle(cls, collection: bpy.types.Collection) -> str:
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
         if ownership.is_bound(collection):
             return "Unbind the drawing from its cages first: its animation is put aside"
         return "" if bake.is_animated(collection) else "The cages have no animation"
@@ -29,18 +29,14 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not bake.has_slots():
-            cls.poll_message_set("One action for several objects needs Blender 4.4 or later")
-            return False
-        return super().poll(context)
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        return super().unavailable(context) if bake.has_slots() else "One action for several objects needs Blender 4.4"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> Outcome:
         try:
-            action = bake.bake(collection_of_active(context))
+            action = bake.bake(self.output(context))
         except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.fail(error)
         self.report({"INFO"}, f"The animation is in the action '{action.name}'")
         return {"FINISHED"}
 
@@ -53,12 +49,11 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
     bl_description = "Take away the steps, their keyframes and their markers; the finished cages stay"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> Outcome:
         try:
-            bake.remove(context.scene, collection_of_active(context))
+            bake.remove(context.scene, self.output(context))
         except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.fail(error)
         return {"FINISHED"}
 
 

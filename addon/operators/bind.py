@@ -8,9 +8,10 @@ from bpy.props import EnumProperty
 from ..binding import binding
 from ..binding.deform_modifiers import NAMES, PRISM, SURFACE
 from ..binding.weights import HARMONIC, LINEAR
-from ..errors import UserError
+from ..generation.job import Work
 from ..scene import ownership
-from ..scene.selection import OnOutput, collection_of_active, select
+from ..scene.selection import select
+from .base import JobOperator, OnOutput, Outcome
 
 METHOD_ITEMS = (
     ("AUTO", "Automatic", "The first method that measures as exact at rest and under affine poses"),
@@ -25,21 +26,23 @@ METHOD_ITEMS = (
 )
 
 
-class Bindable(OnOutput):
-    """What the three operators share: the output that the active object belongs to."""
+class OnBinding(OnOutput):
+    """Works on an output that is bound, or is not bound yet."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs_bound = True
 
     @classmethod
-    def obstacle(cls, collection: bpy.types.Collection) -> str:
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
         if ownership.is_bound(collection) == cls.needs_bound:
             return ""
-        return "Nothing is bound to these cages" if cls.needs_bound else "These cages are bound already"
+        return "Nothing is bound to these cages" if cls.needs_bound else "These cages are already bound"
 
 
-class Binding(Bindable):
+class Binding(OnBinding, JobOperator):
     """Binding, for the first time or anew."""
+
+    exclusive = True
 
     method: EnumProperty(  # type: ignore[valid-type]
         name="Method",
@@ -48,13 +51,9 @@ class Binding(Bindable):
         default="AUTO",
     )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        collection = collection_of_active(context)
-        try:
-            made = (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
-        except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        collection = self.output(context)
+        made = yield from (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
         cage = ownership.members(collection)[-1]
         select(context, cage)
         self.report(
@@ -85,15 +84,15 @@ class OBJECT_OT_nested_cages_rebind(Binding, bpy.types.Operator):
     bl_description = "Bind the drawing in its own shape to the cages as their vertices are now"
 
 
-class OBJECT_OT_nested_cages_unbind(Bindable, bpy.types.Operator):
+class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
     """Takes it all back."""
 
     bl_idname = "object.nested_cages_unbind"
     bl_label = "Unbind"
     bl_description = "Put cages and drawing back to what they were before they were bound, with their animation"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        binding.unbind(collection_of_active(context))
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        binding.unbind(self.output(context))
         return {"FINISHED"}
 
 

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
 
-from .. import keys
 from ..errors import UserError, counted
 from ..io import exporters
 from ..scene import convert, ownership
 from ..scene.selection import select
+from .base import Outcome, Reporting
 
 SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
@@ -27,18 +28,14 @@ FILE_ITEMS = (
 SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json"}
 
 
-class OnOutlines:
-    """What both operators share: they work on what is selected, as it is on this frame."""
+class OnOutlines(Reporting):
+    """Works on the selected outlines, as they are on this frame."""
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-            return False
-        if not chosen(context):
-            cls.poll_message_set("Select cages, or other objects with a closed outline")
-            return False
-        return True
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode == "OBJECT" and not chosen(context):
+            return "Select cages, or other objects with a closed outline"
+        return super().unavailable(context)
 
 
 class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
@@ -50,7 +47,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     shape: EnumProperty(  # type: ignore[valid-type]
-        name="Shape", description="What becomes of each outline", items=SHAPE_ITEMS, default="FILLED"
+        name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED"
     )
     height: FloatProperty(  # type: ignore[valid-type]
         name="Height",
@@ -61,7 +58,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
         unit="LENGTH",
     )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> Outcome:
         try:
             objects = chosen(context)
             if self.shape == "ANIMATED":
@@ -69,13 +66,12 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
             else:
                 made = exporters.make(context, objects, self.shape, self.height)
         except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.fail(error)
         select(context, *made)
         return {"FINISHED"}
 
 
-class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
+class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):
     """Writes outlines to a file."""
 
     bl_idname = "object.nested_cages_export"
@@ -83,10 +79,13 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
     bl_description = (
         "Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file"
     )
-    bl_options = {"REGISTER"}
+    bl_options = {"REGISTER", "PRESET"}
 
-    filepath: StringProperty(  # type: ignore[valid-type]
-        name="File", description="The file to write", subtype="FILE_PATH", default=""
+    filter_glob: StringProperty(  # type: ignore[valid-type]
+        name="Filter",
+        description="Files that are shown",
+        default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
+        options={"HIDDEN"},
     )
     kind: EnumProperty(  # type: ignore[valid-type]
         name="Format", description="Kind of the file", items=FILE_ITEMS, default="SVG"
@@ -111,35 +110,27 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
         description="Add triangles to a collision outline, for engines whose pieces must be convex",
         default=False,
     )
-    check_existing: BoolProperty(  # type: ignore[valid-type]
-        name="Check Existing", description="Ask before a file is overwritten", default=True, options={"HIDDEN"}
-    )
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+    @property
+    def filename_ext(self) -> str:
+        """The ending that Blender's helper gives the file."""
+        return SUFFIXES[self.kind]
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
         if not self.filepath:
             name = bpy.path.clean_name(chosen(context)[0].name)
-            self.filepath = str(Path(bpy.data.filepath).parent / (name + SUFFIXES[self.kind]))
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+            self.filepath = str(Path(bpy.data.filepath).parent / (name + self.filename_ext))
+        return ExportHelper.invoke(self, context, event)
 
-    def check(self, _context: bpy.types.Context) -> bool:
-        """Gives the file the ending of its kind."""
-        path = Path(self.filepath)
-        if path.suffix in SUFFIXES.values() and path.suffix != SUFFIXES[self.kind]:
-            self.filepath = str(path.with_suffix(SUFFIXES[self.kind]))
-            return True
-        return False
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> Outcome:
         try:
             if not self.filepath:
-                raise UserError("Name the file to write")
+                raise UserError("Choose a file to write")
             path = Path(bpy.path.abspath(self.filepath))
             shapes = exporters.meshes(context, chosen(context), world=self.world, scale=self.scale)
             count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, triangles=self.triangles)
         except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.fail(error)
         self.report({"INFO"}, f"{counted(count, 'outline')} written to {path.name}")
         return {"FINISHED"}
 
@@ -147,11 +138,11 @@ class OBJECT_OT_nested_cages_export(OnOutlines, bpy.types.Operator):
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The selected outlines from the inside out; of a single drawing that has cages, the drawing and all of these."""
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-    if len(selected) == 1 and not selected[0].get(keys.LEVEL):
+    if len(selected) == 1 and not ownership.level_of(selected[0]):
         collection = ownership.collection_about(context.scene, selected[0])
         if collection is not None:
             return ownership.members(collection)
-    return sorted(selected, key=lambda obj: (obj.get(keys.LEVEL, 0), obj.name))
+    return sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name))
 
 
 CLASSES = (OBJECT_OT_nested_cages_to_objects, OBJECT_OT_nested_cages_export)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import bpy
 
@@ -10,14 +10,15 @@ from .. import keys
 from ..binding import binding, originals
 from ..errors import UserError, counted
 from ..generation import output
-from ..generation.generate import OWN, Generation, Request
-from ..generation.job import TICK, Job, running
+from ..generation.generate import OWN, Generation, Request, Result
+from ..generation.job import Work, completed, running
 from ..properties import settings as properties
 from ..properties.settings import GenerationProperties
-from ..scene import convert
+from ..scene import convert, ownership
+from .base import JobOperator, Outcome
 
 
-class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
+class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.types.Operator):
     """Makes cages around the selected drawings."""
 
     bl_idname = "object.nested_cages_generate"
@@ -27,21 +28,13 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
     )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    _job: Job | None = None
-    _timer: Any = None
-    _scene_name: str = ""
-
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if running() is not None:
-            cls.poll_message_set("Cages are being generated: wait, or press Escape")
-        elif context.mode not in {"OBJECT", "EDIT_MESH"}:
-            cls.poll_message_set("Switch to Object Mode, or select edge loops of a mesh in Edit Mode")
-        elif not sources(context):
-            cls.poll_message_set("Select a closed curve, a text, a Grease Pencil or a mesh made of edge loops")
-        else:
-            return True
-        return False
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode not in {"OBJECT", "EDIT_MESH"}:
+            return "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
+        if not sources(context):
+            return "Select a closed curve, a text, a Grease Pencil or a mesh made of edge loops"
+        return ""
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
@@ -57,75 +50,24 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
             if body is not None:
                 properties.draw(body.column(), self, names)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            job = self._prepare(context)
-            job.drain()
-            return self._write(context.scene, job)
-        except UserError as error:
-            return self._refuse(error)
-
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        if bpy.app.background or context.window is None:
-            return self.execute(context)
-        try:
-            self._job = self._prepare(context)
-        except UserError as error:
-            return self._refuse(error)
-        self._scene_name = context.scene.name
-        self._job.start(self.cancel)
-        self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        self._show(context)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        job = self._job
-        if job.cancelled or (event.type == "ESC" and event.value == "PRESS"):
-            self.cancel(context)
-            self.report({"INFO"}, "Nested Cages: cancelled, nothing was changed")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        try:
-            if not job.advance():
-                self._show(context)
-                return {"PASS_THROUGH"}
-            self.cancel(context)
-            scene = bpy.data.scenes.get(self._scene_name)
-            if scene is None:
-                raise UserError("The scene of the drawing is gone, so its cages were dropped")
-            outcome = self._write(scene, job)
-            _show_colours(context)
-            _redraw(context)
-            return outcome
-        except UserError as error:
-            self.cancel(context)
-            return self._refuse(error)
-        except Exception:
-            self.cancel(context)
-            raise
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Stops the work; Blender calls this too when it ends or opens another file."""
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        if self._job is not None:
-            self._job.stop()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-        _redraw(context)
-
-    def _prepare(self, context: bpy.types.Context) -> Job:
-        """Reads the selection. Raises: UserError."""
-        options = properties.options(self)
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        options, name = properties.options(self), context.scene.name
         with originals.unposed(sources(context)):
-            return Job(Generation(requests(context, self), options))
+            generation = Generation(requests(context, self), options)
+        yield from generation
+        scene = bpy.data.scenes.get(name)
+        if scene is None:
+            raise UserError("The scene of the drawing is gone, so its cages were dropped")
+        return self._write(scene, generation.results)
 
-    def _write(self, scene: bpy.types.Scene, job: Job) -> set[str]:
+    def show_result_in(self, context: bpy.types.Context) -> None:
+        """Lets the 3D view show wires in the colours of their objects, unless that was chosen."""
+        space = context.space_data
+        if isinstance(space, bpy.types.SpaceView3D) and space.shading.wireframe_color_type == "THEME":
+            space.shading.wireframe_color_type = "OBJECT"
+
+    def _write(self, scene: bpy.types.Scene, results: Sequence[Result]) -> Outcome:
         """Puts the results into the scene. Raises: UserError."""
-        results = job.generation.results
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
         if gone is not None:
             raise UserError(f"'{gone}' was deleted meanwhile, so its cages were dropped")
@@ -135,13 +77,13 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         collections = output.write(scene, results, properties.timing(self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
-            scene.frame_set(max(collection[keys.END] for collection in collections))
+            scene.frame_set(max(keys.integer(collection, keys.END) or 0 for collection in collections))
         for collection, method in bound.items():
             self._bind_again(collection, method)
         cages = [level for result in results for level in result.levels]
-        excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
         for note in dict.fromkeys(note for level in cages for note in level.report.notes):
             self.report({"WARNING"}, note)
+        excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
         self.report({"INFO"}, f"{counted(len(cages), 'certified cage')}; excess {excess}")
         return {"FINISHED"}
 
@@ -149,19 +91,9 @@ class OBJECT_OT_nested_cages_generate(bpy.types.Operator, GenerationProperties):
         """Binds what was bound before, by the same method; where it cannot be, the cages stay and the user is told."""
         if method:
             try:
-                binding.bind(bpy.context, collection, method)
+                completed(binding.bind(bpy.context, collection, method))
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound again: {error}")
-
-    def _refuse(self, error: UserError) -> set[str]:
-        self.report({"ERROR"}, str(error))
-        return {"CANCELLED"}
-
-    def _show(self, context: bpy.types.Context) -> None:
-        """Progress in the status bar, and in the panel by drawing it again."""
-        text = f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc: cancel"
-        context.workspace.status_text_set(text)
-        _redraw(context)
 
 
 class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
@@ -169,18 +101,20 @@ class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
 
     bl_idname = "object.nested_cages_cancel"
     bl_label = "Cancel"
-    bl_description = "Stop generating cages and leave the scene as it is"
+    bl_description = "Stop the running job and leave the scene as it was"
     bl_options = {"INTERNAL"}
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         if running() is None:
-            cls.poll_message_set("No cages are being generated")
+            cls.poll_message_set("No job is running")
             return False
         return True
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
-        running().cancelled = True
+    def execute(self, _context: bpy.types.Context) -> Outcome:
+        job = running()
+        if job is not None:
+            job.cancelled = True
         return {"FINISHED"}
 
 
@@ -195,9 +129,11 @@ def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
     return [obj for obj in selected if not _is_output_of(obj, selected)]
 
 
-def _is_output_of(obj: bpy.types.Object, drawings: list[bpy.types.Object]) -> bool:
-    collection = next((c for c in obj.users_collection if keys.SOURCE in c), None)
-    return keys.LEVEL in obj and collection is not None and collection[keys.SOURCE] in drawings
+def _is_output_of(obj: bpy.types.Object, drawings: Sequence[bpy.types.Object]) -> bool:
+    if ownership.level_of(obj) is None:
+        return False
+    collection = ownership.collection_about(bpy.context.scene, obj)
+    return collection is not None and ownership.source_of(collection) in drawings
 
 
 def requests(context: bpy.types.Context, values: GenerationProperties) -> list[Request]:
@@ -243,17 +179,3 @@ def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> li
             raise UserError(f"'{name}' is named as a level but has no outline")
         objects.append(obj)
     return objects
-
-
-def _show_colours(context: bpy.types.Context) -> None:
-    """Lets the 3D view that the user works in show wires in the colours of their objects, unless that was chosen."""
-    space = context.space_data
-    if space is not None and space.type == "VIEW_3D" and space.shading.wireframe_color_type == "THEME":
-        space.shading.wireframe_color_type = "OBJECT"
-
-
-def _redraw(context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()

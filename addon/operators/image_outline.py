@@ -6,14 +6,16 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..errors import UserError
+from ..generation.job import Work
 from ..io import image_outline
-from ..scene.selection import select
+from ..scene.selection import found_object, select
+from .base import DialogJobOperator, Outcome
 
 # Properties that the core takes by the same names.
 OPTIONS = ("padding", "threshold", "holes")
 
 
-class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
+class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
     """Wraps what is opaque in an image."""
 
     bl_idname = "object.nested_cages_from_image"
@@ -49,16 +51,12 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-            return False
-        if not bpy.data.images:
-            cls.poll_message_set("Load an image with an alpha channel, or drag one into the 3D view")
-            return False
-        return True
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode == "OBJECT" and not bpy.data.images:
+            return "Load an image with an alpha channel, or drag one into the 3D view"
+        return super().unavailable(context)
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
         found = image_outline.image_of(context)
         if not self.image and found is not None:
             self.image = found.name
@@ -70,23 +68,17 @@ class OBJECT_OT_nested_cages_from_image(bpy.types.Operator):
         for name in ("vertices", *OPTIONS):
             self.layout.prop(self, name)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            image = bpy.data.images.get(self.image) if self.image else image_outline.image_of(context)
-            if image is None:
-                raise UserError("Choose an image: none is named, and the active object is no image empty")
-            mesh = image_outline.outline(image, self.vertices, **{name: getattr(self, name) for name in OPTIONS})
-        except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        image = bpy.data.images.get(self.image) if self.image else image_outline.image_of(context)
+        if image is None:
+            raise UserError("Choose an image: none is named, and the active object is no image empty")
         active = context.view_layer.objects.active
         shows_it = active is not None and active.type == "EMPTY" and active.data == image
-        obj = image_outline.place(context, image, mesh, active if shows_it else None)
+        picture, target = image_outline.Picture.of(image), active.session_uid if shows_it else None
+        mesh = yield from picture.outline(self.vertices, **{name: getattr(self, name) for name in OPTIONS})
+        obj = image_outline.place(context, picture, mesh, found_object(target))
         select(context, obj)
-        self.report(
-            {"INFO"},
-            f"{len(mesh.vertices)} vertices around all opaque pixels of '{image.name}'",
-        )
+        self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{picture.name}'")
         return {"FINISHED"}
 
 

@@ -1,4 +1,4 @@
-"""Drawings from files."""
+"""Import Outlines: drawings from files, by the menu or dropped into the 3D view."""
 
 from __future__ import annotations
 
@@ -6,72 +6,79 @@ from pathlib import Path
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
 
 from ..errors import UserError, counted
+from ..generation.job import Progress, Work
 from ..io import importers
 from ..scene.selection import select
+from .base import DialogJobOperator, Outcome
 
 Y_ITEMS = (
-    ("AUTO", "As Usual", "Down in SVG and collision outlines, up in maps"),
-    ("DOWN", "Down", "The file counts y downwards, as pictures do"),
-    ("UP", "Up", "The file counts y upwards, as maps do"),
+    ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
+    ("DOWN", "Down", "The y axis of the file points down, as in images"),
+    ("UP", "Up", "The y axis of the file points up, as in maps"),
 )
+Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
+EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
 
-class OBJECT_OT_nested_cages_import(bpy.types.Operator):
+class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):
     """Reads outlines from a file."""
 
     bl_idname = "object.nested_cages_import"
     bl_label = "Import Outlines"
     bl_description = (
-        "Read drawings to be caged: the filled area of an SVG, overlaps united, each feature of a GeoJSON, "
-        "or a collision outline"
+        "Read drawings to be caged: the filled area of an SVG with overlaps united, each feature of a GeoJSON, or a "
+        "collision outline"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    filepath: StringProperty(  # type: ignore[valid-type]
-        name="File", description="The file to read", subtype="FILE_PATH", default=""
-    )
     filter_glob: StringProperty(  # type: ignore[valid-type]
-        name="Filter", description="Files that are shown", default="*.svg;*.geojson;*.json", options={"HIDDEN"}
+        name="Filter",
+        description="Files that are shown",
+        default=";".join(f"*{ending}" for ending in EXTENSIONS),
+        options={"HIDDEN"},
     )
     y: EnumProperty(  # type: ignore[valid-type]
-        name="Y", description="Where y points in the file", items=Y_ITEMS, default="AUTO"
+        name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO"
     )
     scale: FloatProperty(  # type: ignore[valid-type]
         name="Scale", description="Length in Blender of one unit of the file", default=0.01, min=1e-9, soft_max=100.0
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-            return False
-        return True
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+        return self.invoke_popup(context)
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop(self, "y")
+        self.layout.prop(self, "scale")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            if not self.filepath:
-                raise UserError("Name the file to read")
-            shapes = importers.shapes_in(Path(bpy.path.abspath(self.filepath)))
-            y_down = {"AUTO": None, "DOWN": True, "UP": False}[self.y]
-            made = importers.place(
-                context,
-                shapes,
-                y_down=y_down,
-                scale=self.scale,
-            )
-        except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        if not self.filepath:
+            raise UserError("Choose a file to read")
+        path = Path(bpy.path.abspath(self.filepath))
+        yield Progress(0.0, f"reading '{path.name}'")
+        shapes = importers.shapes_in(path)
+        made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         select(context, *made)
         count = sum(len(obj.data.vertices) for obj in made)
         self.report({"INFO"}, f"{counted(len(made), 'outline')}, {count} vertices")
         return {"FINISHED"}
 
 
-CLASSES = (OBJECT_OT_nested_cages_import,)
+class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
+    """Files dropped into the 3D view are imported."""
+
+    bl_idname = "NESTEDCAGES_FH_outlines"
+    bl_label = "Outlines for Cages"
+    bl_import_operator = OBJECT_OT_nested_cages_import.bl_idname
+    bl_file_extensions = ";".join(EXTENSIONS)
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        return context.mode == "OBJECT" and context.area is not None and context.area.type == "VIEW_3D"
+
+
+CLASSES = (OBJECT_OT_nested_cages_import, NESTEDCAGES_FH_outlines)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import nullcontext
 
 import bpy
 import numpy as np
@@ -13,11 +12,13 @@ from .. import keys
 from ..animation import bake
 from ..errors import UserError
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
+from ..generation.job import Work
 from ..scene import convert, ownership
 from ..scene.selection import collection_of_active, select
+from .base import JobOperator, Outcome
 
 
-class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
+class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     """Checks cages that may have been edited."""
 
     bl_idname = "object.nested_cages_verify"
@@ -37,34 +38,30 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode")
-            return False
-        if len(_nested(context)) < 2:
-            cls.poll_message_set(
-                "Select a drawing with its cages, or at least two objects of which one encloses the other"
-            )
-            return False
-        return True
+    exclusive = True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode != "OBJECT":
+            return "Switch to Object Mode"
+        if len(_nested(context)) < 2:
+            return "Select a drawing with its cages, or at least two objects of which one encloses the other"
+        return ""
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
         objects, scene = _nested(context, self.whole), context.scene
-        try:
-            if self.whole:
-                _refuse_steps(scene, objects)
-            with same_frame(scene) if self.whole else nullcontext():
-                findings = (check_animation if self.whole else check)(context, objects)
-                at_fault = [obj for obj in objects if _select_faults(context, obj, findings)]
-        except UserError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if self.whole:
+            _check_not_stepping(scene, objects)
+            with same_frame(scene):
+                findings = yield from check_animation(context, objects)
+                at_fault = _select_faults(context, objects, findings)
+        else:
+            findings = check(context, objects)
+            at_fault = _select_faults(context, objects, findings)
         for finding in findings:
             cage = next(obj for obj in objects if obj.name == finding.cage)
-            if keys.LEVEL in cage:
-                cage[keys.CHECK] = _verdict(finding)
-                cage[keys.FINDING] = finding.sentence
+            if ownership.level_of(cage) is not None:
+                keys.store(cage, {keys.CHECK: _verdict(finding), keys.FINDING: finding.sentence})
         reports = dict.fromkeys((finding.holds, finding.sentence) for finding in findings)
         for holds, sentence in sorted(reports, key=lambda found: not found[0]):
             # The status bar shows the last one: what does not hold.
@@ -74,10 +71,10 @@ class OBJECT_OT_nested_cages_verify(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _refuse_steps(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
+def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
     """Raises: UserError if cages play how they came about, in which what is inside comes through them on purpose."""
     for obj in objects:
-        collection = ownership.collection_about(scene, obj) if keys.LEVEL in obj else None
+        collection = ownership.collection_about(scene, obj) if ownership.level_of(obj) is not None else None
         if collection is not None and not ownership.is_bound(collection) and bake.is_animated(collection):
             raise UserError(
                 f"'{collection.name}' plays how its cages came about, and there they are crossed on purpose: "
@@ -85,11 +82,18 @@ def _refuse_steps(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -
             )
 
 
-def _select_faults(context: bpy.types.Context, obj: bpy.types.Object, findings: Sequence[Finding]) -> bool:
-    """Selects the vertices of an object that are at fault on this frame; whether there are any."""
-    points = [finding.cage_faults for finding in findings if finding.cage == obj.name]
-    points += [finding.fine_faults for finding in findings if finding.fine == obj.name]
-    return obj.type == "MESH" and obj.data.is_editable and select_points(context, obj, np.concatenate(points)) > 0
+def _select_faults(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], findings: Sequence[Finding]
+) -> list[bpy.types.Object]:
+    """Selects the vertices that are at fault on this frame; returns the objects that have any."""
+    found = []
+    for obj in objects:
+        points = [finding.cage_faults for finding in findings if finding.cage == obj.name]
+        points += [finding.fine_faults for finding in findings if finding.fine == obj.name]
+        editable = obj.type == "MESH" and obj.data.is_editable
+        if editable and select_points(context, obj, np.concatenate(points)):
+            found.append(obj)
+    return found
 
 
 def _verdict(finding: Finding) -> str:
@@ -108,7 +112,7 @@ def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.
     """
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:
-        return sorted(chosen, key=lambda obj: (obj.get(keys.LEVEL, 0), obj.dimensions.length))
+        return sorted(chosen, key=lambda obj: (ownership.level_of(obj) or 0, obj.dimensions.length))
     collection = collection_of_active(context)
     members = ownership.members(collection) if collection is not None else []
     return [obj for obj in members if hidden or not obj.hide_viewport]

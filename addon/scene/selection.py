@@ -13,26 +13,9 @@ def collection_of_active(context: bpy.types.Context) -> bpy.types.Collection | N
     return ownership.collection_about(context.scene, active) if active is not None else None
 
 
-class OnOutput:
-    """What operators share that work on the output of the active object."""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        collection = collection_of_active(context)
-        if context.mode != "OBJECT":
-            sentence = "Switch to Object Mode"
-        elif collection is None:
-            sentence = "Select a drawing that has cages, or one of its cages"
-        else:
-            sentence = cls.obstacle(collection)
-        if sentence:
-            cls.poll_message_set(sentence)
-        return not sentence
-
-    @classmethod
-    def obstacle(cls, collection: bpy.types.Collection) -> str:
-        """What speaks against working on this output, as a sentence; empty if nothing does."""
-        return ""
+def found_object(identity: int | None) -> bpy.types.Object | None:
+    """The object that Blender knows by a number in this session, even if it was renamed, or undone and redone."""
+    return next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
 
 
 def select(context: bpy.types.Context, *objects: bpy.types.Object) -> None:

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from .boundary import boundary_of_pixels
-from .collision import alpha_channel, collision_outline, picture_cages
+from .collision import alpha_channel, collision_outline, picture_cages, picture_cages_run
 from .png import decode_png, read_png
 
-__all__ = ["alpha_channel", "boundary_of_pixels", "collision_outline", "decode_png", "picture_cages", "read_png"]
+__all__ = [
+    "alpha_channel",
+    "boundary_of_pixels",
+    "collision_outline",
+    "decode_png",
+    "picture_cages",
+    "picture_cages_run",
+    "read_png",
+]

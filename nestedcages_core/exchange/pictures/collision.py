@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import NestedCagesError
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.mesh import Mesh
-from ...hierarchy import Hierarchy, Progress, Settings, nested_cages
+from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings
 from .boundary import boundary_of_pixels
 
 
@@ -62,24 +62,50 @@ def picture_cages(
 
     Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
     """
+    steps = picture_cages_run(picture, levels, padding=padding, threshold=threshold, holes=holes, settings=settings)
+    while True:
+        try:
+            step = next(steps)
+        except StopIteration as done:
+            hierarchy: Hierarchy = done.value
+            return hierarchy
+        if progress is not None:
+            progress(step)
+
+
+def picture_cages_run(
+    picture: AnyArray,
+    levels: Sequence[int],
+    *,
+    padding: float = 0.0,
+    threshold: float = 0.0,
+    holes: bool = False,
+    settings: Settings | None = None,
+) -> Generator[Progress, None, Hierarchy]:
+    """The work of `picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
         raise NestedCagesError(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
 
-    def around(fine: Mesh, with_settings: Settings) -> Hierarchy:
-        return nested_cages(fine, [min(k, len(fine.vertices)) for k in levels], with_settings, progress=progress)
+    def around(fine: Mesh, with_settings: Settings) -> Generator[Progress, None, Hierarchy]:
+        run = NestedCagesRun(fine, [min(k, len(fine.vertices)) for k in levels], with_settings)
+        try:
+            yield from run
+        finally:
+            run.close()
+        return run.hierarchy
 
     fine = boundary_of_pixels(_without_holes(opaque, holes))
     if padding == 0.0:
-        return around(fine, chosen)
+        return (yield from around(fine, chosen))
     try:
-        return around(fine, replace(chosen, clearance=padding))
+        return (yield from around(fine, replace(chosen, clearance=padding)))
     except NestedCagesError:
         grown = _grown(opaque, padding, holes)
         if len(grown.loops) == len(fine.loops):
             raise
-        return around(grown, chosen)
+        return (yield from around(grown, chosen))
 
 
 def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:

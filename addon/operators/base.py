@@ -1,0 +1,191 @@
+"""What operators share: work in slices that can be cancelled, and why an operator is not available."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import bpy
+from bpy.props import BoolProperty
+
+from ..errors import UserError
+from ..generation.job import TICK, Job, Work, completed, running
+from ..scene.selection import collection_of_active
+
+Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
+
+# Blender reads properties only of bases that it does not know itself.
+if TYPE_CHECKING:
+    Mixin = bpy.types.Operator
+else:
+    Mixin = object
+
+
+class Reporting(Mixin):
+    """Says why it is not available, and reports user errors."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        problem = "Wait for the job that is running, or press Escape" if running() else cls.unavailable(context)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        """Why the operator cannot be used now; empty if it can."""
+        return "" if context.mode == "OBJECT" else "Switch to Object Mode"
+
+    def fail(self, error: UserError) -> Outcome:
+        """Reports the error; the operator has changed nothing."""
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+
+class OnOutput(Reporting):
+    """Works on the output of the active object."""
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        collection = collection_of_active(context)
+        if context.mode != "OBJECT":
+            return "Switch to Object Mode"
+        if collection is None:
+            return "Select a drawing that has cages, or one of its cages"
+        return cls.unsuitable(collection)
+
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        """Why the operator cannot be used on this output; empty if it can."""
+        return ""
+
+    @staticmethod
+    def output(context: bpy.types.Context) -> bpy.types.Collection:
+        """The output that `unavailable` has found suitable."""
+        collection = collection_of_active(context)
+        assert collection is not None
+        return collection
+
+
+class JobOperator(Reporting):
+    """An operator whose work is a generator: executed at once, or in slices with progress when it is invoked.
+
+    Scripts, redo and Blender in the background execute it at once.
+    """
+
+    # Whether the work changes the scene before it is done, so that nothing else may meanwhile.
+    exclusive = False
+
+    _job: Job[Outcome] | None = None
+    _timer: Any = None
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        """Reads the scene before its first progress, computes, and writes at the end. Raises: UserError."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        try:
+            return completed(self.work(context))
+        except UserError as error:
+            return self.fail(error)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+        return self.execute(context) if bpy.app.background or context.window is None else self.start(context)
+
+    def start(self, context: bpy.types.Context) -> Outcome:
+        """Begins the work and goes on in `modal`."""
+        job = Job(self.work(context))
+        try:
+            if job.advance(0.0):
+                return job.result
+        except UserError as error:
+            return self.fail(error)
+        self._job = job
+        job.start(self.cancel)
+        self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+        job = self._job
+        if job is None:
+            return {"CANCELLED"}
+        if job.cancelled or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
+            self.report({"INFO"}, "Nested Cages: cancelled, nothing was changed")
+            return {"CANCELLED"}
+        onward: Outcome = {"RUNNING_MODAL"} if self.exclusive else {"PASS_THROUGH"}
+        if event.type != "TIMER":
+            return onward
+        try:
+            if not job.advance():
+                self._show(context)
+                return onward
+        except UserError as error:
+            self.cancel(context)
+            return self.fail(error)
+        except BaseException:
+            self.cancel(context)
+            raise
+        self.cancel(context)
+        self.show_result_in(context)
+        return job.result
+
+    def show_result_in(self, context: bpy.types.Context) -> None:
+        """What is done in the window where the work has ended."""
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Stops the work; Blender calls this too when it ends or opens another file."""
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if self._job is not None:
+            self._job.stop()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        redraw(context)
+
+    def _show(self, context: bpy.types.Context) -> None:
+        """Progress in the status bar, and in the panel by drawing it again."""
+        assert self._job is not None
+        context.workspace.status_text_set(
+            f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc: cancel"
+        )
+        redraw(context)
+
+
+class DialogJobOperator(JobOperator):
+    """A job that asks for its options first. Blender executes an operator after a dialog and cannot let it go on in
+    slices, so it is then invoked once more, without a dialog.
+    """
+
+    answered: BoolProperty(  # type: ignore[valid-type]
+        name="Answered", description="Start without asking for options", default=False, options={"HIDDEN", "SKIP_SAVE"}
+    )
+    _asked = False
+
+    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+        """Opens the dialog."""
+        raise NotImplementedError
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+        if self.answered or bpy.app.background or context.window is None:
+            return super().invoke(context, event)
+        self._asked = True
+        return self.ask(context, event)
+
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        if not self._asked:
+            return super().execute(context)
+        category, _, name = self.bl_idname.partition(".")
+        again = getattr(getattr(bpy.ops, category), name)
+        again("INVOKE_DEFAULT", **self.as_keywords() | {"answered": True})
+        return {"CANCELLED"}  # this one has changed nothing: the other is undone and repeated
+
+
+def redraw(context: bpy.types.Context) -> None:
+    """Draws the 3D views again."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
