@@ -6,7 +6,7 @@ import bpy
 
 from . import operators, presets
 from .properties import settings
-from .properties.settings import copy_values
+from .properties.settings import copy_values, settings_of
 from .ui import manual, panels, preferences
 
 # In the order of registration; each knows only those before it.
@@ -16,7 +16,7 @@ _ROOMS = (settings, operators, presets, panels, preferences, manual)
 def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     """The entries in the 3D view's Object menu, with the scene's settings."""
     self.layout.separator()
-    copy_values(context.scene.nested_cages, self.layout.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
+    copy_values(settings_of(context), self.layout.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
     self.layout.operator("object.nested_cages_verify", icon="CHECKMARK")
     self.layout.operator("object.nested_cages_bind", icon="LINKED")
     self.layout.operator("object.nested_cages_from_image", icon="IMAGE_DATA")

@@ -4,6 +4,7 @@ registers and says what is missing.
 
 from __future__ import annotations
 
+from operator import attrgetter
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -11,10 +12,14 @@ from .errors import UserError
 
 if TYPE_CHECKING:
     import nestedcages_core as core
+    from nestedcages_core.geometry import predicates, triangulation
 else:
 
-    class _LazyCore(ModuleType):
-        """Stands for the core; each name is looked up there when it is asked for. Raises: UserError without scipy."""
+    class _LazyModule(ModuleType):
+        """Stands for the core or a room of it; each name is looked up there when it is asked for.
+
+        Raises: UserError without scipy.
+        """
 
         def __getattr__(self, name: str) -> object:
             if name.startswith("__"):
@@ -28,8 +33,10 @@ else:
                     "Nested Cages needs scipy, which is not bundled with this copy of the extension: "
                     "install the zip for your operating system and Blender version"
                 ) from error
-            return getattr(nestedcages_core, name)
+            return attrgetter(f"{self.__name__}.{name}".removeprefix("core."))(nestedcages_core)
 
-    core = _LazyCore("core", __doc__)
+    core = _LazyModule("core")
+    predicates = _LazyModule("geometry.predicates")
+    triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core"]
+__all__ = ["core", "predicates", "triangulation"]

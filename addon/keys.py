@@ -104,6 +104,11 @@ def block(owner: bpy.types.ID, key: str, kind: type[Block]) -> Block | None:
     return value if isinstance(value, kind) else None
 
 
+def has(owner: bpy.types.ID, key: str) -> bool:
+    """Whether there is a custom property of that name, of whatever type."""
+    return key in owner.keys()  # noqa: SIM118 - an ID is no mapping
+
+
 def store(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
     """Sets custom properties."""
     for key, value in properties.items():
@@ -113,7 +118,7 @@ def store(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
 def remove(owner: bpy.types.ID, names: Iterable[str]) -> None:
     """Removes custom properties, those that are there."""
     for key in names:
-        if key in owner:
+        if has(owner, key):
             del owner[key]
 
 

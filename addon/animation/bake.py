@@ -11,7 +11,7 @@ import numpy as np
 from .. import keys
 from ..errors import UserError
 from ..scene import ownership
-from ..scene.filling import points_of
+from ..scene.filling import mesh_of, points_of
 from . import shape_keys, timeline, visibility
 
 # What a keyframe consists of: names, numbers per keyframe and their type.
@@ -80,7 +80,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
             home = np.empty((len(obj.data.vertices), 3), np.float32)
             obj.data.shape_keys.reference_key.points.foreach_get("co", home.ravel())
             obj.shape_key_clear()
-            if not np.array_equal(points_of(obj.data), home):
+            if not np.array_equal(points_of(mesh_of(obj)), home):
                 obj.data.vertices.foreach_set("co", home.ravel())
             obj.data.update()
         if obj.animation_data is not None and obj.animation_data.action is not None:

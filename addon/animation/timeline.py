@@ -121,7 +121,8 @@ def step_frames(level: Phases, span: Span, timing: Timing) -> NDArray[np.float64
 
 def _when(part: NDArray[np.float64]) -> NDArray[np.float64]:
     """Times in [0, 1] at which smoothstep, s = 3t² - 2t³, has come to `part`: t = 1/2 - sin(asin(1 - 2s) / 3)."""
-    return 0.5 - np.sin(np.arcsin(1.0 - 2.0 * part) / 3.0)
+    times: NDArray[np.float64] = 0.5 - np.sin(np.arcsin(1.0 - 2.0 * part) / 3.0)
+    return times
 
 
 def add_markers(scene: bpy.types.Scene, played: Sequence[Span]) -> list[tuple[str, int]]:

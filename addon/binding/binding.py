@@ -115,15 +115,16 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
 def _park(obj: bpy.types.Object) -> None:
     """Gives an object a copy of its mesh without shape keys and takes its own action away, and keeps both for later."""
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
-    obj[keys.STORED_STATE] = [*(x for row in obj.matrix_basis for x in row), *map(float, hidden)]
-    obj[keys.STORED_MESH] = obj.data
+    obj[keys.STORED_STATE] = [*np.ravel(np.array(obj.matrix_basis)).tolist(), *map(float, hidden)]
+    mesh = filling.mesh_of(obj)
+    obj[keys.STORED_MESH] = mesh
     animation = obj.animation_data
     if animation is not None and animation.action is not None:
         obj[keys.STORED_ACTION] = animation.action
         animation.action = None
-    plain = bpy.data.meshes.new(obj.data.name)
-    plain.from_pydata(filling.points_of(obj.data).tolist(), filling.loop_edges(obj.data).tolist(), [])
-    for material in obj.data.materials:
+    plain = bpy.data.meshes.new(mesh.name)
+    plain.from_pydata(filling.points_of(mesh).tolist(), filling.loop_edges(mesh).tolist(), [])
+    for material in mesh.materials:
         plain.materials.append(material)
     obj.data = plain
     obj.hide_viewport = False
@@ -134,7 +135,7 @@ def _unpark(obj: bpy.types.Object) -> None:
     mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
     if mesh is None:
         return
-    posed, obj.data = obj.data, mesh
+    posed, obj.data = filling.mesh_of(obj), mesh
     remove_mesh(posed)
     action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)
     if action is not None:
@@ -164,7 +165,7 @@ def _restore_state(obj: bpy.types.Object) -> None:
 def _fill(levels: list[bpy.types.Object]) -> None:
     """Gives the cages triangles inside their outlines. Raises: UserError."""
     for cage in levels[1:]:
-        old, shape = cage.data, filling.outline(cage)
+        old, shape = filling.mesh_of(cage), filling.outline(cage)
         cage.data = filling.filled(old.name, filling.points_of(old), shape)
         remove_mesh(old)
         cage.hide_render = True  # as wires they were not seen in renders
@@ -173,13 +174,14 @@ def _fill(levels: list[bpy.types.Object]) -> None:
 def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
     """Raises: UserError unless the cage, unposed, strictly encloses the unposed inner mesh in its plane."""
     there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(inner.matrix_world)
-    points, corners = transform(there, filling.points_of(inner.data)), filling.points_of(cage.data)
+    drawing, corners = filling.mesh_of(inner), filling.points_of(filling.mesh_of(cage))
+    points = transform(there, filling.points_of(drawing))
     if np.ptp(np.concatenate([points[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
         raise UserError(
             f"'{inner.name}' and '{cage.name}' do not lie in one plane: move the cage back into it, then bind again"
         )
     try:
-        fine = core.Mesh(points[:, :2], filling.loop_edges(inner.data))
+        fine = core.Mesh(points[:, :2], filling.loop_edges(drawing))
     except core.NestedCagesError as error:
         raise UserError(f"'{inner.name}': {error}") from error
     certificate = core.verify(filling.outline(cage), fine)
@@ -213,7 +215,7 @@ def _connect(
     for obj in levels:
         _take_lines_out(obj, collection)
     sentence = originals.follow(context, collection, levels, links[0].method)
-    _remove_helpers([obj for obj in collection.objects if keys.HELPER in obj and not _used(obj)])
+    _remove_helpers([obj for obj in collection.objects if keys.has(obj, keys.HELPER) and not _used(obj)])
     return Binding(tuple(links), sentence)
 
 
@@ -222,28 +224,23 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
         deform_modifiers.release(obj)
         keys.remove(obj, [keys.LINK])
     originals.release(collection)
-    for helper in [obj for obj in collection.objects if keys.HELPER in obj]:
+    for helper in [obj for obj in collection.objects if keys.has(obj, keys.HELPER)]:
         owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)
         if lines_back and owner is not None:
             thickness = keys.number(helper, keys.LINE_THICKNESS) or 0.0
             display.set_thickness(owner, ownership.level_of(owner) or 0, thickness)
-    _remove_helpers([obj for obj in collection.objects if keys.HELPER in obj])
+    _remove_helpers([obj for obj in collection.objects if keys.has(obj, keys.HELPER)])
 
 
 def _used(helper: bpy.types.Object) -> bool:
     """Whether a modifier follows a helper, or it has lines to show."""
-    targets = [
-        m.object if m.type == deform_modifiers.PRISM else m.target
-        for obj in bpy.data.objects
-        for m in obj.modifiers
-        if m.type in (deform_modifiers.PRISM, deform_modifiers.SURFACE)
-    ]
-    return helper in targets or keys.LINES_OF in helper
+    targets = [deform_modifiers.target_of(modifier) for obj in bpy.data.objects for modifier in obj.modifiers]
+    return helper in targets or keys.has(helper, keys.LINES_OF)
 
 
 def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
     for helper in helpers:
-        mesh = helper.data
+        mesh = filling.mesh_of(helper)
         for modifier in list(helper.modifiers):
             display.remove_modifier(helper, modifier)
         bpy.data.objects.remove(helper)
@@ -252,16 +249,15 @@ def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
 
 def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:
     """Lets another object show the thick lines, because those that follow an object need its plain shape in renders."""
-    modifier = obj.modifiers.get(display.THICKNESS)
-    if modifier is None:
+    thickness, level = display.thickness_of(obj), ownership.level_of(obj) or 0
+    if thickness <= 0.0:
         return
-    radius = display.get_input(modifier, "Radius")
-    display.set_thickness(obj, ownership.level_of(obj) or 0, 0.0)
+    display.set_thickness(obj, level, 0.0)
     name = f"{obj.name} Lines"
     helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    helper[keys.HELPER], helper[keys.LINES_OF], helper[keys.LINE_THICKNESS] = True, obj, 2.0 * radius
+    keys.store(helper, {keys.HELPER: True, keys.LINES_OF: obj, keys.LINE_THICKNESS: thickness})
     helper.hide_viewport = helper.hide_select = True
     helper.parent = obj
     collection.objects.link(helper)
     node_groups.add(helper, node_groups.EDGES, Object=obj)
-    display.set_thickness(helper, ownership.level_of(obj) or 0, 2.0 * radius)
+    display.set_thickness(helper, level, thickness)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from typing import Final
 
 import bpy
 import numpy as np
@@ -16,7 +17,8 @@ from ..scene import display, filling
 from ..scene.plane import size, transform
 from . import node_groups, weights
 
-SURFACE, PRISM = "SURFACE_DEFORM", "MESH_DEFORM"
+SURFACE: Final = "SURFACE_DEFORM"
+PRISM: Final = "MESH_DEFORM"
 SURFACE_MODIFIER, PRISM_MODIFIER = "Nested Cages Surface Deform", "Nested Cages Mesh Deform"
 OURS = (node_groups.REMEMBER, node_groups.COORDINATES, SURFACE_MODIFIER, PRISM_MODIFIER, node_groups.ADD_EDITS)
 # What users call the methods, in the order in which they are tried.
@@ -87,10 +89,8 @@ def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
 
 def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> bool:
     """Adds the modifiers, before all others, and binds them; whether Blender could."""
-    if keys.REST not in inner.data.attributes:
-        inner.data.attributes.new(keys.REST, "FLOAT_VECTOR", "POINT")
-    rest = inner.data.attributes[keys.REST]
-    rest.data.foreach_set("vector", filling.points_of(inner.data).astype(np.float32).ravel())
+    mesh = filling.mesh_of(inner)
+    filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
     modifier = bind_modifier(context, inner, cage, method)
     node_groups.add(inner, node_groups.REMEMBER)
     ours = [node_groups.REMEMBER, modifier.name]
@@ -100,11 +100,17 @@ def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.
         inner.modifiers.move(inner.modifiers.find(name), place)
     bound = is_bound(modifier)
     if bound:
-        rest = inner.data.attributes[keys.REST]
         # What the modifier is off by while nothing is posed, in thin triangles for instance, counts as no edit.
-        rest.data.foreach_set("vector", evaluated_points(context, inner).astype(np.float32).ravel())
-        inner.data.update()
+        filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", evaluated_points(context, inner).astype(np.float32))
+        mesh.update()
     return bound
+
+
+def target_of(modifier: bpy.types.Modifier) -> bpy.types.Object | None:
+    """The object that a deforming modifier follows."""
+    if isinstance(modifier, bpy.types.MeshDeformModifier):
+        return modifier.object
+    return modifier.target if isinstance(modifier, bpy.types.SurfaceDeformModifier) else None
 
 
 def is_bound(modifier: bpy.types.Modifier) -> bool:
@@ -119,13 +125,17 @@ def bind_modifier(
     if method in weights.KINDS:
         return weights.add(obj, cage, evaluated_points(context, obj), method)
     if method == SURFACE:
-        modifier = obj.modifiers.new(SURFACE_MODIFIER, method)
-        modifier.target = surface_of(obj, cage)
+        surface = obj.modifiers.new(SURFACE_MODIFIER, SURFACE)
+        assert isinstance(surface, bpy.types.SurfaceDeformModifier)
+        surface.target = surface_of(obj, cage)
+        modifier: bpy.types.Modifier = surface
         operator = bpy.ops.object.surfacedeform_bind
     else:
-        modifier = obj.modifiers.new(PRISM_MODIFIER, method)
-        modifier.object = prism_of(obj, cage, half_height)
-        modifier.precision = PRECISION
+        prism = obj.modifiers.new(PRISM_MODIFIER, PRISM)
+        assert isinstance(prism, bpy.types.MeshDeformModifier)
+        prism.object = prism_of(obj, cage, half_height)
+        prism.precision = PRECISION
+        modifier = prism
         operator = bpy.ops.object.meshdeform_bind
     context.view_layer.update()
     # What Blender raises about faces and edges leaves the modifier unbound.
@@ -145,12 +155,12 @@ def surface_of(follower: bpy.types.Object, cage: bpy.types.Object) -> bpy.types.
 
 def prism_of(follower: bpy.types.Object, cage: bpy.types.Object, half_height: float = 0.0) -> bpy.types.Object:
     """The hidden prism over a follower's cage, which moves with the cage, made if there is none high enough."""
-    high = max(filling.HALF_HEIGHT * size(filling.points_of(cage.data)), half_height)
+    high = max(filling.HALF_HEIGHT * size(filling.points_of(filling.mesh_of(cage))), half_height)
     for child in follower.children:
         if child.get(keys.PRISM_OF) == cage and child[keys.PRISM_HEIGHT] >= high:
             return child
     name = f"{cage.name} Prism"
-    data = filling.prism(name, filling.points_of(cage.data), filling.outline(cage), high)
+    data = filling.prism(name, filling.points_of(filling.mesh_of(cage)), filling.outline(cage), high)
     properties = {keys.PRISM_OF: cage, keys.PRISM_HEIGHT: high}
     return _helper(name, cage, follower, node_groups.WALLS, properties, data)
 
@@ -195,12 +205,12 @@ def _try(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
 
 def measure(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object) -> tuple[float, float]:
     """Largest distances from where the vertices belong, by the size: unposed, and when `POSES` move the cage."""
-    points = filling.points_of(inner.data)
+    points = filling.points_of(filling.mesh_of(inner))
     extent = size(points)
     rest = float(np.abs(evaluated_points(context, inner) - points).max()) / extent
     there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(inner.matrix_world)
     back = np.linalg.inv(there)
-    corners = filling.points_of(cage.data)
+    corners = filling.points_of(filling.mesh_of(cage))
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     affine = 0.0
     for pose in POSES:
@@ -216,7 +226,7 @@ def measure(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types
 
 def evaluated_points(context: bpy.types.Context, obj: bpy.types.Object) -> Matrix:
     """Vertices (n, 3) of a mesh object as it is evaluated now, in its own space."""
-    return filling.points_of(obj.evaluated_get(context.evaluated_depsgraph_get()).data)
+    return filling.points_of(filling.mesh_of(obj.evaluated_get(context.evaluated_depsgraph_get())))
 
 
 @contextmanager

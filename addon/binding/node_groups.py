@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import bpy
 
@@ -13,6 +14,9 @@ from ..scene import display
 SUMS = ("Place", "Along X", "Along Y")
 
 Tree = bpy.types.NodeTree
+# Their properties depend on their kinds.
+Node = Any
+Socket = Any
 
 
 def group(name: str) -> Tree:
@@ -28,18 +32,17 @@ def group(name: str) -> Tree:
     return tree
 
 
-def add(obj: bpy.types.Object, name: str, **inputs: object) -> bpy.types.Modifier:
+def add(obj: bpy.types.Object, name: str, **inputs: object) -> bpy.types.NodesModifier:
     """Adds the modifier with the node group of that name and its inputs."""
-    modifier = obj.modifiers.new(name, "NODES")
-    modifier.node_group = group(name)
+    modifier = display.add_nodes_modifier(obj, name, group(name))
     for key, value in inputs.items():
         display.set_input(modifier, key, value)
     return modifier
 
 
-def _attribute(tree: Tree, name: str, kind: str) -> bpy.types.NodeSocket:
+def _attribute(tree: Tree, name: str, kind: str) -> Socket:
     """The output of a node that reads an attribute."""
-    node = tree.nodes.new("GeometryNodeInputNamedAttribute")
+    node = display.new_node(tree, "GeometryNodeInputNamedAttribute")
     node.data_type = kind
     node.inputs["Name"].default_value = name
     return next(socket for socket in node.outputs if socket.enabled and socket.name == "Attribute")
@@ -47,9 +50,12 @@ def _attribute(tree: Tree, name: str, kind: str) -> bpy.types.NodeSocket:
 
 def _remember(tree: Tree) -> None:
     """Stores how far each vertex is from where it was bound."""
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    place, difference = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("ShaderNodeVectorMath")
-    store = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    start, end = display.new_node(tree, "NodeGroupInput"), display.new_node(tree, "NodeGroupOutput")
+    place, difference = (
+        display.new_node(tree, "GeometryNodeInputPosition"),
+        display.new_node(tree, "ShaderNodeVectorMath"),
+    )
+    store = display.new_node(tree, "GeometryNodeStoreNamedAttribute")
     difference.operation = "SUBTRACT"
     store.data_type, store.domain = "FLOAT_VECTOR", "POINT"
     store.inputs["Name"].default_value = keys.EDIT
@@ -63,18 +69,18 @@ def _remember(tree: Tree) -> None:
 
 def _add_edits(tree: Tree) -> None:
     """Moves each vertex by what `_remember` stored."""
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    move = tree.nodes.new("GeometryNodeSetPosition")
+    start, end = display.new_node(tree, "NodeGroupInput"), display.new_node(tree, "NodeGroupOutput")
+    move = display.new_node(tree, "GeometryNodeSetPosition")
     tree.links.new(start.outputs[0], move.inputs["Geometry"])
     tree.links.new(_attribute(tree, keys.EDIT, "FLOAT_VECTOR"), move.inputs["Offset"])
     tree.links.new(move.outputs[0], end.inputs[0])
 
 
-def _object(tree: Tree, space: str) -> tuple[bpy.types.Node, bpy.types.Node, bpy.types.Node]:
+def _object(tree: Tree, space: str) -> tuple[Node, Node, Node]:
     """Group input, group output, and the node that reads the object of the input 'Object'."""
     tree.interface.new_socket("Object", in_out="INPUT", socket_type="NodeSocketObject")
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    source = tree.nodes.new("GeometryNodeObjectInfo")
+    start, end = display.new_node(tree, "NodeGroupInput"), display.new_node(tree, "NodeGroupOutput")
+    source = display.new_node(tree, "GeometryNodeObjectInfo")
     source.transform_space = space
     tree.links.new(start.outputs["Object"], source.inputs["Object"])
     return start, end, source
@@ -83,8 +89,8 @@ def _object(tree: Tree, space: str) -> tuple[bpy.types.Node, bpy.types.Node, bpy
 def _walls(tree: Tree) -> None:
     """Puts the corners of a prism over the vertices of the cage, along the cage's own z."""
     start, end, source = _object(tree, "RELATIVE")
-    place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
-    raised, move = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("GeometryNodeSetPosition")
+    place, pick = display.new_node(tree, "GeometryNodeInputPosition"), display.new_node(tree, "GeometryNodeSampleIndex")
+    raised, move = display.new_node(tree, "ShaderNodeCombineXYZ"), display.new_node(tree, "GeometryNodeSetPosition")
     pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
     sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
     tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
@@ -93,7 +99,7 @@ def _walls(tree: Tree) -> None:
     tree.links.new(_attribute(tree, keys.HEIGHT, "FLOAT"), raised.inputs["Z"])
     tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
     tree.links.new(next(s for s in pick.outputs if s.enabled), move.inputs["Position"])
-    scale, turn = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("FunctionNodeRotateVector")
+    scale, turn = display.new_node(tree, "ShaderNodeVectorMath"), display.new_node(tree, "FunctionNodeRotateVector")
     scale.operation = "MULTIPLY"
     tree.links.new(raised.outputs[0], scale.inputs[0])
     tree.links.new(source.outputs["Scale"], scale.inputs[1])
@@ -115,8 +121,8 @@ def _coordinates(tree: Tree) -> None:
     The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned.
     """
     start, end, source = _object(tree, "RELATIVE")
-    count = tree.nodes.new("GeometryNodeAttributeDomainSize")
-    first, last = tree.nodes.new("GeometryNodeRepeatInput"), tree.nodes.new("GeometryNodeRepeatOutput")
+    count = display.new_node(tree, "GeometryNodeAttributeDomainSize")
+    first, last = display.new_node(tree, "GeometryNodeRepeatInput"), display.new_node(tree, "GeometryNodeRepeatOutput")
     first.pair_with_output(last)
     last.repeat_items.clear()
     last.repeat_items.new("INT", "Number")
@@ -125,24 +131,27 @@ def _coordinates(tree: Tree) -> None:
     tree.links.new(source.outputs["Geometry"], count.inputs["Geometry"])
     tree.links.new(count.outputs["Point Count"], first.inputs["Iterations"])
     # The vertex of this number, and its weight with the slopes.
-    place, pick = tree.nodes.new("GeometryNodeInputPosition"), tree.nodes.new("GeometryNodeSampleIndex")
+    place, pick = display.new_node(tree, "GeometryNodeInputPosition"), display.new_node(tree, "GeometryNodeSampleIndex")
     pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
     sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
     tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
     tree.links.new(place.outputs[0], sockets["Value"])
     tree.links.new(first.outputs["Number"], sockets["Index"])
-    digits, name_of = tree.nodes.new("FunctionNodeValueToString"), tree.nodes.new("FunctionNodeReplaceString")
+    digits, name_of = (
+        display.new_node(tree, "FunctionNodeValueToString"),
+        display.new_node(tree, "FunctionNodeReplaceString"),
+    )
     name_of.inputs["String"].default_value, name_of.inputs["Find"].default_value = f"{keys.WEIGHT}#", "#"
     tree.links.new(first.outputs["Number"], digits.inputs["Value"])
     tree.links.new(digits.outputs[0], name_of.inputs["Replace"])
-    weight, parts = _attribute(tree, "", "FLOAT_VECTOR"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    weight, parts = _attribute(tree, "", "FLOAT_VECTOR"), display.new_node(tree, "ShaderNodeSeparateXYZ")
     tree.links.new(name_of.outputs[0], weight.node.inputs["Name"])
     tree.links.new(weight, parts.inputs[0])
     # Added to the sums.
     corner = next(socket for socket in pick.outputs if socket.enabled)
     for name, part in zip(SUMS, parts.outputs, strict=True):
         tree.links.new(_vector(tree, "MULTIPLY_ADD", corner, part, first.outputs[name]), last.inputs[name])
-    onward = tree.nodes.new("ShaderNodeMath")
+    onward = display.new_node(tree, "ShaderNodeMath")
     onward.operation = "ADD"
     onward.inputs[1].default_value = 1.0
     tree.links.new(first.outputs["Number"], onward.inputs[0])
@@ -151,30 +160,33 @@ def _coordinates(tree: Tree) -> None:
     where, x, y = (last.outputs[name] for name in SUMS)
     normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
     right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
-    up, edit = _vector(tree, "CROSS_PRODUCT", normal, right), tree.nodes.new("ShaderNodeSeparateXYZ")
+    up, edit = _vector(tree, "CROSS_PRODUCT", normal, right), display.new_node(tree, "ShaderNodeSeparateXYZ")
     tree.links.new(_attribute(tree, keys.EDIT, "FLOAT_VECTOR"), edit.inputs[0])
     for axis, part in zip((right, up, normal), edit.outputs, strict=True):
         where = _vector(tree, "MULTIPLY_ADD", axis, part, where)
-    move = tree.nodes.new("GeometryNodeSetPosition")
+    move = display.new_node(tree, "GeometryNodeSetPosition")
     tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
     tree.links.new(where, move.inputs["Position"])
     tree.links.new(move.outputs[0], end.inputs[0])
 
 
-def _vector(tree: Tree, operation: str, *values: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+def _vector(tree: Tree, operation: str, *values: Socket) -> Socket:
     """The result of a vector operation."""
-    node = tree.nodes.new("ShaderNodeVectorMath")
+    node = display.new_node(tree, "ShaderNodeVectorMath")
     node.operation = operation
     for value, socket in zip(values, node.inputs, strict=False):
         tree.links.new(value, socket)
     return node.outputs[0]
 
 
-def _outline(tree: Tree) -> tuple[bpy.types.Node, bpy.types.NodeSocket]:
+def _outline(tree: Tree) -> tuple[Node, Socket]:
     """Group output, and the outline of the object as curves: its edges with at most one face."""
     _, end, source = _object(tree, "RELATIVE")
-    neighbours, inner = tree.nodes.new("GeometryNodeInputMeshEdgeNeighbors"), tree.nodes.new("FunctionNodeCompare")
-    lines = tree.nodes.new("GeometryNodeMeshToCurve")
+    neighbours, inner = (
+        display.new_node(tree, "GeometryNodeInputMeshEdgeNeighbors"),
+        display.new_node(tree, "FunctionNodeCompare"),
+    )
+    lines = display.new_node(tree, "GeometryNodeMeshToCurve")
     inner.data_type, inner.operation = "INT", "LESS_THAN"
     first, second = (socket for socket in inner.inputs if socket.enabled)
     second.default_value = 2
@@ -191,7 +203,7 @@ def _curves(tree: Tree) -> None:
 
 def _edges(tree: Tree) -> None:
     end, lines = _outline(tree)
-    mesh = tree.nodes.new("GeometryNodeCurveToMesh")
+    mesh = display.new_node(tree, "GeometryNodeCurveToMesh")
     tree.links.new(lines, mesh.inputs["Curve"])
     tree.links.new(mesh.outputs[0], end.inputs[0])
 
@@ -199,7 +211,7 @@ def _edges(tree: Tree) -> None:
 def _area(tree: Tree) -> None:
     end, lines = _outline(tree)
     tree.interface.new_socket("Material", in_out="INPUT", socket_type="NodeSocketMaterial")
-    fill, paint = tree.nodes.new("GeometryNodeFillCurve"), tree.nodes.new("GeometryNodeSetMaterial")
+    fill, paint = display.new_node(tree, "GeometryNodeFillCurve"), display.new_node(tree, "GeometryNodeSetMaterial")
     start = next(node for node in tree.nodes if node.bl_idname == "NodeGroupInput")
     tree.links.new(lines, fill.inputs[0])
     tree.links.new(fill.outputs[0], paint.inputs["Geometry"])

@@ -18,7 +18,7 @@ ORIGINAL_MODIFIER = "Nested Cages Follow"
 @contextmanager
 def unposed(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
     """Originals that follow their cages show their own shape for a moment."""
-    found = [m for obj in objects if (m := obj.modifiers.get(ORIGINAL_MODIFIER)) is not None and m.show_viewport]
+    found = [m for obj in objects for m in obj.modifiers if m.name == ORIGINAL_MODIFIER and m.show_viewport]
     for modifier in found:
         modifier.show_viewport = False
     try:

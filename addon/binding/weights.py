@@ -37,7 +37,7 @@ def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: st
     Raises: UserError if the points are not in the plane and the inside of the cage.
     """
     there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(obj.matrix_world)
-    inside, corners = transform(there, points), filling.points_of(cage.data)
+    inside, corners = transform(there, points), filling.points_of(filling.mesh_of(cage))
     if np.ptp(np.concatenate([inside[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
         raise UserError(f"'{obj.name}' and '{cage.name}' do not lie in one plane")
     try:
@@ -50,8 +50,7 @@ def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: st
     columns = np.concatenate([dense[:, :, None], slopes], axis=2).astype(np.float32)
     clear(obj)
     for corner in range(columns.shape[1]):
-        attribute = obj.data.attributes.new(f"{keys.WEIGHT}{corner}", "FLOAT_VECTOR", "POINT")
-        attribute.data.foreach_set("vector", columns[:, corner].ravel())
+        filling.add_attribute(filling.mesh_of(obj), f"{keys.WEIGHT}{corner}", "FLOAT_VECTOR", columns[:, corner])
     return node_groups.add(obj, node_groups.COORDINATES, Object=cage)
 
 

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core
+from ..core import core, predicates
 from ..errors import UserError
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from .job import Progress, Work
@@ -116,9 +116,8 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
 
 def _faults(cage: Drawing, fine: Drawing) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which points of both drawings are on edges that cross, or are outside of the cage or inside of a hole of it."""
-    predicates = core.geometry.predicates
     (points, ends), (fine_points, fine_ends) = (_edges(drawing) for drawing in (cage, fine))
-    at_fault, fine_at_fault = np.zeros(len(points), bool), np.zeros(len(fine_points), bool)
+    at_fault, fine_at_fault = np.zeros(len(points), np.bool_), np.zeros(len(fine_points), np.bool_)
     tree, fine_tree = predicates.BoxTree(points, points[ends]), predicates.BoxTree(fine_points, fine_points[fine_ends])
     i, j = predicates.crossing_pairs(tree, fine_tree)
     at_fault[np.concatenate([i, ends[i]])] = True
@@ -155,7 +154,7 @@ def select_points(context: bpy.types.Context, obj: bpy.types.Object, points: NDA
     if len(chosen) != len(mesh.vertices):
         return 0
     mesh.vertices.foreach_set("select", chosen)
-    mesh.edges.foreach_set("select", np.zeros(len(mesh.edges), bool))
-    mesh.polygons.foreach_set("select", np.zeros(len(mesh.polygons), bool))
+    mesh.edges.foreach_set("select", np.zeros(len(mesh.edges), np.bool_))
+    mesh.polygons.foreach_set("select", np.zeros(len(mesh.polygons), np.bool_))
     mesh.update()
     return int(chosen.sum())

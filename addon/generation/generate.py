@@ -81,7 +81,8 @@ class CageLevel:
     @property
     def cage(self) -> NDArray[np.float32]:
         """The cage's vertices (m, 2)."""
-        return self.cage_steps[-1]
+        vertices: NDArray[np.float32] = self.cage_steps[-1]
+        return vertices
 
     @property
     def last(self) -> int:
@@ -150,7 +151,7 @@ def _wanted(levels: Sequence[Level], fine: Any, own: Sequence[Any], name: str) -
             f"'{name}': own objects (*) in the levels: {levels.count(OWN)}, objects named: {len(own)}; "
             "name one for each"
         )
-    numbers = iter(counts([level for level in levels if level != OWN], fine, name))
+    numbers = iter(counts([level for level in levels if not isinstance(level, str)], fine, name))
     meshes = iter(own)
     return tuple(next(meshes) if level == OWN else next(numbers) for level in levels)
 
@@ -259,6 +260,6 @@ class Generation:
         while True:
             cages, fines = (steps[first:].astype(np.float64) for steps in (cage_steps, fine_steps))
             motion = core.verify_motion(cage, fine, cages, fines)
-            if motion.free:
+            if motion.free or motion.step is None:
                 return first
             first += motion.step + 1

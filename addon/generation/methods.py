@@ -39,7 +39,7 @@ class Methods:
     def with_partners(self) -> Methods:
         """The same with what the contact was made for in place of what is automatic."""
         partners = CONTACTS[self.contact].partners
-        chosen = {
+        chosen: dict[str, Any] = {
             name: partners.get(name, setting.automatic[0])
             for name, setting in SETTINGS.items()
             if setting.automatic is not None and getattr(self, name) == AUTOMATIC

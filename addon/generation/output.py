@@ -167,11 +167,12 @@ def _member_with_mesh(
 def _place(obj: bpy.types.Object, result: Result) -> None:
     """Puts the object where the drawing is; with the very numbers of the source's transform if that can be."""
     source = result.drawing.source
-    stands_there = source is not None and np.array_equal(np.array(source.matrix_world), result.drawing.frame.matrix)
-    if result.drawing.frame.own and stands_there and source.parent is None and not source.constraints:
+    frame = result.drawing.frame
+    free = source is not None and source.parent is None and not source.constraints
+    if source is not None and free and frame.own and np.array_equal(np.array(source.matrix_world), frame.matrix):
         copy_transform(source, obj)
     else:
-        obj.matrix_world = Matrix(result.drawing.frame.matrix.tolist())
+        obj.matrix_world = Matrix(frame.matrix.tolist())
 
 
 def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from ..animation import shape_keys
 from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..scene import display
+from ..scene.filling import mesh_of
 from ..scene.ownership import TRANSFORM, level_of, members
 
 
@@ -92,13 +93,13 @@ class _Member:
     obj: bpy.types.Object
 
     def __post_init__(self) -> None:
-        obj, modifier = self.obj, self.obj.modifiers.get(display.THICKNESS)
-        self.name, self.mesh = obj.name, obj.data
+        obj = self.obj
+        self.name, self.mesh = obj.name, mesh_of(obj)
         self.transform = {name: _plain(getattr(obj, name)) for name in TRANSFORM}
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
         self.properties = _properties(obj)
         self.level = level_of(obj) or 0
-        self.radius = 0.0 if modifier is None else display.get_input(modifier, "Radius")
+        self.thickness = display.thickness_of(obj)
         self.visibility: VisibilityAnimation | None = None
 
     def restore(self) -> None:
@@ -108,7 +109,7 @@ class _Member:
             setattr(obj, name, value)
         if self.visibility is not None:
             self.visibility.restore(obj)
-        display.set_thickness(obj, self.level, 2.0 * self.radius)
+        display.set_thickness(obj, self.level, self.thickness)
         _set_properties(obj, self.properties)
 
 

@@ -12,7 +12,7 @@ from mathutils import Matrix
 
 from .. import keys
 from ..animation import visibility
-from ..core import core
+from ..core import core, triangulation
 from ..errors import UserError
 from ..scene import convert, display, filling, ownership
 from ..scene.plane import PLANARITY, size
@@ -71,7 +71,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
     exporters leave out what is hidden on their first. Raises: UserError.
     """
     for obj in objects:
-        if keys.LEVEL not in obj or obj.data.shape_keys is None:
+        if ownership.level_of(obj) is None or obj.data.shape_keys is None:
             raise UserError(f"'{obj.name}' is no cage that is animated: choose faces instead")
     outlines = [filling.outline(obj) for obj in objects]
     made = []
@@ -79,14 +79,13 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
         new = obj.copy()
         new.data = obj.data.copy()
         new.name = new.data.name = f"{obj.name} Animated"
-        filling.add_faces(new.data, core.geometry.triangulation.triangulate(outline).triangles)
+        filling.add_faces(filling.mesh_of(new), triangulation.triangulate(outline).triangles)
         if new.animation_data is not None and new.animation_data.action is not None:
             _own_action(new)
             visibility.always_show(new)
         display.set_thickness(new, 0, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
-        for name in [name for name in new.keys() if name.startswith(keys.PREFIX)]:  # noqa: SIM118
-            del new[name]
+        keys.remove(new, keys.ours(new))
         (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
         made.append(new)
     return made

@@ -32,7 +32,7 @@ class Picture:
         if image.channels not in (2, 4):
             raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
         pixels = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(pixels)
+        image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # the stubs take it for a number
         return cls(image.name, pixels.reshape(height, width, image.channels)[::-1, :, -1])
 
     @property
@@ -89,6 +89,6 @@ def place(
 def image_of(context: bpy.types.Context) -> bpy.types.Image | None:
     """The image that the user works with: of the active image empty, or in an image editor."""
     obj = context.view_layer.objects.active
-    if obj is not None and obj.type == "EMPTY" and obj.empty_display_type == "IMAGE":
+    if obj is not None and obj.type == "EMPTY" and isinstance(obj.data, bpy.types.Image):
         return obj.data
     return getattr(context.space_data, "image", None)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -25,7 +24,7 @@ class Shape:
     """A mesh of the core, its name, and whether its y points down if nobody says otherwise."""
 
     name: str
-    mesh: Any
+    mesh: core.Mesh
     y_down: bool
 
 
@@ -62,7 +61,7 @@ def place(
 
     y_down: whether the y axis points down, None for what is usual in the file; scale: metres per unit of the file.
     """
-    made = []
+    made: list[tuple[str, core.Mesh, NDArray[np.float64]]] = []
     for shape in shapes:
         yield Progress(0.5 + 0.5 * len(made) / len(shapes), f"placing '{shape.name}'")
         turned = shape.y_down if y_down is None else y_down
@@ -84,7 +83,7 @@ def _object(context: bpy.types.Context, name: str, mesh: core.Mesh, middle: NDAr
     return obj
 
 
-def _stored(name: str, loops: list[NDArray[np.float64]]) -> Any:
+def _stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
     """The core's ``Mesh`` of loops (k, 2) in the numbers that Blender stores. Raises: UserError.
 
     Points that float32 cannot tell apart become one, and loops that touch because of it are joined.

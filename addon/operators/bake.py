@@ -7,6 +7,7 @@ import bpy
 from ..animation import bake
 from ..errors import UserError
 from ..scene import ownership
+from ..scene.selection import output_of_active, scene_of
 from .base import OnOutput, Outcome
 
 
@@ -34,7 +35,7 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Outcome:
         try:
-            action = bake.bake(self.output(context))
+            action = bake.bake(output_of_active(context))
         except UserError as error:
             return self.fail(error)
         self.report({"INFO"}, f"The animation is in the action '{action.name}'")
@@ -51,7 +52,7 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Outcome:
         try:
-            bake.remove(context.scene, self.output(context))
+            bake.remove(scene_of(context), output_of_active(context))
         except UserError as error:
             return self.fail(error)
         return {"FINISHED"}

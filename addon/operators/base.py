@@ -58,13 +58,6 @@ class OnOutput(Reporting):
         """Why the operator cannot be used on this output; empty if it can."""
         return ""
 
-    @staticmethod
-    def output(context: bpy.types.Context) -> bpy.types.Collection:
-        """The output that `unavailable` has found suitable."""
-        collection = collection_of_active(context)
-        assert collection is not None
-        return collection
-
 
 class JobOperator(Reporting):
     """An operator whose work is a generator: executed at once, or in slices with progress when it is invoked.
@@ -159,7 +152,7 @@ class DialogJobOperator(JobOperator):
     slices, so it is then invoked once more, without a dialog.
     """
 
-    answered: BoolProperty(  # type: ignore[valid-type]
+    answered: BoolProperty(
         name="Answered", description="Start without asking for options", default=False, options={"HIDDEN", "SKIP_SAVE"}
     )
     _asked = False
@@ -179,7 +172,8 @@ class DialogJobOperator(JobOperator):
             return super().execute(context)
         category, _, name = self.bl_idname.partition(".")
         again = getattr(getattr(bpy.ops, category), name)
-        again("INVOKE_DEFAULT", **self.as_keywords() | {"answered": True})
+        options: Any = self.as_keywords()  # type: ignore[func-returns-value]
+        again("INVOKE_DEFAULT", **{**options, "answered": True})
         return {"CANCELLED"}  # this one has changed nothing: the other is undone and repeated
 
 

@@ -10,7 +10,7 @@ from ..binding.deform_modifiers import NAMES, PRISM, SURFACE
 from ..binding.weights import HARMONIC, LINEAR
 from ..generation.job import Work
 from ..scene import ownership
-from ..scene.selection import select
+from ..scene.selection import output_of_active, select
 from .base import JobOperator, OnOutput, Outcome
 
 METHOD_ITEMS = (
@@ -44,7 +44,7 @@ class Binding(OnBinding, JobOperator):
 
     exclusive = True
 
-    method: EnumProperty(  # type: ignore[valid-type]
+    method: EnumProperty(
         name="Method",
         description="How each level follows the next coarser one",
         items=METHOD_ITEMS,
@@ -52,7 +52,7 @@ class Binding(OnBinding, JobOperator):
     )
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        collection = self.output(context)
+        collection = output_of_active(context)
         made = yield from (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
         cage = ownership.members(collection)[-1]
         select(context, cage)
@@ -92,7 +92,7 @@ class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
     bl_description = "Put cages and drawing back to what they were before they were bound, with their animation"
 
     def execute(self, context: bpy.types.Context) -> Outcome:
-        binding.unbind(self.output(context))
+        binding.unbind(output_of_active(context))
         return {"FINISHED"}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
@@ -11,7 +12,7 @@ from bpy_extras.io_utils import ExportHelper
 from ..errors import UserError, counted
 from ..io import exporters
 from ..scene import convert, ownership
-from ..scene.selection import select
+from ..scene.selection import scene_of, select
 from .base import Outcome, Reporting
 
 SHAPE_ITEMS = (
@@ -46,10 +47,8 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
     bl_description = "Make new objects of the selected cages: as on this frame, or as faces that play the animation"
     bl_options = {"REGISTER", "UNDO"}
 
-    shape: EnumProperty(  # type: ignore[valid-type]
-        name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED"
-    )
-    height: FloatProperty(  # type: ignore[valid-type]
+    shape: EnumProperty(name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED")
+    height: FloatProperty(
         name="Height",
         description="Height of prisms; 0 takes a fifth of the outline's size",
         default=0.0,
@@ -71,7 +70,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):
+class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Writes outlines to a file."""
 
     bl_idname = "object.nested_cages_export"
@@ -81,31 +80,32 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     )
     bl_options = {"REGISTER", "PRESET"}
 
-    filter_glob: StringProperty(  # type: ignore[valid-type]
+    filepath: StringProperty(
+        name="File Path", description="File to write", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
+    )
+    filter_glob: StringProperty(
         name="Filter",
         description="Files that are shown",
         default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
         options={"HIDDEN"},
     )
-    kind: EnumProperty(  # type: ignore[valid-type]
-        name="Format", description="Kind of the file", items=FILE_ITEMS, default="SVG"
-    )
-    flip_y: BoolProperty(  # type: ignore[valid-type]
+    kind: EnumProperty(name="Format", description="Kind of the file", items=FILE_ITEMS, default="SVG")
+    flip_y: BoolProperty(
         name="Y Down", description="Let y point down, as in pictures, SVG and most 2D engines", default=True
     )
-    world: BoolProperty(  # type: ignore[valid-type]
+    world: BoolProperty(
         name="World",
         description="Write coordinates of the world, seen from the top, front or right, not those of the first object",
         default=False,
     )
-    scale: FloatProperty(  # type: ignore[valid-type]
+    scale: FloatProperty(
         name="Scale",
         description="Units in the file for one unit of the scene, such as pixels per metre",
         default=1.0,
         min=1e-9,
         soft_max=1000.0,
     )
-    triangles: BoolProperty(  # type: ignore[valid-type]
+    triangles: BoolProperty(
         name="Triangles",
         description="Add triangles to a collision outline, for engines whose pieces must be convex",
         default=False,
@@ -116,11 +116,12 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         """The ending that Blender's helper gives the file."""
         return SUFFIXES[self.kind]
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:  # type: ignore[override]
         if not self.filepath:
             name = bpy.path.clean_name(chosen(context)[0].name)
             self.filepath = str(Path(bpy.data.filepath).parent / (name + self.filename_ext))
-        return ExportHelper.invoke(self, context, event)
+        asked: Any = super().invoke(context, event)
+        return {*asked}
 
     def execute(self, context: bpy.types.Context) -> Outcome:
         try:
@@ -139,7 +140,7 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The selected outlines from the inside out; of a single drawing that has cages, the drawing and all of these."""
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(selected) == 1 and not ownership.level_of(selected[0]):
-        collection = ownership.collection_about(context.scene, selected[0])
+        collection = ownership.collection_about(scene_of(context), selected[0])
         if collection is not None:
             return ownership.members(collection)
     return sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name))

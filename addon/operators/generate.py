@@ -12,9 +12,10 @@ from ..errors import UserError, counted
 from ..generation import output
 from ..generation.generate import OWN, Generation, Request, Result
 from ..generation.job import Work, completed, running
-from ..properties import settings as properties
+from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties
 from ..scene import convert, ownership
+from ..scene.selection import scene_of
 from .base import JobOperator, Outcome
 
 
@@ -42,16 +43,16 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         layout.prop(self, "levels")
         if OWN in self.levels:
             layout.prop(self, "level_objects")
-        for names in (properties.WHAT, properties.FRAMES, properties.ANIMATION, properties.LOOKS):
-            properties.draw(layout.column(), self, names)
-        for title, names in (("Drawing", properties.READING), ("Advanced", properties.ADVANCED)):
+        for names in (groups.WHAT, groups.FRAMES, groups.ANIMATION, groups.LOOKS):
+            groups.draw(layout.column(), self, names)
+        for title, names in (("Drawing", groups.READING), ("Advanced", groups.ADVANCED)):
             header, body = layout.panel(f"nested_cages_{title}", default_closed=True)
             header.label(text=title)
             if body is not None:
-                properties.draw(body.column(), self, names)
+                groups.draw(body.column(), self, names)
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        options, name = properties.options(self), context.scene.name
+        options, name = conversion.options(self), context.scene.name
         with originals.unposed(sources(context)):
             generation = Generation(requests(context, self), options)
         yield from generation
@@ -74,7 +75,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")
-        collections = output.write(scene, results, properties.timing(self), self.thickness)
+        collections = output.write(scene, results, conversion.timing(self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
             scene.frame_set(max(keys.integer(collection, keys.END) or 0 for collection in collections))
@@ -132,7 +133,7 @@ def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
 def _is_output_of(obj: bpy.types.Object, drawings: Sequence[bpy.types.Object]) -> bool:
     if ownership.level_of(obj) is None:
         return False
-    collection = ownership.collection_about(bpy.context.scene, obj)
+    collection = ownership.collection_about(scene_of(bpy.context), obj)
     return collection is not None and ownership.source_of(collection) in drawings
 
 
@@ -140,7 +141,7 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
     """What the selection asks for: each drawing with its own cages, all in common ones, or the active one with the
     others as its levels. Raises: UserError.
     """
-    reading = properties.reading_options(values)
+    reading = conversion.reading_options(values)
     selected, active = sources(context), context.view_layer.objects.active
     if values.use_selected_as_levels:
         if active not in selected or len(selected) < 2:
@@ -171,7 +172,7 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
 def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:
     """The objects that are levels. Raises: UserError."""
     objects = []
-    for name in properties.own_names(values):
+    for name in conversion.own_names(values):
         obj = context.scene.objects.get(name)
         if obj is None:
             raise UserError(f"'{name}' is named as a level but is not in the scene")

@@ -23,22 +23,22 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
     bl_description = "Make a collision outline of few vertices that leaves no opaque pixel of an image outside"
     bl_options = {"REGISTER", "UNDO"}
 
-    image: StringProperty(  # type: ignore[valid-type]
+    image: StringProperty(
         name="Image",
         description="Image with an alpha channel; empty takes that of the active image empty",
         default="",
     )
-    vertices: IntProperty(  # type: ignore[valid-type]
+    vertices: IntProperty(
         name="Vertices", description="Number of vertices of the outline", default=16, min=3, soft_max=256
     )
-    padding: FloatProperty(  # type: ignore[valid-type]
+    padding: FloatProperty(
         name="Padding",
         description="Distance in pixels that the outline keeps from opaque pixels",
         default=1.0,
         min=0.0,
         soft_max=32.0,
     )
-    threshold: FloatProperty(  # type: ignore[valid-type]
+    threshold: FloatProperty(
         name="Threshold",
         description="Opacity above which a pixel counts as opaque",
         default=0.0,
@@ -46,9 +46,7 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
         max=1.0,
         subtype="FACTOR",
     )
-    holes: BoolProperty(  # type: ignore[valid-type]
-        name="Holes", description="Keep holes open instead of filling them", default=False
-    )
+    holes: BoolProperty(name="Holes", description="Keep holes open instead of filling them", default=False)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:

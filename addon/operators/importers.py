@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
@@ -11,6 +12,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import importers
+from ..scene.filling import mesh_of
 from ..scene.selection import select
 from .base import DialogJobOperator, Outcome
 
@@ -23,7 +25,7 @@ Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
 
-class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):
+class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Reads outlines from a file."""
 
     bl_idname = "object.nested_cages_import"
@@ -34,21 +36,23 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
     )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    filter_glob: StringProperty(  # type: ignore[valid-type]
+    filepath: StringProperty(
+        name="File Path", description="File to read", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
+    )
+    filter_glob: StringProperty(
         name="Filter",
         description="Files that are shown",
         default=";".join(f"*{ending}" for ending in EXTENSIONS),
         options={"HIDDEN"},
     )
-    y: EnumProperty(  # type: ignore[valid-type]
-        name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO"
-    )
-    scale: FloatProperty(  # type: ignore[valid-type]
+    y: EnumProperty(name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO")
+    scale: FloatProperty(
         name="Scale", description="Length in Blender of one unit of the file", default=0.01, min=1e-9, soft_max=100.0
     )
 
     def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
-        return self.invoke_popup(context)
+        asked: Any = self.invoke_popup(context)  # type: ignore[func-returns-value]
+        return {*asked}
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -63,7 +67,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         shapes = importers.shapes_in(path)
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         select(context, *made)
-        count = sum(len(obj.data.vertices) for obj in made)
+        count = sum(len(mesh_of(obj).vertices) for obj in made)
         self.report({"INFO"}, f"{counted(len(made), 'outline')}, {count} vertices")
         return {"FINISHED"}
 

@@ -6,16 +6,18 @@ import bpy
 from bpy.props import IntProperty
 
 from ..properties import level_list
+from ..properties.settings import settings_of
+from .base import Mixin, Outcome
 
 
-class OnLevels:
+class OnLevels(Mixin):
     """What these operators share: they need a list with something in it."""
 
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        settings = context.scene.nested_cages
+        settings = settings_of(context)
         if settings.level_index < len(settings.level_list):
             return True
         cls.poll_message_set("Choose a level in the list")
@@ -30,8 +32,8 @@ class SCENE_OT_nested_cages_level_add(bpy.types.Operator):
     bl_description = "Add a coarser level, and list the levels one by one"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        level_list.add(context.scene.nested_cages)
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        level_list.add(settings_of(context))
         return {"FINISHED"}
 
 
@@ -44,13 +46,13 @@ class SCENE_OT_nested_cages_level_remove(OnLevels, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if len(context.scene.nested_cages.level_list) < 2:
+        if len(settings_of(context).level_list) < 2:
             cls.poll_message_set("At least one level is needed")
             return False
         return super().poll(context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        level_list.remove(context.scene.nested_cages)
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        level_list.remove(settings_of(context))
         return {"FINISHED"}
 
 
@@ -61,12 +63,10 @@ class SCENE_OT_nested_cages_level_move(OnLevels, bpy.types.Operator):
     bl_label = "Move Level"
     bl_description = "Move the chosen level up or down in the list, which goes from the inside out"
 
-    step: IntProperty(  # type: ignore[valid-type]
-        name="Step", description="Lines to move it down; up if negative", default=1, min=-1, max=1
-    )
+    step: IntProperty(name="Step", description="Lines to move it down; up if negative", default=1, min=-1, max=1)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        level_list.move(context.scene.nested_cages, self.step)
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        level_list.move(settings_of(context), self.step)
         return {"FINISHED"}
 
 

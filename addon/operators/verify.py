@@ -14,7 +14,7 @@ from ..errors import UserError
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
 from ..scene import convert, ownership
-from ..scene.selection import collection_of_active, select
+from ..scene.selection import collection_of_active, scene_of, select
 from .base import JobOperator, Outcome
 
 
@@ -29,7 +29,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    whole: BoolProperty(  # type: ignore[valid-type]
+    whole: BoolProperty(
         name="Whole Animation",
         description=(
             "Check all frames of the scene instead of this one, up to the first with a fault, and come back to this one"
@@ -49,7 +49,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         return ""
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        objects, scene = _nested(context, self.whole), context.scene
+        objects, scene = _nested(context, self.whole), scene_of(context)
         if self.whole:
             _check_not_stepping(scene, objects)
             with same_frame(scene):

@@ -1,1 +1,5 @@
-"""What the user can set: `settings` of the scene and the operator, and `level_list`, their levels one by one."""
+"""What the user can set.
+
+`settings`: the properties, of the scene and of the operator. `level_list`: the levels one by one. `groups`: what is
+shown together. `conversion`: settings to what other rooms take.
+"""

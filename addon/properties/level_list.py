@@ -24,9 +24,9 @@ _busy: list[Any] = []
 
 def _write(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Writes the list that this level is in into the text."""
-    settings = self.id_data.nested_cages if isinstance(self.id_data, bpy.types.Scene) else None
-    if settings is not None:
-        write(settings)
+    scene: Any = self.id_data
+    if isinstance(scene, bpy.types.Scene):
+        write(scene.nested_cages)  # type: ignore[attr-defined]
 
 
 def _has_outline(_self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
@@ -38,13 +38,11 @@ def _has_outline(_self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
 class NestedCagesLevel(bpy.types.PropertyGroup):
     """One level of the list."""
 
-    kind: EnumProperty(  # type: ignore[valid-type]
+    kind: EnumProperty(
         name="Kind", description="How the level is given", items=KIND_ITEMS, default="COUNT", update=_write
     )
-    count: IntProperty(  # type: ignore[valid-type]
-        name="Vertices", description="Number of vertices of the cage", default=24, min=3, update=_write
-    )
-    percent: FloatProperty(  # type: ignore[valid-type]
+    count: IntProperty(name="Vertices", description="Number of vertices of the cage", default=24, min=3, update=_write)
+    percent: FloatProperty(
         name="Percent",
         description="Part of the drawing's own number of vertices",
         default=10.0,
@@ -53,7 +51,7 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
         precision=1,
         update=_write,
     )
-    own: PointerProperty(  # type: ignore[valid-type]
+    own: PointerProperty(
         name="Object",
         description="Coarse mesh that becomes this cage",
         type=bpy.types.Object,

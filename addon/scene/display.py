@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, Literal
+
 import bpy
 
 # The fine mesh nearly white, the cages in colours that are easy to tell apart, also for the colour-blind (after Okabe
@@ -34,34 +36,57 @@ def apply_display(obj: bpy.types.Object, level: int) -> None:
     obj.color = colour(level)
 
 
+def new_node(tree: bpy.types.NodeTree | None, kind: str) -> Any:
+    """A new node; its properties depend on its kind."""
+    return tree.nodes.new(kind)
+
+
+def add_socket(tree: bpy.types.NodeTree, way: Literal["INPUT", "OUTPUT"], kind: str, name: str) -> None:
+    """A new input or output of a node group."""
+    tree.interface.new_socket(name, in_out=way, socket_type=kind)
+
+
+def nodes_modifier(obj: bpy.types.Object, name: str) -> bpy.types.NodesModifier | None:
+    """The Geometry Nodes modifier of that name."""
+    modifier = obj.modifiers.get(name)
+    return modifier if isinstance(modifier, bpy.types.NodesModifier) else None
+
+
+def add_nodes_modifier(obj: bpy.types.Object, name: str, tree: bpy.types.NodeTree) -> bpy.types.NodesModifier:
+    """A new Geometry Nodes modifier."""
+    modifier = obj.modifiers.new(name, "NODES")
+    assert isinstance(modifier, bpy.types.NodesModifier)
+    modifier.node_group = tree
+    return modifier
+
+
 def set_thickness(obj: bpy.types.Object, level: int, thickness: float) -> None:
     """Gives the object's edges a thickness in its own unit, in renders only; 0 takes it away.
 
     In the viewport the object stays the wire that was certified.
     """
-    modifier = obj.modifiers.get(THICKNESS)
+    modifier = nodes_modifier(obj, THICKNESS)
     if thickness <= 0.0:
         if modifier is not None:
             remove_modifier(obj, modifier)
         return
     if modifier is None:
-        modifier = obj.modifiers.new(THICKNESS, "NODES")
+        modifier = add_nodes_modifier(obj, THICKNESS, _thickness_nodes())
         modifier.show_viewport = False
-    modifier.node_group = _thickness_nodes()
     set_input(modifier, "Radius", 0.5 * thickness)
     set_input(modifier, "Material", _material(level))
 
 
 def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
     """Removes a modifier and lets go of what its inputs name, which Blender 5.2 would go on counting as used."""
-    tree = modifier.node_group if hasattr(modifier, "properties") else None
-    for socket in tree.interface.items_tree if tree is not None else ():
-        if socket.item_type == "SOCKET" and socket.in_out == "INPUT" and socket.socket_type in NAMING:
-            set_input(modifier, socket.name, None)
+    if isinstance(modifier, bpy.types.NodesModifier) and hasattr(modifier, "properties") and modifier.node_group:
+        for socket in _inputs(modifier):
+            if socket.socket_type in NAMING:
+                set_input(modifier, socket.name, None)
     obj.modifiers.remove(modifier)
 
 
-def set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
+def set_input(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
     """Sets an input of a Geometry Nodes modifier by the name of its socket."""
     identifier = _identifier(modifier, name)
     # Blender 5.2 made properties of what were custom properties of the modifier.
@@ -71,7 +96,7 @@ def set_input(modifier: bpy.types.Modifier, name: str, value: object) -> None:
         modifier[identifier] = value
 
 
-def get_input(modifier: bpy.types.Modifier, name: str) -> object:
+def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
     """An input of a Geometry Nodes modifier by the name of its socket."""
     identifier = _identifier(modifier, name)
     if hasattr(modifier, "properties"):
@@ -79,10 +104,21 @@ def get_input(modifier: bpy.types.Modifier, name: str) -> object:
     return modifier[identifier]
 
 
-def _identifier(modifier: bpy.types.Modifier, name: str) -> str:
+def thickness_of(obj: bpy.types.Object) -> float:
+    """The thickness that `set_thickness` gave, 0 for none."""
+    modifier = nodes_modifier(obj, THICKNESS)
+    return 0.0 if modifier is None else 2.0 * float(get_input(modifier, "Radius"))
+
+
+def _inputs(modifier: bpy.types.NodesModifier) -> list[Any]:
+    """The input sockets of a modifier."""
+    sockets: Any = modifier.node_group.interface.items_tree
+    return [socket for socket in sockets if socket.item_type == "SOCKET" and socket.in_out == "INPUT"]
+
+
+def _identifier(modifier: bpy.types.NodesModifier, name: str) -> str:
     """What Blender calls the input of that name."""
-    sockets = modifier.node_group.interface.items_tree
-    return next(s.identifier for s in sockets if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name)
+    return next(str(socket.identifier) for socket in _inputs(modifier) if socket.name == name)
 
 
 def _thickness_nodes() -> bpy.types.NodeTree:
@@ -91,15 +127,12 @@ def _thickness_nodes() -> bpy.types.NodeTree:
     if tree is not None:
         return tree
     tree = bpy.data.node_groups.new(THICKNESS, "GeometryNodeTree")
-    for name, way, kind in (
-        ("Geometry", "OUTPUT", "NodeSocketGeometry"),
-        ("Geometry", "INPUT", "NodeSocketGeometry"),
-        ("Radius", "INPUT", "NodeSocketFloat"),
-        ("Material", "INPUT", "NodeSocketMaterial"),
-    ):
-        tree.interface.new_socket(name, in_out=way, socket_type=kind)
+    add_socket(tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
+    add_socket(tree, "INPUT", "NodeSocketGeometry", "Geometry")
+    add_socket(tree, "INPUT", "NodeSocketFloat", "Radius")
+    add_socket(tree, "INPUT", "NodeSocketMaterial", "Material")
     start, end, circle, curve, tube, paint = (
-        tree.nodes.new(kind)
+        new_node(tree, kind)
         for kind in (
             "NodeGroupInput",
             "NodeGroupOutput",
@@ -135,10 +168,10 @@ def _material(level: int) -> bpy.types.Material:
     material.diffuse_color = colour(level)
     if material.node_tree is None:  # Blender 5.0 always has one
         material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    glow, end = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
+    tree = material.node_tree
+    tree.nodes.clear()
+    glow, end = new_node(tree, "ShaderNodeEmission"), new_node(tree, "ShaderNodeOutputMaterial")
     glow.inputs["Color"].default_value = colour(level)
-    material.node_tree.links.new(glow.outputs["Emission"], end.inputs["Surface"])
+    tree.links.new(glow.outputs["Emission"], end.inputs["Surface"])
     end.location = (200.0, 0.0)
     return material

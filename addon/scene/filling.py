@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import core
+from ..core import core, triangulation
 from ..errors import UserError
 
 # Half the height of a prism around a planar drawing, as a part of the cage's size.
 HALF_HEIGHT = 0.1
 
+AttributeType = Literal["INT", "FLOAT", "FLOAT_VECTOR"]
 Points = NDArray[np.float64]
+
+
+def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """The mesh of an object that is known to be of that type."""
+    assert isinstance(obj.data, bpy.types.Mesh), obj.name
+    return obj.data
 
 
 def points_of(mesh: bpy.types.Mesh) -> Points:
@@ -34,18 +41,18 @@ def loop_edges(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
     return edges[np.bincount(corners, minlength=len(edges)) <= 1].astype(np.int64)
 
 
-def outline(obj: bpy.types.Object) -> Any:
+def outline(obj: bpy.types.Object) -> core.Mesh:
     """The core's ``Mesh`` of a mesh object's own x and y, unposed. Raises: UserError."""
     try:
-        return core.Mesh(points_of(obj.data)[:, :2], loop_edges(obj.data))
+        return core.Mesh(points_of(mesh_of(obj))[:, :2], loop_edges(mesh_of(obj)))
     except core.NestedCagesError as error:
         raise UserError(f"'{obj.name}': {error}") from error
 
 
-def filled(name: str, points: Points, mesh: Any) -> bpy.types.Mesh:
+def filled(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Mesh:
     """A new mesh with the points (n, 3), the outline's edges first and then its triangles, which leave holes open."""
     data = bpy.data.meshes.new(name)
-    triangles = core.geometry.triangulation.triangulate(mesh).triangles
+    triangles = triangulation.triangulate(mesh).triangles
     data.from_pydata(points.tolist(), mesh.edges.tolist(), triangles.tolist())
     data.update()
     return data
@@ -61,30 +68,34 @@ def add_faces(data: bpy.types.Mesh, triangles: NDArray[np.int64]) -> None:
     data.validate()
 
 
-def prism(name: str, points: Points, mesh: Any, half_height: float) -> bpy.types.Mesh:
+def add_attribute(data: bpy.types.Mesh, name: str, kind: AttributeType, values: NDArray[Any]) -> None:
+    """Sets an attribute of the vertices, a new one if there is none of that name."""
+    attribute: Any = data.attributes.get(name) or data.attributes.new(name, kind, "POINT")
+    attribute.data.foreach_set("vector" if kind == "FLOAT_VECTOR" else "value", values.ravel())
+
+
+def prism(name: str, points: Points, mesh: core.Mesh, half_height: float) -> bpy.types.Mesh:
     """A new closed mesh: the filled outline (n, 3) below and above its plane, and walls between; normals point out."""
     count = len(points)
     raised = np.array([0.0, 0.0, half_height])
-    below = core.geometry.triangulation.triangulate(mesh).triangles
+    below = triangulation.triangulate(mesh).triangles
     start, end = np.arange(count), np.asarray(mesh.successor)
     walls = np.column_stack([start, end, end + count, start + count])
     data = bpy.data.meshes.new(name)
     faces = [*below[:, ::-1].tolist(), *(below + count).tolist(), *walls.tolist()]
     data.from_pydata(np.concatenate([points - raised, points + raised]).tolist(), [], faces)
-    corner = data.attributes.new(keys.CORNER, "INT", "POINT")
-    corner.data.foreach_set("value", np.tile(start, 2).astype(np.int32))
-    height = data.attributes.new(keys.HEIGHT, "FLOAT", "POINT")
-    height.data.foreach_set("value", np.repeat([-half_height, half_height], count).astype(np.float32))
+    add_attribute(data, keys.CORNER, "INT", np.tile(start, 2).astype(np.int32))
+    add_attribute(data, keys.HEIGHT, "FLOAT", np.repeat([-half_height, half_height], count).astype(np.float32))
     data.update()
     return data
 
 
-def curve(name: str, points: Points, mesh: Any) -> bpy.types.Curve:
+def curve(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Curve:
     """A new filled 2D curve with one closed poly spline per loop of the outline (n, 3)."""
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions = "2D" if not points[:, 2].any() else "3D"
     if data.dimensions == "2D":
-        data.fill_mode = "BOTH"
+        data.fill_mode = "BOTH"  # type: ignore[assignment]  # the stubs know the modes of 3D curves alone
     for loop in mesh.loops:
         spline = data.splines.new("POLY")
         spline.points.add(len(loop) - 1)

@@ -37,7 +37,7 @@ class Frame:
     scale: float
     own: bool
 
-    def points(self, plane_points: Array) -> Array:
+    def points(self, plane_points: NDArray[np.float32] | Array) -> Array:
         """Points (n, 2) of the plane with their height, (n, 3)."""
         return np.column_stack([plane_points, np.full(len(plane_points), self.height)])
 
@@ -53,7 +53,8 @@ class Frame:
 
 def transform(matrix: Array, points: Array) -> Array:
     """Points (n, 3) under an affine matrix (4, 4)."""
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
+    moved: Array = points @ matrix[:3, :3].T + matrix[:3, 3]
+    return moved
 
 
 def size(points: Array) -> float:

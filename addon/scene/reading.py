@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import NamedTuple
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any, NamedTuple
 
 import bmesh
 import bpy
@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
+from .display import add_nodes_modifier, new_node
+from .filling import mesh_of
 
 
 class Lines(NamedTuple):
@@ -54,7 +56,8 @@ def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int)
 @contextmanager
 def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
     """A copy of a curve or text for a moment, in the scene so that its modifiers count, without what makes it solid."""
-    copy, data = obj.copy(), obj.data.copy()
+    copy = obj.copy()
+    data: Any = obj.data.copy()
     try:
         copy.data = data
         data.bevel_mode = "ROUND"
@@ -84,7 +87,7 @@ def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) 
     helper = bpy.data.objects.new(obj.name, mesh)
     try:
         tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-        source = tree.nodes.new("GeometryNodeObjectInfo")
+        source = new_node(tree, "GeometryNodeObjectInfo")
         source.transform_space = "ORIGINAL"
         source.inputs["Object"].default_value = obj
         chain = ["GeometryNodeCurveToMesh"]
@@ -95,13 +98,13 @@ def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) 
             chain = ["GeometryNodeGreasePencilToCurves", "GeometryNodeRealizeInstances", *chain]
         geometry = source.outputs["Geometry"]
         for kind in chain:
-            node = tree.nodes.new(kind)
+            node = new_node(tree, kind)
             if kind == "GeometryNodeSetSplineResolution":
                 node.inputs["Resolution"].default_value = resolution
             tree.links.new(geometry, node.inputs[0])
             geometry = node.outputs[0]
-        tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs[0])
-        helper.modifiers.new("Curves", "NODES").node_group = tree
+        tree.links.new(geometry, new_node(tree, "NodeGroupOutput").inputs[0])
+        add_nodes_modifier(helper, "Curves", tree)
         context.scene.collection.objects.link(helper)
         yield helper
     finally:
@@ -110,7 +113,7 @@ def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) 
         bpy.data.node_groups.remove(tree)
 
 
-Reader = Callable[[bpy.types.Context, bpy.types.Object, int], "contextmanager[bpy.types.Object]"]
+Reader = Callable[[bpy.types.Context, bpy.types.Object, int], AbstractContextManager[bpy.types.Object]]
 READERS: dict[str, Reader] = {
     "MESH": _itself,
     "CURVE": _plain_copy,
@@ -124,7 +127,7 @@ def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines
     """The evaluated object's edges with no face (wire) or one face (boundary)."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
-    if mesh is None:
+    if mesh is None:  # an object that shows nothing
         return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
     try:
         vertices = np.empty((len(mesh.vertices), 3), np.float32)
@@ -141,7 +144,7 @@ def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines
 
 def _selected_edges(obj: bpy.types.Object) -> Lines:
     """The selected edges of a mesh in Edit Mode, of selected faces only the border. Raises: UserError if none is."""
-    mesh = bmesh.from_edit_mesh(obj.data)
+    mesh = bmesh.from_edit_mesh(mesh_of(obj))
     mesh.verts.index_update()
     faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]
     chosen = [edge for edge, count in zip(mesh.edges, faces, strict=True) if count == 1 or (count == 0 and edge.select)]

@@ -7,10 +7,23 @@ import bpy
 from . import ownership
 
 
+def scene_of(context: bpy.types.Context) -> bpy.types.Scene:
+    """The scene, which every context has that operators and panels get."""
+    assert context.scene is not None
+    return context.scene
+
+
 def collection_of_active(context: bpy.types.Context) -> bpy.types.Collection | None:
     """The output that the active object belongs to or is the source of."""
     active = context.view_layer.objects.active
-    return ownership.collection_about(context.scene, active) if active is not None else None
+    return ownership.collection_about(scene_of(context), active) if active is not None else None
+
+
+def output_of_active(context: bpy.types.Context) -> bpy.types.Collection:
+    """The same where it is known that there is one."""
+    collection = collection_of_active(context)
+    assert collection is not None
+    return collection
 
 
 def found_object(identity: int | None) -> bpy.types.Object | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..properties.settings import ADVANCED, ANIMATION, FRAMES
+from ..properties.groups import ADVANCED, ANIMATION, FRAMES
 
 ROOT = Path(__file__).resolve().parents[2]
 # The guide as the extension's zip brings it, and as it is in the repository; the first that is there is shown.

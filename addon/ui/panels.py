@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
@@ -10,17 +12,24 @@ from .. import keys
 from ..generation import output
 from ..generation.job import running
 from ..presets import NESTEDCAGES_PT_presets
-from ..properties import settings as properties
-from ..properties.settings import copy_values, timing
+from ..properties import conversion, groups
+from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership
-from ..scene.selection import collection_of_active
+from ..scene.selection import collection_of_active, output_of_active
 
 CATEGORY = "Nested Cages"
 # Letters in a line of a note: what fits into the sidebar as wide as Blender opens it.
 NOTE_WIDTH = 36
 
 
-class SidebarPanel:
+# Blender looks for what panels share only in bases that it does not know itself.
+if TYPE_CHECKING:
+    Mixin = bpy.types.Panel
+else:
+    Mixin = object
+
+
+class SidebarPanel(Mixin):
     """Where all panels of the add-on are."""
 
     bl_space_type = "VIEW_3D"
@@ -37,7 +46,8 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         NESTEDCAGES_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, settings = self.layout, context.scene.nested_cages
+        settings = settings_of(context)
+        layout: Any = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
@@ -47,9 +57,9 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         levels.operator("scene.nested_cages_level_add", text="", icon="ADD")
         if len(settings.level_list):
             _draw_list(column, settings)
-        properties.draw(column, settings, properties.WHAT)
-        properties.draw(layout.column(align=True), settings, properties.FRAMES)
-        properties.draw(layout.column(), settings, (*properties.ANIMATION, *properties.LOOKS))
+        groups.draw(column, settings, groups.WHAT)
+        groups.draw(layout.column(align=True), settings, groups.FRAMES)
+        groups.draw(layout.column(), settings, (*groups.ANIMATION, *groups.LOOKS))
         _draw_length(layout, context)
         job = running()
         if job is None:
@@ -72,21 +82,21 @@ class SettingsPanel(SidebarPanel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        properties.draw(layout.column(), context.scene.nested_cages, self.names)
+        groups.draw(layout.column(), settings_of(context), self.names)
 
 
 class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
     """How the selected objects are read"""
 
     bl_label = "Drawing"
-    names = properties.READING
+    names = groups.READING
 
 
 class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
-    """The methods, for those who compare them; what is dimmed has no part in what is chosen"""
+    """Methods of computation. Greyed-out settings don't apply to the chosen methods"""
 
     bl_label = "Advanced"
-    names = properties.ADVANCED
+    names = groups.ADVANCED
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
@@ -100,13 +110,11 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         return collection_of_active(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        collection = collection_of_active(context)
-        layout = self.layout
+        collection, layout = output_of_active(context), self.layout
         layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
         for obj in ownership.members(collection):
             box = layout.box().column(align=True)
-            icon = "MOD_MESHDEFORM" if obj[keys.LEVEL] else "MESH_DATA"
-            box.label(text=obj.name, icon=icon, translate=False)
+            box.label(text=obj.name, icon="MOD_MESHDEFORM" if ownership.level_of(obj) else "MESH_DATA", translate=False)
             for label, text in _readout(obj):
                 row = box.split(factor=0.45)
                 row.label(text=label)
@@ -131,7 +139,7 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        if ownership.is_bound(collection_of_active(context)):
+        if ownership.is_bound(output_of_active(context)):
             row = layout.row(align=True)
             row.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
             row.operator("object.nested_cages_unbind", icon="UNLINKED")
@@ -148,7 +156,7 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
 
-def _draw_list(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> None:
     """The levels one by one, and the buttons that change their number and order."""
     row = layout.row()
     row.active = not settings.use_selected_as_levels
@@ -162,7 +170,7 @@ def _draw_list(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) ->
 def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """How long the animation will be with these settings, known from the steps that the cages were made of before."""
     collection, scene = collection_of_active(context), context.scene
-    frames = output.length(collection, timing(scene.nested_cages)) if collection is not None else None
+    frames = output.length(collection, conversion.timing(settings_of(context))) if collection is not None else None
     if frames is not None:
         seconds = frames * scene.render.fps_base / scene.render.fps
         layout.label(text=f"Length as before: {frames} frames, {seconds:.1f} s")
@@ -171,32 +179,51 @@ def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
 class NESTEDCAGES_UL_levels(bpy.types.UIList):
     """One level per line"""
 
-    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index=0) -> None:
+    def draw_item(
+        self,
+        _context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        _data: Any,
+        item: Any,
+        _icon: int | None,
+        _active_data: Any,
+        _active_property: str | None,
+        _index: int | None = 0,
+        _filter_flag: int | None = 0,
+    ) -> None:
         row = layout.row(align=True)
         row.prop(item, "kind", text="")
         row.prop(item, {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}[item.kind], text="")
 
 
+# What is stored on cages, and how it is shown.
+READOUT: tuple[tuple[str, str, Callable[[float], str]], ...] = (
+    ("Excess", keys.EXCESS, lambda value: f"{100.0 * value:.2f} %"),
+    ("Clearance", keys.CLEARANCE, lambda value: f"{value:.3g}"),
+    ("Time", keys.SECONDS, lambda value: f"{value:.2f} s"),
+)
+
+
 def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """Label and value of what is stored on an output object."""
-    rows = [("Vertices", str(obj.get(keys.VERTICES, "")))]
-    if obj[keys.LEVEL]:
-        rows += [
-            ("Excess", f"{100.0 * obj[keys.EXCESS]:.2f} %"),
-            ("Clearance", f"{obj[keys.CLEARANCE]:.3g}"),
-            ("Time", f"{obj[keys.SECONDS]:.2f} s"),
-        ]
-        if keys.END in obj:
-            rows.append(("Frames", f"{obj[keys.FLOW_START]} – {obj[keys.END]}"))
-        if keys.CHECK in obj:
-            rows.append(("Check", obj[keys.CHECK]))
+    vertices = keys.integer(obj, keys.VERTICES)
+    rows = [("Vertices", "" if vertices is None else str(vertices))]
+    for label, key, shown in READOUT:
+        value = keys.number(obj, key)
+        if value is not None:
+            rows.append((label, shown(value)))
+    start, end = keys.integer(obj, keys.FLOW_START), keys.integer(obj, keys.END)
+    if start is not None and end is not None:
+        rows.append(("Frames", f"{start} – {end}"))
+    if verdict := keys.text(obj, keys.CHECK):
+        rows.append(("Check", verdict))
     return rows
 
 
 def _notes(obj: bpy.types.Object) -> list[str]:
     """Lines of what is said about an output object in whole sentences."""
-    sentences = [f"Follows by {obj[keys.LINK]}"] if keys.LINK in obj else []
-    sentences.append(obj.get(keys.NOTES, ""))
+    link = keys.text(obj, keys.LINK)
+    sentences = [f"Follows by {link}" if link else "", keys.text(obj, keys.NOTES)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
 
 

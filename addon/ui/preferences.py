@@ -6,7 +6,8 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 
-from ..properties.settings import GenerationProperties, copy_values
+from ..operators.base import Outcome
+from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
 
 # The extension's package, whatever name Blender gave it.
@@ -26,16 +27,16 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
 
     bl_idname = PACKAGE
 
-    category: StringProperty(  # type: ignore[valid-type]
+    category: StringProperty(
         name="Sidebar Tab",
         description="Tab of the 3D view's sidebar that holds the panels",
         default=panels.CATEGORY,
         update=_move_panels,
     )
-    has_defaults: BoolProperty(  # type: ignore[valid-type]
+    has_defaults: BoolProperty(
         name="Own Defaults", description="Begin new files with the settings below", default=False
     )
-    defaults: PointerProperty(  # type: ignore[valid-type]
+    defaults: PointerProperty(
         name="Defaults", description="The settings that new files begin with", type=NestedCagesDefaults
     )
 
@@ -81,9 +82,9 @@ class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> Outcome:
         found = preferences()
-        copy_values(context.scene.nested_cages, found.defaults)
+        copy_values(settings_of(context), found.defaults)
         # Objects of this file mean nothing in others.
         found.defaults.level_objects = ""
         found.has_defaults = True
@@ -97,14 +98,14 @@ def preferences() -> NestedCagesPreferences | None:
     return addon.preferences if addon is not None else None
 
 
-@persistent
+@persistent  # type: ignore[untyped-decorator]
 def _begin_with_defaults(filepath: str = "", _unused: object = None) -> None:
     """Gives the scenes of a new file the user's own defaults; saved files keep what they have."""
     found = preferences()
     if found is None or not found.has_defaults or filepath or bpy.data.filepath:
         return
     for scene in bpy.data.scenes:
-        copy_values(found.defaults, scene.nested_cages)
+        copy_values(found.defaults, scene.nested_cages)  # type: ignore[attr-defined]
 
 
 CLASSES = (NestedCagesDefaults, NestedCagesPreferences, SCENE_OT_nested_cages_store_defaults)

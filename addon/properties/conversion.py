@@ -1,0 +1,48 @@
+"""Settings to what the other rooms take."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from ..animation.timeline import Timing
+from ..generation.generate import Options, parse_levels
+from ..generation.methods import Methods
+from ..scene.convert import ReadingOptions
+from . import level_list
+from .settings import GenerationProperties
+
+Filled = TypeVar("Filled", ReadingOptions, Timing, Methods)
+
+
+def reading_options(values: GenerationProperties) -> ReadingOptions:
+    """How objects are read."""
+    return _filled(ReadingOptions, values)
+
+
+def options(values: GenerationProperties) -> Options:
+    """What is computed. Raises: UserError if the levels cannot be read."""
+    levels = () if values.use_selected_as_levels else parse_levels(values.levels)
+    return Options(levels=levels, clearance=values.clearance, methods=methods(values))
+
+
+def methods(values: GenerationProperties) -> Methods:
+    """How it is computed."""
+    return _filled(Methods, values)
+
+
+def timing(values: GenerationProperties) -> Timing:
+    """How the result is animated."""
+    return _filled(Timing, values)
+
+
+def own_names(values: GenerationProperties) -> list[str]:
+    """Names of the own objects that the levels use."""
+    return [] if values.use_selected_as_levels else level_list.names_of(values.levels, values.level_objects)
+
+
+def _filled(kind: type[Filled], values: GenerationProperties) -> Filled:
+    """A dataclass whose fields are called as the settings are."""
+    found: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
+    found |= {name: frozenset(value) for name, value in found.items() if isinstance(value, set)}
+    return kind(**found)
