@@ -32,7 +32,7 @@ class SCENE_OT_nested_cages_preset_add(AddPresetBase, bpy.types.Operator):  # ty
     bl_description = "Store the settings of the cages under a name, or remove a stored one"
     preset_menu = "NESTEDCAGES_PT_presets"
     preset_subdir = SUBDIRECTORY
-    preset_defines = ("settings = bpy.settings_of(context)",)
+    preset_defines = ("settings = bpy.context.scene.nested_cages",)
     preset_values = tuple(f"settings.{name}" for name in NAMES)
 
 

@@ -377,6 +377,25 @@ def test_generating_again_binds_again() -> None:
     assert len(bpy.data.meshes) == 2
 
 
+def test_unbinding_hides_what_was_hidden_before_and_nothing_else(addon) -> None:
+    source = poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="24, 12, 6")
+    bpy.ops.object.nested_cages_remove_animation()  # its keyframes would set again what they hide
+    _, _, fine, cages = members(source)
+    fine.hide_set(True)
+    cages[0].hide_render = True
+    cages[1].hide_viewport = True
+
+    def hidden():
+        return [(obj.hide_render, obj.hide_viewport, obj.hide_get()) for obj in (fine, *cages)]
+
+    before = hidden()
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    assert hidden() != before
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert hidden() == before
+
+
 @pytest.mark.slow
 def test_what_cannot_be_bound_again_is_said(extension, addon, monkeypatch) -> None:
     source, collection, _, _ = bound(levels="12")

@@ -142,8 +142,7 @@ def modal(addon, monkeypatch):
     monkeypatch.setattr(addon.operators.base, "bpy", blender)
 
     def operator(name, **values):
-        kind = getattr(bpy.types, f"OBJECT_OT_nested_cages_{name}")
-        kind = next(cls for cls in bpy.types.Operator.__subclasses__() if cls.__name__ == kind.__name__)
+        kind = next(cls for cls in addon.operators.CLASSES if cls.bl_idname == f"object.nested_cages_{name}")
         bases = tuple(base for base in kind.__bases__ if base.__module__.startswith(addon.__name__))
         made = type("StandIn", bases, {key: value for key, value in vars(kind).items() if callable(value)})()
         made.report = lambda level, words: log.append((*level, words))

@@ -86,7 +86,7 @@ def test_untouched_they_are_the_core_s_own(addon, core) -> None:
     assert addon.generation.methods.Methods(decimation="OUTER_HULL").settings(1) == core.Settings()
     assert addon.generation.methods.Methods().settings(2) == core.Settings()
     assert bpy.context.scene.nested_cages.contact == "AUTOMATIC"
-    assert addon.properties.settings.methods(bpy.context.scene.nested_cages) == addon.generation.methods.Methods()
+    assert addon.properties.conversion.methods(bpy.context.scene.nested_cages) == addon.generation.methods.Methods()
 
 
 def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon, core) -> None:

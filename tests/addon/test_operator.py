@@ -346,6 +346,30 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
     assert generate(levels="12") == {"FINISHED"}
 
 
+@pytest.mark.parametrize("again", [False, True])
+def test_a_fault_after_the_scene_was_made_longer_restores_its_last_frame(addon, monkeypatch, again) -> None:
+    poly_curve("Drawing", [star()])
+    scene = bpy.context.scene
+    scene.frame_end = 5
+    if again:
+        generate()
+        assert scene.frame_end > 5
+    last = scene.frame_end
+
+    real, calls = addon.scene.display.set_thickness, itertools.count(1)
+
+    def fault(*arguments) -> None:
+        if next(calls) == 1:
+            assert scene.frame_end > 400
+            raise MemoryError("no room")
+        real(*arguments)
+
+    monkeypatch.setattr(addon.scene.display, "set_thickness", fault)
+    with pytest.raises(RuntimeError, match="no room"):
+        generate(levels="12", start_frame=400)
+    assert scene.frame_end == last
+
+
 def test_a_renamed_drawing_keeps_its_output(addon) -> None:
     source = poly_curve("Drawing", [star()])
     generate()

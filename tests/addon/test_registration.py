@@ -22,6 +22,20 @@ def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
 
 
+def test_nothing_of_ours_is_called_once_the_add_on_is_disabled(extension) -> None:
+    handlers = [getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)]
+    lists = [found for found in handlers if isinstance(found, list)]
+
+    def ours():
+        return [function for found in lists for function in found if function.__module__.startswith(extension.__name__)]
+
+    assert len(ours()) == 1
+    extension.unregister()
+    assert ours() == []
+    extension.register()
+    assert len(ours()) == 1
+
+
 def test_everything_has_a_description(extension) -> None:
     operators = [
         bpy.ops.object.nested_cages_generate,

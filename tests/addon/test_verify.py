@@ -98,6 +98,15 @@ def test_a_copy_of_a_cage_is_none_of_the_levels(cages) -> None:
     assert [len(obj.data.vertices) for obj in (inner, outer, copy)] == [16, 8, 20]
 
 
+def test_what_is_in_a_hole_of_a_cage_or_outside_is_at_fault_and_nothing_else(addon) -> None:
+    islands = [circle(12, 0.2), circle(12, 0.1, (0.9, 0.0)), circle(12, 0.1, (3.0, 0.0))]
+    inner = wire("Inner", islands)  # in the hole, in the cage, and outside
+    wire("Outer", [circle(24, 1.3), circle(16, 0.5)])
+    inner.select_set(True)
+    bpy.ops.object.nested_cages_verify()
+    assert selected(inner) == [*range(12), *range(24, 36)]
+
+
 def test_it_says_what_to_select(addon) -> None:
     poly_curve("Drawing", [star()])
     with pytest.raises(RuntimeError, match="Select a drawing with its cages"):
