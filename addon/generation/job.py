@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -72,7 +73,8 @@ class Job(Generic[Result]):
     def stop(self) -> None:
         """Drops the work; `running` returns None again."""
         _current.clear()
-        self._work.close()
+        with suppress(ReferenceError):  # another file was opened: what was to be taken back is gone
+            self._work.close()
 
 
 def completed(work: Work[Result]) -> Result:

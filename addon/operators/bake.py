@@ -26,7 +26,7 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_bake_action"
     bl_label = "Bake to One Action"
-    bl_description = "Put the animation of the drawing and of all of its cages into one action, each with its own slot"
+    bl_description = "Put the animation of the drawing and all of its cages into one action with a slot for each"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -47,7 +47,7 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_remove_animation"
     bl_label = "Remove Animation, Keep Cages"
-    bl_description = "Take away the steps, their keyframes and their markers; the finished cages stay"
+    bl_description = "Remove the steps, their keyframes and markers, and keep the finished cages"
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> Outcome:

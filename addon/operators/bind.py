@@ -14,7 +14,7 @@ from ..scene.selection import output_of_active, select
 from .base import JobOperator, OnOutput, Outcome
 
 METHOD_ITEMS = (
-    ("AUTO", "Automatic", "The first method that measures as exact at rest and under affine poses"),
+    ("AUTO", "Automatic", "The first method that is measured to be exact at rest and under affine poses"),
     (HARMONIC, NAMES[HARMONIC], "By weights in a node group: exact and smooth, also in concave cages and around holes"),
     (
         LINEAR,
@@ -70,8 +70,8 @@ class OBJECT_OT_nested_cages_bind(Binding, bpy.types.Operator):
     bl_idname = "object.nested_cages_bind"
     bl_label = "Bind to Cages"
     bl_description = (
-        "Let the drawing follow its cages: move, key, sculpt or rig the coarsest one, and edit finer ones for detail. "
-        "The file needs no add-on to move"
+        "Make the drawing follow its cages: move, key, sculpt or rig the coarsest one, and edit finer ones for detail. "
+        "The file works without the add-on"
     )
     needs_bound = False
 
@@ -81,7 +81,7 @@ class OBJECT_OT_nested_cages_rebind(Binding, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_rebind"
     bl_label = "Rebind"
-    bl_description = "Bind the drawing in its own shape to the cages as their vertices are now"
+    bl_description = "Bind the drawing in its original shape to the cages as they are now"
 
 
 class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
@@ -89,7 +89,7 @@ class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_unbind"
     bl_label = "Unbind"
-    bl_description = "Put cages and drawing back to what they were before they were bound, with their animation"
+    bl_description = "Restore cages and drawing as they were before binding, with their animation"
 
     def execute(self, context: bpy.types.Context) -> Outcome:
         binding.unbind(output_of_active(context))

@@ -19,7 +19,7 @@ SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
     ("FILLED", "Faces", "Meshes of triangles, with holes open"),
     ("PRISM", "Prisms", "Closed meshes of some height"),
-    ("ANIMATED", "Animated Faces", "Meshes of triangles that play the steps, for Alembic, which drops lone edges"),
+    ("ANIMATED", "Animated Faces", "Meshes of triangles that play the steps, for Alembic, which drops loose edges"),
 )
 FILE_ITEMS = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
@@ -50,7 +50,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
     shape: EnumProperty(name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED")
     height: FloatProperty(
         name="Height",
-        description="Height of prisms; 0 takes a fifth of the outline's size",
+        description="Height of the prisms; 0 uses a fifth of the outline's size",
         default=0.0,
         min=0.0,
         subtype="DISTANCE",
@@ -89,25 +89,25 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
         options={"HIDDEN"},
     )
-    kind: EnumProperty(name="Format", description="Kind of the file", items=FILE_ITEMS, default="SVG")
+    kind: EnumProperty(name="Format", description="File format", items=FILE_ITEMS, default="SVG")
     flip_y: BoolProperty(
-        name="Y Down", description="Let y point down, as in pictures, SVG and most 2D engines", default=True
+        name="Y Down", description="Let the y axis point down, as in images, SVG and most 2D engines", default=True
     )
     world: BoolProperty(
         name="World",
-        description="Write coordinates of the world, seen from the top, front or right, not those of the first object",
+        description="Write world coordinates, seen from the top, front or right, instead of the first object's",
         default=False,
     )
     scale: FloatProperty(
         name="Scale",
-        description="Units in the file for one unit of the scene, such as pixels per metre",
+        description="Units in the file per unit of the scene, such as pixels per metre",
         default=1.0,
         min=1e-9,
         soft_max=1000.0,
     )
     triangles: BoolProperty(
         name="Triangles",
-        description="Add triangles to a collision outline, for engines whose pieces must be convex",
+        description="Add triangles to a collision outline, for engines that need convex pieces",
         default=False,
     )
 

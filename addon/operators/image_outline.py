@@ -28,12 +28,10 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
         description="Image with an alpha channel; empty takes that of the active image empty",
         default="",
     )
-    vertices: IntProperty(
-        name="Vertices", description="Number of vertices of the outline", default=16, min=3, soft_max=256
-    )
+    vertices: IntProperty(name="Vertices", description="Vertex count of the outline", default=16, min=3, soft_max=256)
     padding: FloatProperty(
         name="Padding",
-        description="Distance in pixels that the outline keeps from opaque pixels",
+        description="Distance in pixels between the outline and opaque pixels",
         default=1.0,
         min=0.0,
         soft_max=32.0,

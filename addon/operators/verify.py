@@ -24,16 +24,14 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     bl_idname = "object.nested_cages_verify"
     bl_label = "Verify Cages"
     bl_description = (
-        "Check whether cages, as they are on this frame, are simple and strictly enclose what is in them, "
-        "and select the vertices at fault"
+        "Check whether cages are simple and strictly enclose what is in them on this frame, and select the vertices "
+        "at fault"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     whole: BoolProperty(
         name="Whole Animation",
-        description=(
-            "Check all frames of the scene instead of this one, up to the first with a fault, and come back to this one"
-        ),
+        description="Check all frames of the scene, up to the first with a fault",
         default=False,
         options={"SKIP_SAVE"},
     )

@@ -29,7 +29,7 @@ class SCENE_OT_nested_cages_preset_add(AddPresetBase, bpy.types.Operator):  # ty
 
     bl_idname = "scene.nested_cages_preset_add"
     bl_label = "Add Nested Cages Preset"
-    bl_description = "Store the settings of the cages under a name, or remove a stored one"
+    bl_description = "Store the settings under a name, or remove a stored preset"
     preset_menu = "NESTEDCAGES_PT_presets"
     preset_subdir = SUBDIRECTORY
     preset_defines = ("settings = bpy.context.scene.nested_cages",)

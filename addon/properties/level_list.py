@@ -11,8 +11,8 @@ from ..errors import UserError
 from ..generation.generate import OWN, parse_levels
 
 KIND_ITEMS = (
-    ("COUNT", "Vertices", "A number of vertices"),
-    ("PERCENT", "Percent", "A part of the drawing's own number of vertices"),
+    ("COUNT", "Vertices", "A vertex count"),
+    ("PERCENT", "Percent", "A fraction of the drawing's vertex count"),
     ("OBJECT", "Object", "A coarse mesh of your own"),
 )
 # Longest number that a percentage is written with; float32 has no more digits.
@@ -41,10 +41,10 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
     kind: EnumProperty(
         name="Kind", description="How the level is given", items=KIND_ITEMS, default="COUNT", update=_write
     )
-    count: IntProperty(name="Vertices", description="Number of vertices of the cage", default=24, min=3, update=_write)
+    count: IntProperty(name="Vertices", description="Vertex count of the cage", default=24, min=3, update=_write)
     percent: FloatProperty(
         name="Percent",
-        description="Part of the drawing's own number of vertices",
+        description="Fraction of the drawing's vertex count",
         default=10.0,
         min=0.01,
         max=100.0,

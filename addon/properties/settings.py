@@ -43,39 +43,31 @@ class GenerationProperties:
     levels: StringProperty(
         name="Levels",
         description=(
-            "Vertices of each cage from the inside out: parts of the drawing's own number, such as 20%, or numbers, "
-            "such as 64, 24. * stands for the next of the own objects"
+            "Vertices of each cage, innermost first: absolute (64, 24) or relative to the drawing (20%, 8%). * is an "
+            "own object"
         ),
         default=DEFAULT_LEVELS,
         update=_fill_list,
     )
     level_objects: StringProperty(
         name="Own Objects",
-        description="Names of the objects that * stands for in the levels, one on each line",
+        description="Names of the objects that * stands for in the levels, one per line",
         default="",
         update=_fill_list,
     )
     use_selected_as_levels: BoolProperty(
         name="Selected as Levels",
-        description=(
-            "The active object is the drawing, and the other selected objects are its coarse meshes, from finest to "
-            "coarsest"
-        ),
+        description="Use the active object as the drawing and the other selected objects as its coarse meshes",
         default=False,
     )
     together: BoolProperty(
         name="All in One",
-        description=(
-            "Wrap all selected drawings in common cages, as if they were one object, instead of each in its own; they "
-            "lie in the plane of the active one"
-        ),
+        description="Wrap all selected drawings in common cages. They must lie in the plane of the active one",
         default=False,
     )
     clearance: FloatProperty(
         name="Clearance",
-        description=(
-            "Smallest distance between a cage and what it encloses; 0 takes a hundred thousandth of the drawing's size"
-        ),
+        description="Smallest distance between a cage and what it encloses; 0 uses 1e-5 of the drawing's size",
         default=0.0,
         min=0.0,
         soft_max=1.0,
@@ -88,7 +80,7 @@ class GenerationProperties:
     energy: _choice("energy")
     start_frame: IntProperty(
         name="Start Frame",
-        description="Frame on which the animation begins",
+        description="First frame of the animation",
         default=1,
         soft_min=0,
     )
@@ -101,27 +93,27 @@ class GenerationProperties:
     )
     show_flow: BoolProperty(
         name="Show Flow",
-        description="Begin the animation with the drawing shrinking into the coarse mesh, which it passes through",
+        description="Start with the drawing shrinking into the coarse mesh",
         default=True,
     )
     ease: BoolProperty(
         name="Ease",
-        description="Let shrinking, growing back and tightening begin and end slowly, on the same certified way",
+        description="Ease in and out of each phase",
         default=False,
     )
     loop_back: BoolProperty(
         name="Loop Back",
-        description="Play everything backwards after the result, so that the animation ends as it began",
+        description="Play the animation backwards after the result, so that it ends as it began",
         default=False,
     )
     show_result: BoolProperty(
         name="Jump to Result",
-        description="Go to the frame that shows the finished cages when they are made",
+        description="Go to the frame that shows the finished cages",
         default=True,
     )
     thickness: FloatProperty(
         name="Line Thickness",
-        description="Thickness of the lines of drawing and cages in renders; 0 leaves them out of renders",
+        description="Thickness of the lines in renders; 0 leaves them out",
         default=0.0,
         min=0.0,
         soft_max=1.0,
@@ -132,9 +124,7 @@ class GenerationProperties:
     )
     resolution: IntProperty(
         name="Resolution",
-        description=(
-            "Segments between two control points of a curve; 0 takes the resolution that the curve is shown with"
-        ),
+        description="Segments between two control points of a curve; 0 uses the curve's own resolution",
         default=0,
         min=0,
         soft_max=64,
@@ -142,18 +132,18 @@ class GenerationProperties:
     )
     close_open: BoolProperty(
         name="Close Open Lines",
-        description="Join the two ends of open splines and lines instead of refusing them",
+        description="Join the ends of open splines and lines instead of reporting them",
         default=False,
     )
     project: BoolProperty(
         name="Project Anyway",
-        description="Flatten drawings that are not planar onto the plane that fits them best instead of refusing them",
+        description="Flatten non-planar drawings onto the plane that fits them best",
         default=False,
     )
     contact: _choice("contact")
     repairs: EnumProperty(
         name="Repairs",
-        description="Faults of the paper's program to be mended, in those parts of it that are chosen",
+        description="Fixes applied to the published method",
         items=REPAIRS,
         default=set(Methods.repairs),
         options={"ENUM_FLAG"},
@@ -166,19 +156,19 @@ class GenerationProperties:
     quadrature: _choice("quadrature")
     starts: IntProperty(
         name="Starts",
-        description="How many coarse meshes to start from, where there are several; the tightest cage is kept",
+        description="Number of coarse meshes to start from, where there are several; the tightest cage is kept",
         default=Methods.starts,
         min=1,
         soft_max=12,
     )
     tighten: BoolProperty(
         name="Tighten",
-        description="Bring the cage to its optimum once the drawing is home, which the paper does not do",
+        description="Tighten the cage to a local optimum once the drawing is back, a step that the paper does not have",
         default=Methods.tighten,
     )
     fall_back: BoolProperty(
         name="Fall Back to Hull",
-        description="Start from the outer hull where the drawing cannot get into a coarse mesh, instead of refusing",
+        description="If the flow fails, start from the outer hull",
         default=Methods.fall_back,
     )
 

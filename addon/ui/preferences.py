@@ -29,16 +29,14 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
 
     category: StringProperty(
         name="Sidebar Tab",
-        description="Tab of the 3D view's sidebar that holds the panels",
+        description="Tab in the sidebar of the 3D view that holds the panels",
         default=panels.CATEGORY,
         update=_move_panels,
     )
     has_defaults: BoolProperty(
-        name="Own Defaults", description="Begin new files with the settings below", default=False
+        name="Own Defaults", description="Start new files with the settings below", default=False
     )
-    defaults: PointerProperty(
-        name="Defaults", description="The settings that new files begin with", type=NestedCagesDefaults
-    )
+    defaults: PointerProperty(name="Defaults", description="Settings of new files", type=NestedCagesDefaults)
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
@@ -72,7 +70,7 @@ class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
 
     bl_idname = "scene.nested_cages_store_defaults"
     bl_label = "Use Settings of Scene"
-    bl_description = "Let new files begin with the settings that this scene has now"
+    bl_description = "Start new files with the settings of this scene"
     bl_options = {"INTERNAL"}
 
     @classmethod

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
 
 from drawings import poly_curve, snapshot, star
@@ -145,6 +147,7 @@ def modal(addon, monkeypatch):
         kind = next(cls for cls in addon.operators.CLASSES if cls.bl_idname == f"object.nested_cages_{name}")
         bases = tuple(base for base in kind.__bases__ if base.__module__.startswith(addon.__name__))
         made = type("StandIn", bases, {key: value for key, value in vars(kind).items() if callable(value)})()
+        made.exclusive = kind.exclusive
         made.report = lambda level, words: log.append((*level, words))
         for key, value in values.items():
             setattr(made, key, value)
@@ -215,6 +218,80 @@ def test_a_drawing_that_is_deleted_meanwhile_ends_in_a_sentence(addon, modal) ->
     assert outcome == {"CANCELLED"}
     assert modal.log[-1] == ("ERROR", "'Drawing' was deleted meanwhile, so its cages were dropped")
     assert not bpy.data.objects and addon.generation.job.running() is None
+
+
+def cages(**values):
+    """A star with two cages, the star being selected and active."""
+    source = poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="20, 10", **values)
+    bpy.context.view_layer.update()
+    return source
+
+
+def import_of(tmp_path):
+    path = tmp_path / "squares.geojson"
+    squares = [[[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]] for x in range(0, 20, 2)]
+    features = [
+        {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": square}}
+        for square in squares
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return {"filepath": str(path), "y": "AUTO", "scale": 1.0, "answered": True}
+
+
+def image_of():
+    image = bpy.data.images.new("Disc", 32, 32, alpha=True)
+    rows, columns = np.mgrid[:32, :32]
+    opaque = np.hypot(rows - 15.5, columns - 15.5) < 12.0
+    image.pixels.foreach_set(np.repeat(opaque.astype(np.float32).ravel(), 4))
+    return {"image": "Disc", "vertices": 8, "padding": 1.0, "threshold": 0.0, "holes": False, "answered": True}
+
+
+JOBS = {
+    "verify": lambda _: (cages(), {"whole": True})[1],
+    "bind": lambda _: (cages(), {"method": "AUTO"})[1],
+    "import": import_of,
+    "from_image": lambda _: image_of(),
+}
+
+
+@pytest.fixture(params=JOBS)
+def other(request, addon, modal, tmp_path):
+    """Every other operator that works in slices, ready to be invoked, and whether others may work meanwhile."""
+    values = JOBS[request.param](tmp_path)
+    if request.param == "verify":
+        bpy.ops.object.nested_cages_bind()
+        bpy.context.scene.frame_end = 12
+        bpy.context.scene.frame_set(3)
+    bpy.context.view_layer.update()
+    return modal.other(request.param, **values), request.param in {"import", "from_image"}
+
+
+def test_every_job_works_on_ticks_to_its_end(addon, modal, other) -> None:
+    operator, shared = other
+    onward = {"PASS_THROUGH"} if shared else {"RUNNING_MODAL"}
+    context = on_selection(modal)
+    assert operator.invoke(context, None) == {"RUNNING_MODAL"}
+    assert operator.modal(context, OTHER) == onward  # what changes the scene before its end lets nobody else
+    outcome, ticks = onward, 0
+    while outcome == onward:
+        outcome, ticks = operator.modal(context, TIMER), ticks + 1
+    assert outcome == {"FINISHED"} and ticks > 1
+    assert addon.generation.job.running() is None and None in modal.log
+
+
+@pytest.mark.parametrize("ticks", [0, 1, 2])
+def test_every_job_can_be_cancelled_and_leaves_the_scene(addon, modal, other, ticks) -> None:
+    operator, _ = other
+    before = snapshot()
+    context = on_selection(modal)
+    operator.invoke(context, None)
+    for _ in range(ticks):
+        assert not operator._job.advance(0.0)
+    assert operator.modal(context, ESCAPE) == {"CANCELLED"}
+    bpy.context.view_layer.update()
+    assert snapshot() == before
+    assert addon.generation.job.running() is None
 
 
 @pytest.mark.slow
