@@ -1,9 +1,19 @@
-"""Fine to coarse with a wanted vertex count: each way is a frozen object with one method, `decimate`."""
+"""Fine to coarse with a wanted vertex count. Each method is a frozen object with one method, `decimate`.
+
+- `Decimation`: the interface, with `Count`, the vertices of a level; `SeveralStarts` for methods that offer several
+  coarse meshes.
+- `OnCurve`: vertices on the fine mesh, shared out as the outer hull does.
+- `OuterHull`: strictly encloses the fine mesh from the start; works for any count down to a triangle per loop.
+- `ArcLength`: evenly spaced along each loop.
+- `DouglasPeucker`, `Visvalingam`: a choice of the fine vertices, by distance from chords or by area.
+- `EdgeCollapse`: vertices near the fine mesh, by squared distances to its lines.
+- `OwnDecimation`: a function of the user's own.
+"""
 
 from __future__ import annotations
 
 from .arc_length import ArcLength
-from .base import Candidates, Count, Decimation
+from .base import Count, Decimation, SeveralStarts
 from .douglas_peucker import DouglasPeucker
 from .edge_collapse import EdgeCollapse
 from .on_curve import OnCurve
@@ -13,7 +23,6 @@ from .visvalingam import Visvalingam
 
 __all__ = [
     "ArcLength",
-    "Candidates",
     "Count",
     "Decimation",
     "DouglasPeucker",
@@ -21,5 +30,6 @@ __all__ = [
     "OnCurve",
     "OuterHull",
     "OwnDecimation",
+    "SeveralStarts",
     "Visvalingam",
 ]

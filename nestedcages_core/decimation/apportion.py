@@ -7,6 +7,7 @@ from heapq import heapify, heapreplace
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.vectors import norm
 from .outline import Outline
 
 
@@ -32,7 +33,7 @@ def padded(outline: Outline, total: int, per_loop: IntArray | None) -> list[Floa
     total: number of vertices to come to. per_loop: (L,) the number for each loop, instead of the total.
     """
     steps = outline.vertices[outline.successor] - outline.vertices
-    lengths = np.hypot(*steps.T)
+    lengths = norm(steps)
     if per_loop is None:
         pieces = shares(total, lengths, 1)
     else:

@@ -34,8 +34,8 @@ class Decimation(Protocol):
 
 
 @runtime_checkable
-class Candidates(Protocol):
-    """A decimation that offers several coarse meshes."""
+class SeveralStarts(Protocol):
+    """A decimation that offers several coarse meshes to start from."""
 
     def candidates(self, fine: Mesh, count: Count, *, clearance: float = 0.0, keep: int = 3) -> list[Mesh]:
         """Up to ``keep`` different coarse meshes, the most promising first; otherwise like `Decimation.decimate`."""
@@ -88,3 +88,10 @@ def checked_budget(fine: Mesh, count: Count) -> Budget:
             f"{available}."
         )
     return Budget(total, per_loop)
+
+
+def check_whole(name: str, value: object, *, least: int | None = None) -> None:
+    """Raise NestingError unless a parameter is a whole number, of at least `least`."""
+    if not isinstance(value, int | np.integer) or isinstance(value, bool) or (least is not None and value < least):
+        at_least = "" if least is None else f" of at least {least}"
+        raise NestingError(f"{name} must be a whole number{at_least}, not {value!r}.")

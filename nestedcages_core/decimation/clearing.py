@@ -9,43 +9,44 @@ import numpy as np
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
+from ..geometry.vectors import cross
 from .base import LEAST_PER_LOOP
-from .enclosure import Enclosure
 from .linked_loops import LinkedLoops
 from .offset import strict_offset
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
-RESERVE = 1.05
+CLEARANCE_RESERVE = 1.05
 """Outlines are moved to so many clearances where there is room: what comes next needs some."""
 
-WIDENINGS = 12
+MAX_WIDENINGS = 12
 """Steps outwards in a row; each is limited by short edges and by the room in gaps."""
 
-PROGRESS = 0.97
+STALLED_RATIO = 0.97
 """Fraction of the largest shortfall that a step must get below for another one to follow."""
 
-ROUNDS = 12
+MAX_ROUNDS = 12
 """Rounds of removing what is in the way of wider steps: small details first, then narrow gaps."""
 
-TRIFLE = 0.2
+SMALL_DETAIL = 0.2
 """Size in clearances of details that are built over where they keep an outline from reaching the clearance."""
 
-GAP = 2.2
+NARROW_GAP = 2.2
 """Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
 
 
-def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline:
+def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
     """The outline, moved outwards until it keeps the clearance; where a gap has no room for that, the gap is filled."""
-    for _ in range(ROUNDS):
-        outline = _widened(outline, enclosure, RESERVE * clearance)
-        tight = enclosure.shortfall(outline, clearance) > 0.0
+    for _ in range(MAX_ROUNDS):
+        outline = _widened(outline, fine, CLEARANCE_RESERVE * clearance)
+        tight = shortfall(outline, fine, clearance) > 0.0
         if not tight.any():
             break
         size = len(outline.vertices)
-        outline = without_trifles(outline, (TRIFLE * clearance) ** 2)
+        outline = without_small_details(outline, (SMALL_DETAIL * clearance) ** 2)
         if len(outline.vertices) == size:
-            outline = _without(outline, _in_narrow_gaps(outline, tight, GAP * clearance))
+            outline = _without(outline, _in_narrow_gaps(outline, tight, NARROW_GAP * clearance))
         if len(outline.vertices) == size:  # not before, as corners at the mouth of a gap may be free without it
             outline = _without(outline, tight)
         if len(outline.vertices) == size:
@@ -53,19 +54,34 @@ def cleared(outline: Outline, enclosure: Enclosure, clearance: float) -> Outline
     return outline
 
 
-def _widened(outline: Outline, enclosure: Enclosure, distance: float) -> Outline:
+def _widened(outline: Outline, fine: Mesh, distance: float) -> Outline:
     """The outline with those edges moved outwards that are closer than `distance`, as far as there is room."""
     last = np.inf
-    for _ in range(WIDENINGS):
-        missing = enclosure.shortfall(outline, distance)
+    for _ in range(MAX_WIDENINGS):
+        missing = shortfall(outline, fine, distance)
         worst = float(missing.max())
-        if worst == 0.0 or worst > PROGRESS * last:
+        if worst == 0.0 or worst > STALLED_RATIO * last:
             break
-        wider, stuck = strict_offset(outline, missing, enclosure.tree)
+        wider, stuck = strict_offset(outline, missing, fine.edge_tree)
         if len(stuck):
             break
         outline, last = wider, worst
     return outline
+
+
+def shortfall(outline: Outline, fine: Mesh, distance: float) -> FloatArray:
+    """(n,) how much farther each vertex of an outline has to go for both of its edges to keep a distance."""
+    starts, ends = outline.vertices, outline.vertices[outline.successor]
+    fine_starts, fine_ends = fine.edge_tree.starts, fine.edge_tree.ends
+    missing = np.zeros(len(starts))
+    point, edge = near_pairs(fine.vertices, starts, ends, distance)
+    short = distance - point_edge(fine.vertices[point], starts[edge], ends[edge]).distance
+    np.maximum.at(missing, edge, short)
+    np.maximum.at(missing, outline.successor[edge], short)
+    vertex, edge = near_pairs(starts, fine_starts, fine_ends, distance)
+    short = distance - point_edge(starts[vertex], fine_starts[edge], fine_ends[edge]).distance
+    np.maximum.at(missing, vertex, short)
+    return missing
 
 
 def _in_narrow_gaps(outline: Outline, tight: BoolArray, width: float) -> BoolArray:
@@ -81,18 +97,18 @@ def _in_narrow_gaps(outline: Outline, tight: BoolArray, width: float) -> BoolArr
     mouth = (loop[vertex] == loop[edge]) & (vertex != edge) & (vertex != end)
     mouth &= tight[vertex] | tight[edge] | tight[end]
     vertex, edge, end = vertex[mouth], edge[mouth], end[mouth]
-    outside = _cross(ends[edge] - starts[edge], starts[vertex] - starts[edge]) < 0.0
+    outside = cross(ends[edge] - starts[edge], starts[vertex] - starts[edge]) < 0.0
     vertex, edge, end = vertex[outside], edge[outside], end[outside]
 
     # twice the area of the stretch vertex .. edge, closed by the mouth, and of the rest of the loop
     here = starts - starts.mean(axis=0)
-    swept = np.concatenate(([0.0], np.cumsum(_cross(here, here[outline.successor]))))
+    swept = np.concatenate(([0.0], np.cumsum(cross(here, here[outline.successor]))))
     middle = point_edge(here[vertex], here[edge], here[end]).parameter[:, None]
     middle = here[edge] + middle * (here[end] - here[edge])
     begin, size = outline.begins[loop[vertex]], np.array(outline.sizes)[loop[vertex]]
     whole = swept[begin + size] - swept[begin]
     forward = swept[edge] - swept[vertex] + np.where(edge < vertex, whole, 0.0)
-    forward += _cross(here[edge], middle) + _cross(middle, here[vertex])
+    forward += cross(here[edge], middle) + cross(middle, here[vertex])
     ahead = np.abs(forward) <= np.abs(whole - forward)
     pocket = np.where(ahead, forward, whole - forward) < 0.0
     first, last = np.where(ahead, vertex + 1, end), np.where(ahead, edge, vertex - 1)
@@ -116,7 +132,7 @@ def without_gaps(outline: Outline, width: float) -> Outline:
     return _without(outline, unwanted, exact=True) if unwanted.any() else outline
 
 
-def without_trifles(outline: Outline, area: float) -> Outline:
+def without_small_details(outline: Outline, area: float) -> Outline:
     """The outline without those details that cost less than an area to build over: short edges keep steps short."""
     minimum = [LEAST_PER_LOOP] * len(outline.sizes)
     return ProgressiveHull(outline, Weights(pivot=None), minimum).run(sum(minimum), area)
@@ -129,14 +145,8 @@ def _without(outline: Outline, unwanted: BoolArray, *, exact: bool = False) -> O
     while waiting:
         vertex = waiting.popleft()
         spare = loops.alive[vertex] and loops.sizes[loops.loop_of[vertex]] > LEAST_PER_LOOP
-        if spare and loops.may_drop(vertex, exact=exact):
+        if spare and loops.can_drop(vertex, exact=exact):
             neighbours = loops.previous[vertex], loops.next[vertex]
             loops.remove(vertex)
             waiting.extend(v for v in neighbours if unwanted[v])
     return loops.outline()
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """(K,) cross products of vectors (K, 2)."""
-    product: FloatArray = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return product

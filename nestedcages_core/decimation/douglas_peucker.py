@@ -13,13 +13,14 @@ from ..geometry.arrays import FloatArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import crossing_pairs
-from .base import LEAST_PER_LOOP, Count, checked_budget
-from .canonical_order import unroll
+from ..geometry.vectors import cross, norm
+from .base import LEAST_PER_LOOP, Count
 from .outline import Outline
+from .request import Request
 from .simplification import followed
 
-REPAIRS = 100
-"""Most rounds of repair; each divides all chords that cross before any other is."""
+MAX_REPAIRS = 100
+"""Maximum number of repairs, each of which divides crossing chords first."""
 
 Chord = tuple[int, int, int]
 """Loop, first vertex and last vertex in it; the last may be the size of the loop, which is vertex 0."""
@@ -34,18 +35,16 @@ class DouglasPeucker:
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh of vertices of the fine one, whatever the clearance; loop k on loop k. Raises NestingError."""
-        budget = checked_budget(fine, count)
-        unrolled = unroll(fine)
-        outline = unrolled.outline
-        limits = outline.sizes if budget.per_loop is None else tuple(unrolled.minimum(budget))
-        total = min(budget.total, sum(limits))
-        division = _Division(outline.loops)
+        request = Request.of(fine, count)
+        limits = request.outline.sizes if request.per_loop is None else request.minimum
+        total = request.target
+        division = _Division(request.outline.loops)
         crossing: set[Chord] = set()
-        for _ in range(REPAIRS):
+        for _ in range(MAX_REPAIRS):
             chosen = division.chosen(total, limits, crossing)
             found = division.crossing(chosen)
             if not found:
-                return followed(unrolled, division.outline(chosen), budget, fine)
+                return followed(request, division.outline(chosen))
             if found <= crossing:
                 break
             crossing |= found
@@ -112,8 +111,8 @@ class _Division:
         """The first vertex of a loop, the one farthest from it, and the one farthest from the line of both."""
         loop = self.loops[k][:-1]
         away = loop - loop[0]
-        second = int(np.argmax(np.hypot(*away.T)))
-        third = int(np.argmax(np.abs(away[:, 0] * away[second, 1] - away[:, 1] * away[second, 0])))
+        second = int(np.argmax(norm(away)))
+        third = int(np.argmax(np.abs(cross(away, away[second]))))
         return sorted((0, second, third))
 
     def _farthest_of(self, chord: Chord) -> tuple[float, int]:

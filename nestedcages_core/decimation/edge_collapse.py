@@ -9,11 +9,12 @@ import numpy as np
 
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import orientation_sign
+from ..geometry.vectors import norm
 from .base import Count
 from .outline import Outline
-from .simplification import REACH, Simplification, simplified
+from .simplification import MAX_REACH, Simplification, simplified
 
-ANCHOR = 1e-3
+MIDPOINT_WEIGHT = 1e-3
 """Weight of the distance to the middle of the edge, relative to that of its lines: decides where they are parallel."""
 
 Point = tuple[float, float]
@@ -38,7 +39,7 @@ class _Collapsing(Simplification):
     def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
         super().__init__(outline, minimum)
         edge = outline.vertices[outline.successor] - outline.vertices
-        length = np.hypot(*edge.T)
+        length = norm(edge)
         nx, ny = edge[:, 1] / length, -edge[:, 0] / length
         offset = (np.stack((nx, ny), axis=1) * (outline.vertices - self.loops.centre)).sum(axis=1)
         of_edge = length * np.stack((nx * nx, 2 * nx * ny, ny * ny, -2 * offset * nx, -2 * offset * ny, offset**2))
@@ -52,13 +53,13 @@ class _Collapsing(Simplification):
         (cx, cy), X, Y = loops.centre, loops.x, loops.y
         xx, xy, yy, x1, y1, one = map(sum, zip(self.quadrics[vertex], self.quadrics[c], strict=True))
         mx, my = 0.5 * (X[vertex] + X[c]) - cx, 0.5 * (Y[vertex] + Y[c]) - cy
-        anchor = ANCHOR * (xx + yy)
+        anchor = MIDPOINT_WEIGHT * (xx + yy)
         # gradient: (2 (xx + anchor), xy; xy, 2 (yy + anchor)) (x, y) = (2 anchor mx - x1, 2 anchor my - y1)
         p, q, r, s = 2.0 * (xx + anchor), 2.0 * (yy + anchor), 2.0 * anchor * mx - x1, 2.0 * anchor * my - y1
         determinant = p * q - xy * xy
         x, y = (q * r - xy * s) / determinant, (p * s - xy * r) / determinant
         cost = xx * x * x + xy * x * y + yy * y * y + x1 * x + y1 * y + one
-        if max(abs(x), abs(y)) < REACH * loops.diameter:
+        if max(abs(x), abs(y)) < MAX_REACH * loops.diameter:
             self.queue.push(vertex, max(cost, 0.0) / loops.diameter, x + cx, y + cy)
 
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:

@@ -11,38 +11,38 @@ from math import exp
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
-EVEN = Weights()
+EVEN_WEIGHTS = Weights()
 """Every area costs the same: best on smooth shapes with few features."""
 
-ROUGH = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
+ROUGH_WEIGHTS = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
 """Filling notches is cheap: best on rough shapes, whose bumps must not be built upon before the notches are gone."""
 
-STAGE_LEAST, STAGE_FACTOR = 150, 4
+MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
 """Restarts begin at so many vertices, or so many times the wanted number: until there, little is lost for good."""
 
-STAGE_TWICE = 400
+MAX_SIZE_OF_TWO_STAGES = 400
 """Size up to which both weights lead down to where the restarts begin; larger outlines go there once."""
 
-RESTART_MOVES = 12_000
+MAX_RESTART_MOVES = 12_000
 """Moves that all restarts together may take, about half a second: large counts get fewer restarts."""
 
-RESTARTS_PER_LOOP, MOST_RESTARTS = 2, 2
+EXTRA_RESTARTS_PER_LOOP, MAX_RESTART_FACTOR = 2, 2
 """Further restarts for every loop after the second, since many loops share their vertices in many ways; at most so many
 times the restarts of one loop."""
 
-FEWEST_RESTARTS = 4
+MIN_RESTARTS = 4
 """Restarts that large counts get nevertheless."""
 
-SPIKE_VARIATIONS = (0.0, 0.1, 0.3)
+SPIKE_WEIGHTS = (0.0, 0.1, 0.3)
 """Weights against spikes that early restarts try, all else even."""
 
-RESCUES = 40
+MAX_RESCUES = 40
 """Runs with wilder weights if no restart comes down to the wanted number."""
 
-RESCUE_MOVES, FEWEST_RESCUES = 8_000, 8
+MAX_RESCUE_MOVES, MIN_RESCUES = 8_000, 8
 """Moves that all rescues together may take, about two seconds, and rescues that large outlines get nevertheless."""
 
-RESCUE_WHOLE = 400
+MAX_SIZE_OF_WHOLE_RESCUE = 400
 """Size up to which every second rescue begins at the outline itself."""
 
 
@@ -74,10 +74,12 @@ class Variation:
         )
 
 
-RESTART = Variation(drop=(-1.2, 0.2), extend=(-0.4, 0.6), slide=(-0.6, 0.3), spike=(-5.8, -1.2), noise=(0.0, 0.4))
+RESTART_VARIATION = Variation(
+    drop=(-1.2, 0.2), extend=(-0.4, 0.6), slide=(-0.6, 0.3), spike=(-5.8, -1.2), noise=(0.0, 0.4)
+)
 """Between smooth and rough: tried on glyphs, blobs and a snowflake, by the area that is left after tightening."""
 
-RESCUE = Variation(
+RESCUE_VARIATION = Variation(
     drop=(-1.0, 1.0),
     extend=(-1.0, 1.0),
     slide=(-1.0, 1.0),
@@ -103,15 +105,18 @@ def search_hulls(
     minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: what is done to an outline
     that restarts begin at. Deterministic for a seed.
     """
-    both = len(outline.vertices) <= STAGE_TWICE
-    stages = [prepare(stage) for stage in _stages(outline, count, minimum, (EVEN, ROUGH) if both else (ROUGH,))]
+    both = len(outline.vertices) <= MAX_SIZE_OF_TWO_STAGES
+    stages = [
+        prepare(stage)
+        for stage in _stages(outline, count, minimum, (EVEN_WEIGHTS, ROUGH_WEIGHTS) if both else (ROUGH_WEIGHTS,))
+    ]
     moves = max(1, len(stages[0].vertices) - count)
-    further = RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
-    wanted = min(restarts + further, MOST_RESTARTS * restarts)
-    runs = max(1, min(wanted, max(FEWEST_RESTARTS, RESTART_MOVES // moves)))
+    further = EXTRA_RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
+    wanted = min(restarts + further, MAX_RESTART_FACTOR * restarts)
+    runs = max(1, min(wanted, max(MIN_RESTARTS, MAX_RESTART_MOVES // moves)))
     rng = random.Random(seed)
-    weights = [EVEN, ROUGH, *(replace(EVEN, spike=spike) for spike in SPIKE_VARIATIONS)][:runs]
-    weights += [RESTART.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
+    weights = [EVEN_WEIGHTS, ROUGH_WEIGHTS, *(replace(EVEN_WEIGHTS, spike=spike) for spike in SPIKE_WEIGHTS)][:runs]
+    weights += [RESTART_VARIATION.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
     hulls = []
     for stage, chosen in zip(cycle(stages), weights, strict=False):
         hulls.append(ProgressiveHull(stage, chosen, minimum).run(count))
@@ -123,7 +128,7 @@ def search_hulls(
 def _stages(outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]) -> list[Outline]:
     """Where restarts begin. Until there pivots are dearer than other moves, and to look for them costs a third of the
     time."""
-    size = max(STAGE_LEAST, STAGE_FACTOR * count)
+    size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
     return [ProgressiveHull(outline, replace(chosen, pivot=None), minimum).run(size) for chosen in weights]
 
 
@@ -131,15 +136,15 @@ def _rescues(
     outline: Outline, count: int, minimum: Sequence[int], seed: int, prepare: Callable[[Outline], Outline]
 ) -> list[Outline]:
     """Hulls by runs that are the same for every count, so that the smallest one found can be asked for."""
-    starts = [prepare(stage) for stage in _stages(outline, sum(minimum), minimum, (EVEN,))]
-    if len(outline.vertices) <= RESCUE_WHOLE:
+    starts = [prepare(stage) for stage in _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,))]
+    if len(outline.vertices) <= MAX_SIZE_OF_WHOLE_RESCUE:
         starts.append(prepare(outline))
     moves = max(len(start.vertices) for start in starts) - sum(minimum)
-    runs = max(FEWEST_RESCUES, min(RESCUES, RESCUE_MOVES // max(1, moves)))
+    runs = max(MIN_RESCUES, min(MAX_RESCUES, MAX_RESCUE_MOVES // max(1, moves)))
     rng = random.Random(seed)
     hulls: list[Outline] = []
     for k in range(runs):
-        chosen = RESCUE.draw(rng, len(outline.sizes))
+        chosen = RESCUE_VARIATION.draw(rng, len(outline.sizes))
         hulls.append(ProgressiveHull(starts[k % len(starts)], chosen, minimum).run(count))
         if len(hulls[-1].vertices) <= count:
             break

@@ -78,7 +78,7 @@ class LinkedLoops:
         for edge in changed:
             self._insert_edge(edge)
 
-    def may_drop(self, b: int, *, exact: bool = False) -> bool:
+    def can_drop(self, b: int, *, exact: bool = False) -> bool:
         """Whether the triangle at a vertex lies outside of the solid (exactly) and nothing else is in it."""
         X, Y = self.x, self.y
         a, c = self.previous[b], self.next[b]

@@ -8,7 +8,7 @@ from math import inf
 COST_SPLITTER = 2.0**27 + 1.0
 """Rounds costs to 26 bits, so that equal moves of a symmetric shape tie whatever the round-off (Dekker 1971)."""
 
-HEAP_SHARE = 4
+HEAP_DIVISOR = 4
 """One in so many of the waiting moves goes to the heap when that is empty: a small heap stays in the cache."""
 
 
@@ -39,14 +39,14 @@ class MoveQueue:
         else:
             self._waiting.append((cost, slot, self._stamps[slot], *place))
 
-    def pop(self, dearest: float = inf) -> tuple[int, tuple[float, ...]] | None:
-        """Slot and place of the cheapest move, which is discarded; None if there is none that costs up to `dearest`."""
+    def pop(self, max_cost: float = inf) -> tuple[int, tuple[float, ...]] | None:
+        """Slot and place of the cheapest move, which is discarded; None if none costs up to `max_cost`."""
         stamps = self._stamps
         while True:
             while self._heap:
                 cost, slot, stamp, *place = heappop(self._heap)
                 if stamps[int(slot)] == stamp:
-                    if cost > dearest:
+                    if cost > max_cost:
                         heappush(self._heap, (cost, slot, stamp, *place))
                         return None
                     return int(slot), tuple(place)
@@ -54,7 +54,7 @@ class MoveQueue:
             if not waiting:
                 self._waiting, self._limit = [], -1.0
                 return None
-            self._limit = sorted([move[0] for move in waiting])[len(waiting) // HEAP_SHARE]
+            self._limit = sorted([move[0] for move in waiting])[len(waiting) // HEAP_DIVISOR]
             self._heap = [move for move in waiting if move[0] <= self._limit]
             self._waiting = [move for move in waiting if move[0] > self._limit]
             heapify(self._heap)

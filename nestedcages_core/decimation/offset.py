@@ -8,6 +8,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.predicates import BoxTree, orientation, segments_intersect
+from ..geometry.vectors import cross, norm, rotated_right
 from .outline import Outline
 
 MITRE_LIMIT = 2.5
@@ -36,12 +37,12 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
     The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
     vertices that came in, is empty, its moved edges touch neither each other nor the obstacle, exactly.
     """
-    lengths = np.hypot(*(outline.vertices[outline.successor] - outline.vertices).T)
+    lengths = norm(outline.vertices[outline.successor] - outline.vertices)
     distance = np.broadcast_to(distance, len(lengths))
     longest = np.minimum(MITRE_LIMIT * distance, EDGE_FRACTION * np.minimum(lengths, lengths[outline.predecessor]))
     longest = np.minimum(longest, _room_in_gaps(outline, longest))
     outline, source, direction = _mitred(outline, longest > 0.0)
-    step = np.minimum(distance[source], longest[source] / np.hypot(*direction.T))
+    step = np.minimum(distance[source], longest[source] / norm(direction))
     changed = step > 0.0
     touching = np.zeros(0, dtype=np.int64)
     for _ in range(HALVINGS):
@@ -99,15 +100,15 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     go n₁ + h e₁ and n₂ - h e₂, with h = (1 - sin α) / cos α and e₁, e₂ along the edges.
     """
     after = outline.vertices[outline.successor] - outline.vertices
-    after = after / np.hypot(*after.T)[:, None]
+    after = after / norm(after)[:, None]
     before = after[outline.predecessor]
-    n1, n2 = (np.stack((e[:, 1], -e[:, 0]), axis=1) for e in (before, after))
-    sine = 0.5 * np.hypot(*(n1 + n2).T)  # of half the angle between the edges
+    n1, n2 = rotated_right(before), rotated_right(after)
+    sine = 0.5 * norm(n1 + n2)  # of half the angle between the edges
     sharp = sine * MITRE_LIMIT < 1.0
-    tip = (before - after) / np.maximum(np.hypot(*(before - after).T), 1.0)[:, None]
+    tip = (before - after) / np.maximum(norm(before - after), 1.0)[:, None]
     mitre = (n1 + n2) / (2.0 * np.maximum(sine, 1.0 / MITRE_LIMIT) ** 2)[:, None]
     direction = np.where(sharp[:, None], -MITRE_LIMIT * tip, mitre)
-    cut = moving & sharp & (before[:, 0] * after[:, 1] >= before[:, 1] * after[:, 0])
+    cut = moving & sharp & (cross(before, after) >= 0.0)
 
     source = np.repeat(np.arange(len(cut)), np.where(cut, 2, 1))
     second = np.flatnonzero(np.diff(source, prepend=-1) == 0)

@@ -6,16 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import InvalidMeshError
+from ..errors import InvalidMeshError, NestingError
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
-from .apportion import padded
-from .arc_length import ArcLength, same_loops
-from .base import Count, checked_budget
-from .canonical_order import unroll
+from .arc_length import ArcLength
+from .base import Count
 from .hull_search import search_hulls
 from .outer_hull import OuterHull
 from .outline import Outline
+from .request import Request
 
 
 @dataclass(frozen=True)
@@ -25,22 +24,25 @@ class OnCurve:
     hull: OuterHull = field(default_factory=OuterHull)
     """The search whose best hull is used."""
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.hull, OuterHull):
+            raise NestingError(f"OnCurve: hull must be an OuterHull, not {self.hull!r}.")
+
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh whose vertices lie on the fine one, whatever the clearance; loop k on loop k.
 
         Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
         """
-        budget = checked_budget(fine, count)
-        unrolled = unroll(fine)
-        per_loop, minimum = unrolled.per_loop(budget), unrolled.minimum(budget)
-        total = budget.total if per_loop is None else sum(minimum)
-        outline = unrolled.outline
-        hull = search_hulls(outline, total, minimum, restarts=self.hull.restarts, seed=self.hull.seed)[0]
-        if len(hull.vertices) <= total:
+        request = Request.of(fine, count)
+        outline = request.outline
+        hull = search_hulls(outline, request.target, request.minimum, restarts=self.hull.restarts, seed=self.hull.seed)[
+            0
+        ]
+        if len(hull.vertices) <= request.target:
             try:
-                return same_loops(unrolled, padded(_snapped(hull, outline), budget.total, per_loop), fine)
+                return request.same_roles(request.coarse(_snapped(hull, outline)))
             except InvalidMeshError:
-                pass  # a coarse mesh that crosses itself is of no use to anybody
+                pass  # self-intersecting: fall back to arc length
         return ArcLength().decimate(fine, count, clearance=clearance)
 
 

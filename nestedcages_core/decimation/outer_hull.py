@@ -12,28 +12,26 @@ from ..errors import InvalidMeshError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, Nesting
 from ..geometry.mesh.validation import place as in_words
-from .apportion import padded
-from .base import Budget, Count, checked_budget
-from .canonical_order import unroll
-from .clearing import RESERVE, cleared, without_gaps, without_trifles
-from .enclosure import Enclosure
+from .base import Count, check_whole
+from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
 from .hull_search import search_hulls
 from .offset import strict_offset
 from .outline import Outline
+from .request import Request
 from .small_holes import with_room
 
-OFFSET = 5e-5
+HULL_OFFSET = 5e-5
 """Distance, in diameters, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""
 
-HAIR = 1e-9
+CLOSED_GAP_WIDTH = 1e-9
 """Width in diameters of gaps that are filled to begin with: no cage could keep a distance in them."""
 
-SAME_AREA = 1e-9
+SAME_AREA_TOLERANCE = 1e-9
 """Relative difference of area below which two hulls are the same one."""
 
-LOOPS_NAMED = 8
+MAX_LOOPS_LISTED = 8
 """Number of loops up to which a message lists what was found for each."""
 
 
@@ -44,7 +42,11 @@ class OuterHull:
     restarts: int = 8
     """Runs with varied weights; several loops get more, large vertex counts fewer."""
     seed: int = 0
-    """Where the random numbers of the runs begin."""
+    """Seed of the random weights."""
+
+    def __post_init__(self) -> None:
+        check_whole("OuterHull: restarts", self.restarts, least=1)
+        check_whole("OuterHull: seed", self.seed)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """The hull of least area; see `candidates`."""
@@ -59,13 +61,13 @@ class OuterHull:
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
-        search = _Search(self, fine, checked_budget(fine, count), clearance)
+        search = _Search(self, Request.of(fine, count), clearance)
         too_large: list[Outline] = []
-        for hulls in (search.with_clearance, search.around_offset, search.without_trifles):
+        for hulls in (search.with_clearance, search.around_offset, search.without_small_details):
             found = hulls()
             if certified := list(islice(search.certified(found), keep)):
                 return certified
-            too_large += [hull for hull in found[:1] if len(hull.vertices) > search.total]
+            too_large += [hull for hull in found[:1] if len(hull.vertices) > search.target]
         if too_large:
             raise NestingError(search.unreachable(min(too_large, key=search.rank)))
         raise NestingError(
@@ -77,52 +79,49 @@ class OuterHull:
 class _Search:
     """The search for hulls of one mesh: three ways, each for what the one before cannot do."""
 
-    def __init__(self, method: OuterHull, fine: Mesh, budget: Budget, clearance: float) -> None:
+    def __init__(self, method: OuterHull, request: Request, clearance: float) -> None:
         self.method = method
-        self.unrolled = unroll(fine)
-        self.enclosure = Enclosure(fine)
-        self.budget = budget
-        self.per_loop = self.unrolled.per_loop(budget)
-        self.minimum = self.unrolled.minimum(budget)
-        self.total = budget.total if self.per_loop is None else sum(self.minimum)
+        self.request = request
+        self.fine = request.fine
+        self.target = request.target
         self.clearance = clearance
-        self.start = without_gaps(self.unrolled.outline, HAIR * self.unrolled.outline.diameter)
-        self.distance = OFFSET * self.start.diameter
+        self.start = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+        self.distance = HULL_OFFSET * self.start.diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
     def with_clearance(self) -> list[Outline]:
         """Hulls of an offset of the fine mesh that keeps the clearance; none if there is no room for an offset."""
-        return self._offset_hulls(max(self.distance, RESERVE * self.clearance), self._cleared)
+        return self._offset_hulls(max(self.distance, CLEARANCE_RESERVE * self.clearance), self._cleared)
 
     def around_offset(self) -> list[Outline]:
         """Hulls of a small offset: for loops that the clearance would wall in."""
         return self._offset_hulls(self.distance, _unchanged)
 
-    def without_trifles(self) -> list[Outline]:
+    def without_small_details(self) -> list[Outline]:
         """Hulls that build over details which are hardly more than round-off; none if those left room."""
         if len(self.stuck) == 0:
             return []
-        self.start = without_trifles(self.start, 0.0)
+        self.start = without_small_details(self.start, 0.0)
         return self.with_clearance()
 
     def certified(self, hulls: Sequence[Outline]) -> Iterator[Mesh]:
         """Meshes of those of the hulls that are small enough, different, and strictly enclose the fine mesh."""
         area = 0.0
         for hull in hulls:
-            if len(hull.vertices) <= self.total and abs(hull.area - area) > SAME_AREA * hull.area:
+            if len(hull.vertices) <= self.target and abs(hull.area - area) > SAME_AREA_TOLERANCE * hull.area:
                 area = hull.area
                 try:
-                    mesh = self.unrolled.rolled_up(padded(hull, self.budget.total, self.per_loop))
+                    mesh = self.request.coarse(hull)
                 except InvalidMeshError:
                     continue
-                if RESERVE * self.clearance > self.distance:
-                    mesh = with_room(mesh, self.enclosure, self.clearance)
-                if self.enclosure.holds(mesh):
+                if CLEARANCE_RESERVE * self.clearance > self.distance:
+                    mesh = with_room(mesh, self.fine, self.clearance)
+                if Nesting(mesh, self.fine).encloses_loop_by_loop():
                     yield mesh
 
     def rank(self, hull: Outline) -> tuple[int, float]:
         """Small enough first, then by area."""
-        return max(self.total, len(hull.vertices)), hull.area
+        return max(self.target, len(hull.vertices)), hull.area
 
     def tightest(self) -> FloatArray:
         """The vertex that is closest to an edge which does not end there."""
@@ -136,24 +135,29 @@ class _Search:
 
     def unreachable(self, best: Outline) -> str:
         """The sentence for a count that even the smallest hull found exceeds."""
-        sizes = [best.sizes[k] for k in np.argsort(self.unrolled.loop_order)]
-        per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= LOOPS_NAMED else ""
+        sizes = [best.sizes[k] for k in np.argsort(self.request.loop_order)]
+        per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= MAX_LOOPS_LISTED else ""
         smallest = len(best.vertices)
         return (
-            f"A level of {self.budget.total} vertices is too small for this shape, whose loops are in each other's "
+            f"A level of {self.request.total} vertices is too small for this shape, whose loops are in each other's "
             f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}."
         )
 
     def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> list[Outline]:
-        start, self.stuck = strict_offset(self.start, distance, self.enclosure.tree)
+        start, self.stuck = strict_offset(self.start, distance, self.fine.edge_tree)
         if len(self.stuck):
             return []
         return search_hulls(
-            start, self.total, self.minimum, restarts=self.method.restarts, seed=self.method.seed, prepare=prepare
+            start,
+            self.target,
+            self.request.minimum,
+            restarts=self.method.restarts,
+            seed=self.method.seed,
+            prepare=prepare,
         )
 
     def _cleared(self, outline: Outline) -> Outline:
-        return cleared(outline, self.enclosure, self.clearance)
+        return cleared(outline, self.fine, self.clearance)
 
 
 def _unchanged(outline: Outline) -> Outline:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.predicates import BoxTree
+from ..geometry.vectors import cross, norm
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,21 +58,21 @@ class Outline:
         """(2,) centre of gravity of the loops as wires: the same in every direction the shape may be turned to."""
         here = self.vertices - self.vertices[0]
         there = here[self.successor]
-        lengths = np.hypot(*(there - here).T)
+        lengths = norm(there - here)
         centre: FloatArray = self.vertices[0] + lengths @ (0.5 * (here + there)) / lengths.sum()
         return centre
 
     @cached_property
     def diameter(self) -> float:
         """Diameter of the circle around the centre that holds the loops."""
-        return 2.0 * float(np.hypot(*(self.vertices - self.centre).T).max())
+        return 2.0 * float(norm(self.vertices - self.centre).max())
 
     @property
     def area(self) -> float:
         """Area of the solid: loops that run clockwise count negative."""
         here = self.vertices - self.vertices[0]
         there = here[self.successor]
-        return 0.5 * float((here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]).sum())
+        return 0.5 * float(cross(here, there).sum())
 
     def moved(self, vertices: FloatArray) -> Outline:
         """The same loops with other vertices (n, 2)."""

@@ -23,16 +23,16 @@ from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue
 from .outline import Outline
 
-ROUNDING = 4e-16
+TURN_ROUNDING = 4e-16
 """Relative error of a 2x2 determinant of differences of doubles, rounded up."""
 
-NUDGES = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
+NUDGE_ULPS = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
 """Units in the last place by which a new vertex is pushed outwards until the exact tests hold."""
 
 NEGLIGIBLE_AREA = 1e-15
 """Area in squared diameters that is nothing but round-off; moves that cost less are free."""
 
-REACH_GROWTH, REACH_ROUNDS = 4.0, 5
+REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
 """How much farther new vertices may lie, and how often, when no move is left within reach."""
 
 SMALL_LOOP = 8
@@ -83,18 +83,18 @@ class ProgressiveHull:
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
         self._consider_all()
 
-    def run(self, count: int, dearest: float = inf) -> Outline:
-        """Remove vertices until `count` are left, or as many as can be removed by moves that cost up to `dearest`."""
+    def run(self, count: int, max_cost: float = inf) -> Outline:
+        """Remove vertices until `count` are left, or as many as can be removed by moves that cost up to `max_cost`."""
         loops = self.loops
         rounds = 0
         while loops.total > count:
-            move = self.queue.pop(dearest)
+            move = self.queue.pop(max_cost)
             if move is not None:
                 slot, place = move
                 if loops.sizes[loops.loop_of[slot // 2]] > self.minimum[loops.loop_of[slot // 2]]:
                     make = self._extend if slot % 2 else self._pivot if place else self._drop
                     make(slot // 2, *place)
-            elif dearest < inf or rounds == REACH_ROUNDS or loops.sizes == self.minimum:
+            elif max_cost < inf or rounds == MAX_REACH_ROUNDS or loops.sizes == self.minimum:
                 break
             else:
                 rounds += 1
@@ -131,7 +131,7 @@ class ProgressiveHull:
         ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
         ux, uy, wx, wy = bx - ax, by - ay, cx - bx, cy - by
         turn = ux * wy - uy * wx
-        if turn <= ROUNDING * (abs(ux * wy) + abs(uy * wx)):
+        if turn <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
             self.queue.push(2 * b, self.factor[b] * weights.drop * 0.5 * abs(turn))
             return
         size = loops.sizes[loops.loop_of[b]]
@@ -186,7 +186,7 @@ class ProgressiveHull:
 
     def _drop(self, b: int) -> None:
         loops = self.loops
-        if loops.may_drop(b):
+        if loops.can_drop(b):
             a, c = loops.previous[b], loops.next[b]
             self._discard(b)
             loops.remove(b)
@@ -199,7 +199,7 @@ class ProgressiveHull:
         ax, ay, bx, by, cx, cy, dx, dy = X[a], Y[a], X[b], Y[b], X[c], Y[c], X[d], Y[d]
         u, q = hypot(bx - ax, by - ay), hypot(dx - cx, dy - cy)
         out_x, out_y = (by - ay) / u + (dy - cy) / q, (ax - bx) / u + (cx - dx) / q
-        for nudge in NUDGES:
+        for nudge in NUDGE_ULPS:
             px, py = x + nudge * loops.ulp * out_x, y + nudge * loops.ulp * out_y
             if (
                 orientation_sign(ax, ay, bx, by, px, py) <= 0
@@ -234,7 +234,7 @@ class ProgressiveHull:
         out_x, out_y = (qy - py) / e, (px - qx) / e
         p_out = out_x + (ay - zy) / f, out_y + (zx - ax) / f
         q_out = out_x + (dy - cy) / g, out_y + (cx - dx) / g
-        for nudge in NUDGES:
+        for nudge in NUDGE_ULPS:
             length = nudge * loops.ulp
             sx, sy = px + length * p_out[0], py + length * p_out[1]
             tx, ty = qx + length * q_out[0], qy + length * q_out[1]

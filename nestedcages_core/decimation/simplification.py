@@ -12,15 +12,13 @@ from collections.abc import Sequence
 from ..errors import InvalidMeshError, NestingError
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import orientation_sign
-from .apportion import padded
-from .arc_length import same_loops
-from .base import Budget, Count, checked_budget
-from .canonical_order import Unrolled, unroll
+from .base import Count
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue
 from .outline import Outline
+from .request import Request
 
-REACH = 1.5
+MAX_REACH = 1.5
 """Largest distance of new vertices from the centre, in diameters; moves that go farther are not made."""
 
 NEGLIGIBLE_COST = 1e-15
@@ -33,7 +31,7 @@ class Simplification(ABC):
     def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
         """minimum: vertices that each loop keeps, at least 3."""
         self.minimum = list(minimum)
-        self.loops = LinkedLoops(outline, REACH)
+        self.loops = LinkedLoops(outline, MAX_REACH)
         self.queue = MoveQueue(self.loops.total, NEGLIGIBLE_COST * self.loops.diameter**2)
 
     @abstractmethod
@@ -69,24 +67,21 @@ class Simplification(ABC):
 
 def simplified(fine: Mesh, count: Count, method: type[Simplification]) -> Mesh:
     """The fine mesh with a wanted number of vertices by a simplification; loop k on loop k. Raises NestingError."""
-    budget = checked_budget(fine, count)
-    unrolled = unroll(fine)
-    per_loop, minimum = unrolled.per_loop(budget), unrolled.minimum(budget)
-    total = budget.total if per_loop is None else sum(minimum)
-    left = method(unrolled.outline, minimum).run(total)
-    if len(left.vertices) > total:
+    request = Request.of(fine, count)
+    left = method(request.outline, request.minimum).run(request.target)
+    if len(left.vertices) > request.target:
         raise NestingError(
-            f"{total} vertices are too few to follow the mesh without crossings: the loops are in each other's way at "
-            f"{len(left.vertices)}; ask for at least as many, or use the outer hull."
+            f"{request.target} vertices are too few to follow the mesh without crossings: the loops are in each "
+            f"other's way at {len(left.vertices)}; ask for at least as many, or use the outer hull."
         )
-    return followed(unrolled, left, budget, fine)
+    return followed(request, left)
 
 
-def followed(unrolled: Unrolled, outline: Outline, budget: Budget, fine: Mesh) -> Mesh:
-    """The coarse mesh of a simplified outline, with all the vertices of its budget. Raises NestingError."""
+def followed(request: Request, outline: Outline) -> Mesh:
+    """The coarse mesh of a simplified outline, with as many vertices as wanted. Raises NestingError."""
     try:
-        return same_loops(unrolled, padded(outline, budget.total, unrolled.per_loop(budget)), fine)
+        return request.same_roles(request.coarse(outline))
     except InvalidMeshError as error:
         raise NestingError(
-            f"{budget.total} vertices are too few to follow the mesh: {error} Ask for more, or use the outer hull."
+            f"{request.total} vertices are too few to follow the mesh: {error} Ask for more, or use the outer hull."
         ) from error

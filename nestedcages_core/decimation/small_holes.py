@@ -8,27 +8,26 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import winding_number
 from ..geometry.signed_distance import SignedDistance
-from .enclosure import Enclosure
+from .clearing import shortfall
 from .outline import Outline
 
-GRID = 32
+GRID_SIZE = 32
 """Points along each side of the grids in which the middle of a hole is looked for."""
 
-MIDDLES = 8
+REFINED_POINTS = 8
 """Number of points of a grid around which finer ones are laid."""
 
 REFINEMENTS = 10
 """Finer grids; the last one is as fine as single precision."""
 
-FINER = 0.125
+REFINEMENT_WIDTH = 0.125
 """Width of a finer grid, in widths of the one before."""
 
-TOO_CLOSE = 0.02
+MAX_SHORTFALL = 0.02
 """Shortfall of a loop, in clearances, that the first steps of a tightening cannot be trusted to make good."""
 
-FILLED = 0.9
+POLYGON_SIZE = 0.9
 """Part of the room around the middle that the small polygon takes up."""
 
 
@@ -43,40 +42,32 @@ class Circle(NamedTuple):
 def largest_circle(fine: Mesh, hole: int) -> Circle:
     """The largest circle inside a hole of a mesh, what lies in the hole left aside, by grids finer and finer."""
     loop = fine.loops[hole]
-    distance = SignedDistance(fine.vertices[loop], fine.vertices[fine.successor[loop]], outside=-1)
+    distance = SignedDistance(fine.vertices[loop], fine.edge_ends[loop], outside=-1)
     low, high = fine.vertices[loop].min(axis=0), fine.vertices[loop].max(axis=0)
     width, middles = high - low, (0.5 * (low + high))[None]
-    steps = np.linspace(-0.5, 0.5, GRID)
+    steps = np.linspace(-0.5, 0.5, GRID_SIZE)
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(1, -1, 2)
     for _ in range(REFINEMENTS):
         points: FloatArray = np.concatenate((middles, (middles[:, None] + width * grid).reshape(-1, 2)))
         room = distance.at(points).distance
-        best = np.argsort(-room)[:MIDDLES]
-        middles, width = points[best], FINER * width
+        best = np.argsort(-room)[:REFINED_POINTS]
+        middles, width = points[best], REFINEMENT_WIDTH * width
     return Circle(middles[0], float(room[best[0]]))
 
 
-def with_room(coarse: Mesh, enclosure: Enclosure, clearance: float) -> Mesh:
+def with_room(coarse: Mesh, fine: Mesh, clearance: float) -> Mesh:
     """The coarse mesh, whose loop k belongs to loop k of the fine one, with small polygons for holes that are too
     close to it, where these are empty and have room for the clearance."""
-    fine = enclosure.fine
     loops = [coarse.vertices[loop] for loop in coarse.loops]
     changed = False
     for k in np.flatnonzero(fine.loop_signs < 0).tolist():
         single = Outline(loops[k], (len(loops[k]),), np.zeros((len(loops[k]), 2), np.int64))
-        if enclosure.shortfall(single, clearance).max() <= TOO_CLOSE * clearance or _has_islands(fine, k):
+        if shortfall(single, fine, clearance).max() <= MAX_SHORTFALL * clearance or (fine.parent_of_loop == k).any():
             continue
         circle = largest_circle(fine, k)
         if circle.radius > clearance:
             angles = 2.0 * np.pi * np.arange(len(loops[k])) / len(loops[k])
-            size = FILLED * (circle.radius - clearance)
+            size = POLYGON_SIZE * (circle.radius - clearance)
             loops[k] = circle.centre + size * np.stack((np.cos(angles), np.sin(angles)), axis=1)
             changed = True
     return Mesh.from_loops(loops) if changed else coarse
-
-
-def _has_islands(fine: Mesh, hole: int) -> bool:
-    """Whether parts of the mesh lie inside a hole of it."""
-    loop = fine.loops[hole]
-    outer = fine.vertices[[other[0] for other, sign in zip(fine.loops, fine.loop_signs, strict=True) if sign > 0]]
-    return bool((winding_number(outer, fine.vertices[loop], fine.vertices[fine.successor[loop]]) != 0).any())

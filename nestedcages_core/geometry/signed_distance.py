@@ -12,17 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .all_pairs import blocks, few_pairs
 from .arrays import FloatArray, IntArray
 from .broad_phase import position_in_group
 from .distance import SMALLEST_LENGTH, point_edge
 from .mesh import Mesh
 from .predicates import winding_number
-
-TREE_COST, TREE_START = 80, 20_000
-"""Cost of the tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
-
-BLOCK = 16_384
-"""Pairs that are measured at once: their arrays stay in the processor's cache (measured)."""
 
 SAMPLES_PER_EDGE = 0.5
 """Points of the tree per mean edge length: an edge of twice the mean length has one, longer ones have more."""
@@ -59,17 +54,6 @@ class SignedSample(NamedTuple):
     """(P,) index of the nearest edge."""
     parameter: FloatArray
     """(P,) position of the closest point on that edge, in [0, 1]."""
-
-
-def few_pairs(points: int, edges: int) -> bool:
-    """Whether measuring all pairs is faster than a tree."""
-    return points * edges <= TREE_COST * (points + edges) + TREE_START
-
-
-def blocks(points: FloatArray, edges: int) -> list[FloatArray]:
-    """The points in blocks that make about BLOCK pairs each; one block at least."""
-    rows = max(1, BLOCK // edges)
-    return [points[first : first + rows] for first in range(0, max(len(points), 1), rows)]
 
 
 class EdgeSearch:
@@ -175,20 +159,5 @@ class SignedDistance:
         return SignedSample(sign * distance, gradient, edge, parameter)
 
     def winding(self, points: FloatArray) -> IntArray:
-        """(P,) winding number of the edges around points; not defined within round-off of an edge."""
-        starts, ends = self.search.starts, self.search.ends
-        if not few_pairs(len(points), len(starts)):
-            return winding_number(points, starts, ends)
-        parts = [self._winding_among_all(part) for part in blocks(points, len(starts))]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-    def _winding_among_all(self, points: FloatArray) -> IntArray:
-        starts, ends = self.search.starts, self.search.ends
-        x, y = points[:, :1], points[:, 1:]
-        above = starts[:, 1] > y
-        rises = above != (ends[:, 1] > y)
-        edge = ends - starts
-        left = edge[:, 0] * (y - starts[:, 1]) > edge[:, 1] * (x - starts[:, 0])
-        # a rising edge counts if the point is on its left, a falling one if it is on its right
-        counted = rises & (left != above)
-        return np.asarray(counted.sum(axis=1) - 2 * (counted & above).sum(axis=1), np.int64)
+        """(P,) winding number of the edges around points; exact, ON_BOUNDARY for points on an edge."""
+        return winding_number(points, self.search.starts, self.search.ends)

@@ -1,4 +1,4 @@
-"""Cross product and quarter turns of vectors in the plane."""
+"""Cross product, length and quarter turns of vectors in the plane."""
 
 from __future__ import annotations
 
@@ -11,6 +11,12 @@ def cross(u: FloatArray, v: FloatArray) -> FloatArray:
     """(...,) u × v = u_x v_y - u_y v_x of vectors (..., 2): positive if v is to the left of u."""
     product: FloatArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
     return product
+
+
+def norm(v: FloatArray) -> FloatArray:
+    """(...,) Euclidean lengths of vectors (..., 2)."""
+    length: FloatArray = np.hypot(v[..., 0], v[..., 1])
+    return length
 
 
 def rotated_left(v: FloatArray) -> FloatArray:

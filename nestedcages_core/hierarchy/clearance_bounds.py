@@ -10,9 +10,7 @@ import numpy as np
 from ..decimation.small_holes import largest_circle
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.loops import enclosing_pairs, extreme_places, parents
 from ..geometry.mesh.validation import place
-from ..geometry.predicates import BoxTree
 from ..geometry.signed_distance import EdgeSearch
 
 ROUND_OFF = 1e-6
@@ -45,22 +43,13 @@ def no_room(fine: Mesh, wanted: float) -> str:
 def _bounds(fine: Mesh) -> Iterator[Bound]:
     """For every region outside of the solid: half the distance between two loops around it, or, if one loop encloses
     it alone, the radius of the largest circle in it."""
-    region = _regions(fine)
+    region = np.where(fine.loop_signs > 0, fine.parent_of_loop, np.arange(len(fine.loops)))
     for k in np.unique(region).tolist():
         loops = np.flatnonzero(region == k)
         if len(loops) > 1:
             yield _between(fine, loops)
         elif k >= 0:
             yield _within(fine, k)
-
-
-def _regions(fine: Mesh) -> IntArray:
-    """(L,) the hole in which each outer loop lies directly, -1 outside of all; for holes themselves."""
-    order = fine.loop_order
-    points = fine.vertices[order.vertices]
-    tree = BoxTree(points, fine.vertices[fine.successor[order.vertices]])
-    _, parent = parents(*enclosing_pairs(points[extreme_places(points, order)], order, tree), len(fine.loops))
-    return np.where(fine.loop_signs > 0, parent, np.arange(len(fine.loops)))
 
 
 def _between(fine: Mesh, loops: IntArray) -> Bound:

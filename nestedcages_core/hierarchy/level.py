@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import Candidates, Count, Decimation
+from ..decimation import Count, Decimation, SeveralStarts
 from ..energies import CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
@@ -66,7 +66,7 @@ class LevelBuilder:
     def _starts(self, decimation: Decimation, count: Count) -> list[Mesh]:
         """Coarse meshes to begin with: several where the decimation offers them, since they end in different optima."""
         clearance = self.clearance.length
-        if isinstance(decimation, Candidates) and self.settings.starts > 1:
+        if isinstance(decimation, SeveralStarts) and self.settings.starts > 1:
             return decimation.candidates(self.fine, count, clearance=clearance, keep=self.settings.starts)
         return [decimation.decimate(self.fine, count, clearance=clearance)]
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import IntArray
-from ..geometry.mesh import Mesh
-from ..geometry.mesh.loops import enclosing_pairs, extreme_places, parents
+from ..geometry.mesh import Mesh, Nesting
 from ..geometry.mesh.validation import crossing_point, place
-from ..geometry.predicates import BoxTree, segments_intersect
 from ..geometry.smallest_gap import smallest_gap
 
 CLEARANCE_TOLERANCE = 1e-9
@@ -99,18 +96,12 @@ def loops_in_words(mesh: Mesh) -> str:
     return f"{outer} outer loop{'s' * (outer != 1)} and {holes or 'no'} hole{'s' * (holes != 1)}"
 
 
-def _tree(mesh: Mesh) -> BoxTree:
-    """The boxes of the edges, loop after loop."""
-    order = mesh.loop_order.vertices
-    return BoxTree(mesh.vertices[order], mesh.vertices[mesh.successor[order]])
-
-
 class _Pair:
-    """A valid cage and a valid fine mesh, with the boxes of their edges in loop order."""
+    """A valid cage and a valid fine mesh, and what to say about them."""
 
     def __init__(self, cage: Mesh, fine: Mesh) -> None:
         self.cage, self.fine = cage, fine
-        self.cage_tree, self.fine_tree = _tree(cage), _tree(fine)
+        self.nesting = Nesting(cage, fine)
 
     def of_cage(self, loop: int) -> str:
         """Where a loop of the cage is, for the user."""
@@ -122,45 +113,23 @@ class _Pair:
 
     def contact(self) -> list[str]:
         """A sentence if the boundaries touch or cross."""
-        a, b, c, d = self.cage_tree.starts, self.cage_tree.ends, self.fine_tree.starts, self.fine_tree.ends
-        for i, j in self.cage_tree.blocks(self.fine_tree, slim=True):
-            hits = np.flatnonzero(segments_intersect(a[i], b[i], c[j], d[j]))
-            if len(hits):
-                k, m = i[hits[0]], j[hits[0]]
-                u, v = self.cage.loop_order.vertices[k], self.fine.loop_order.vertices[m]
-                where = place(crossing_point(a[k], b[k], c[m], d[m]))
-                return [
-                    f"The cage meets the fine mesh near {where}: edge {u}-{self.cage.successor[u]} of the cage touches "
-                    f"edge {v}-{self.fine.successor[v]} of the fine mesh."
-                ]
-        return []
-
-    @cached_property
-    def nested(self) -> tuple[IntArray, IntArray]:
-        """Pairs (inner, outer) of loops of both meshes, those of the cage numbered first; the loops must not meet."""
-        trees = (self.cage, self.cage_tree), (self.fine, self.fine_tree)
-        extremes = np.concatenate([tree.starts[extreme_places(tree.starts, mesh.loop_order)] for mesh, tree in trees])
-        inner, outer = zip(*(enclosing_pairs(extremes, mesh.loop_order, tree) for mesh, tree in trees), strict=True)
-        return np.concatenate(inner), np.concatenate((outer[0], outer[1] + len(self.cage.loops)))
+        if self.nesting.contact is None:
+            return []
+        u, v = self.nesting.contact
+        ends = self.cage.successor[u], self.fine.successor[v]
+        corners = self.cage.vertices[[u, ends[0]]], self.fine.vertices[[v, ends[1]]]
+        return [
+            f"The cage meets the fine mesh near {place(crossing_point(*corners[0], *corners[1]))}: edge {u}-{ends[0]} "
+            f"of the cage touches edge {v}-{ends[1]} of the fine mesh."
+        ]
 
     def outside(self) -> list[str]:
-        """A sentence for each part of the fine solid that the cage's solid does not cover.
-
-        Where boundaries do not meet, the fine solid lies inside if and only if every fine loop does and no loop of the
-        cage lies inside the fine solid (as the inner loop of a thin ring around the boundary would).
-        """
-        inner, outer = self.nested
-        kept, count = len(self.cage.loops), len(self.cage.loops) + len(self.fine.loops)
-        by_cage, by_fine = outer < kept, outer >= kept
-        in_cage = np.bincount(inner[by_cage], self.cage.loop_signs[outer[by_cage]], count)[kept:]
-        in_fine = np.bincount(inner[by_fine], self.fine.loop_signs[outer[by_fine] - kept], count)[:kept]
-        leaks = [
-            f"Loop {k} of the fine mesh near {self.of_fine(k)} lies outside the cage."
-            for k in np.flatnonzero(in_cage < 1)
-        ]
+        """A sentence for each part of the fine solid that the cage's solid does not cover."""
+        outside, inside = self.nesting.uncovered
+        leaks = [f"Loop {k} of the fine mesh near {self.of_fine(k)} lies outside the cage." for k in outside]
         gaps = [
             f"Loop {k} of the cage near {self.of_cage(k)} lies inside the fine mesh and leaves a part of it uncovered."
-            for k in np.flatnonzero(in_fine > 0)
+            for k in inside
         ]
         return leaks + gaps
 
@@ -176,7 +145,7 @@ class _Pair:
             return [f"The cage has {ours}, but the fine mesh has {theirs}."]
         signs = np.concatenate((self.cage.loop_signs, self.fine.loop_signs))
         is_cage = np.arange(2 * kept) < kept
-        _, parent = parents(*self.nested, 2 * kept)
+        parent = self.nesting.parents
         children = np.bincount(parent[parent >= 0], minlength=2 * kept)
         partner = np.where(is_cage == (signs > 0), -1, parent)
         lower = np.flatnonzero(is_cage != (signs > 0))
@@ -192,4 +161,4 @@ class _Pair:
 
     def gap(self) -> float:
         """Smallest distance between the two boundaries."""
-        return smallest_gap(self.cage_tree, self.fine_tree)
+        return smallest_gap(self.cage.edge_tree, self.fine.edge_tree)

@@ -7,8 +7,9 @@ import pytest
 import shapely
 
 from nestedcages_core import LevelSet, Mesh, NestingError, Settings, Visvalingam, nested_cages
+from nestedcages_core.geometry.mesh import Nesting
 from nestedcages_core.published.sellan_2022.contour import Field
-from nestedcages_core.published.sellan_2022.level_set_loops import encloses, loops_around, without_pockets
+from nestedcages_core.published.sellan_2022.level_set_loops import loops_around, without_pockets
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 COARSE_GRID = LevelSet(cells=80)
@@ -141,10 +142,10 @@ def test_loops_find_their_partners_in_any_order() -> None:
 
 def test_enclosing_is_strict() -> None:
     fine = annulus(12)
-    assert encloses(annulus(12, 0.4).moved(annulus(12, 0.4).vertices * 1.2), fine)
-    assert not encloses(fine, fine)
-    assert not encloses(Mesh.from_loops([ring(12) + 5.0]), fine)
-    assert encloses(Mesh.from_loops([2.0 * ring(12)]), fine)
+    assert Nesting(annulus(12, 0.4).moved(annulus(12, 0.4).vertices * 1.2), fine).encloses()
+    assert not Nesting(fine, fine).encloses()
+    assert not Nesting(Mesh.from_loops([ring(12) + 5.0]), fine).encloses()
+    assert Nesting(Mesh.from_loops([2.0 * ring(12)]), fine).encloses()
 
 
 def test_a_clearance_beyond_all_offsets_is_refused() -> None:

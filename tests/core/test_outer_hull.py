@@ -13,15 +13,14 @@ from hypothesis import strategies as st
 from nestedcages_core import Mesh, NestingError, OuterHull, verify
 from nestedcages_core.decimation import OnCurve
 from nestedcages_core.decimation.apportion import padded, shares
-from nestedcages_core.decimation.canonical_order import unroll
 from nestedcages_core.decimation.clearing import cleared, without_gaps
 from nestedcages_core.decimation.edge_grid import EdgeGrid
-from nestedcages_core.decimation.enclosure import Enclosure
 from nestedcages_core.decimation.linked_loops import LinkedLoops
 from nestedcages_core.decimation.move_queue import MoveQueue
 from nestedcages_core.decimation.offset import strict_offset
 from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.progressive_hull import ProgressiveHull, Weights
+from nestedcages_core.decimation.request import canonical_order
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull(restarts=4)
@@ -47,7 +46,7 @@ def slit_square(width: float, steps: int = 20) -> Mesh:
 
 
 def outline_of(mesh: Mesh) -> Outline:
-    return unroll(mesh).outline
+    return canonical_order(mesh)[0]
 
 
 def solid(outline: Outline) -> shapely.Geometry:
@@ -368,7 +367,7 @@ def test_triangles_know_what_lies_in_them(seed: int) -> None:
 def test_an_offset_keeps_its_distance(shape: object) -> None:
     fine: Mesh = shape()  # type: ignore[operator]
     distance = 1e-4
-    moved, stuck = strict_offset(outline_of(fine), distance, Enclosure(fine).tree)
+    moved, stuck = strict_offset(outline_of(fine), distance, fine.edge_tree)
     assert len(stuck) == 0
     assert solid(moved).boundary.distance(polygon(fine).boundary) == pytest.approx(distance, rel=1e-6)
     assert solid(moved).contains(polygon(fine))
@@ -376,7 +375,7 @@ def test_an_offset_keeps_its_distance(shape: object) -> None:
 
 def test_an_offset_takes_a_quarter_of_a_gap() -> None:
     fine = slit_square(1e-5)
-    moved, stuck = strict_offset(outline_of(fine), 1e-3, Enclosure(fine).tree)
+    moved, stuck = strict_offset(outline_of(fine), 1e-3, fine.edge_tree)
     assert len(stuck) == 0
     assert solid(moved).contains(polygon(fine))
     assert 1e-6 < solid(moved).boundary.distance(polygon(fine).boundary) < 5e-6
@@ -398,28 +397,13 @@ def test_slits_are_closed_without_the_stairs_at_their_mouths() -> None:
 
 def test_clearing_fills_what_is_too_narrow() -> None:
     fine = slit_square(1e-3)
-    enclosure = Enclosure(fine)
-    start, _ = strict_offset(outline_of(fine), 1e-5, enclosure.tree)
-    filled, kept = cleared(start, enclosure, 1e-2), cleared(start, enclosure, 2e-4)
+    start, _ = strict_offset(outline_of(fine), 1e-5, fine.edge_tree)
+    filled, kept = cleared(start, fine, 1e-2), cleared(start, fine, 2e-4)
     assert solid(filled).boundary.distance(polygon(fine).boundary) >= 1e-2
     assert solid(kept).boundary.distance(polygon(fine).boundary) >= 2e-4
     inside = np.linspace(0.2, 1.0, 20)[10]
     assert not solid(kept).covers(shapely.Point(0.5 + 0.05 * np.sin(9.0 * inside), inside))
     assert len(without_gaps(outline_of(slit_square(1e-12)), 1e-9).vertices) < 10
-
-
-def test_the_enclosure_refuses_what_does_not_enclose() -> None:
-    fine = Mesh.from_loops([ring(20), ring(12, 0.4)])
-    enclosure = Enclosure(fine)
-    around, within = ring(20, 1.1), ring(12, 0.3)
-    assert enclosure.holds(Mesh.from_loops([around, within]))
-    assert not enclosure.holds(Mesh.from_loops([around, ring(12, 0.5)]))  # the hole cuts into the solid
-    assert not enclosure.holds(Mesh.from_loops([ring(20, 0.9), within]))  # the solid sticks out
-    assert not enclosure.holds(Mesh.from_loops([around, ring(12, 1.05)]))  # a thin ring around the boundary only
-    aside = np.array([0.7, 0.0])
-    assert not enclosure.holds(Mesh.from_loops([around, ring(12, 0.05) + aside]))  # the hole is in the solid
-    assert not enclosure.holds(Mesh.from_loops([around, within + 4.0 * aside]))  # a component instead of a hole
-    assert not enclosure.holds(Mesh.from_loops([ring(20), within]))  # touching
 
 
 @given(st.lists(st.floats(0.1, 9.0), min_size=1, max_size=8), st.integers(0, 60), st.integers(1, 4))

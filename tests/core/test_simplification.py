@@ -165,10 +165,10 @@ def test_a_decimation_of_ones_own_is_checked() -> None:
     level = nested_cages(fine, [24], Settings(decimation=OwnDecimation(every_fourth))).levels[0]
     assert_nested(level.cage, level.fine)
     assert set(map(tuple, level.coarse.vertices)) <= set(map(tuple, fine.vertices))
-    with pytest.raises(NestingError, match="gave 24 vertices where 20 are wanted"):
+    with pytest.raises(NestingError, match="returned 24 vertices where 20 are wanted"):
         OwnDecimation(every_fourth).decimate(fine, 20)
     crossed = OwnDecimation(lambda loops, count: [loops[0][[0, 24, 12, 36]], loops[1][::4]])
-    with pytest.raises(NestingError, match=r"of your own is not valid: .*cross"):
+    with pytest.raises(NestingError, match=r"of your own decimation is not valid: .*cross"):
         crossed.decimate(fine, 20)
 
 

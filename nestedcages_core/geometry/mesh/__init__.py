@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from .mesh import Mesh
+from .nesting import Nesting
 
-__all__ = ["Mesh"]
+__all__ = ["Mesh", "Nesting"]

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
+from ..predicates import BoxTree
+from ..vectors import norm
 from .geo_interface import rings_of, to_geo_interface
 from .loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
@@ -22,7 +24,17 @@ EXTENT = 2.4
 """The extent of a mesh in units of the largest distance of a vertex from their mean."""
 
 TOPOLOGY = frozenset(
-    ("edges", "successor", "predecessor", "loops", "loop_signs", "loop_of_vertex", "component_of_loop", "loop_order")
+    (
+        "edges",
+        "successor",
+        "predecessor",
+        "loops",
+        "loop_signs",
+        "loop_of_vertex",
+        "parent_of_loop",
+        "component_of_loop",
+        "loop_order",
+    )
 )
 """Attributes that stay when vertices move."""
 
@@ -46,6 +58,8 @@ class Mesh:
     """Vertices of each loop in oriented order from its smallest one; loops are in the order of these."""
     loop_signs: IntArray = field(init=False)
     """(L,) role of each loop: 1 outer, -1 hole."""
+    parent_of_loop: IntArray = field(init=False)
+    """(L,) the smallest loop around each loop, -1 for none."""
     component_of_loop: IntArray = field(init=False)
     """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
     is_validated: bool = field(init=False)
@@ -63,7 +77,8 @@ class Mesh:
         extreme = extreme_places(points, order)
         depth, parent = parents(*enclosing_pairs(points[extreme], order, tree), len(order.sizes))
         signs = 1 - 2 * (depth % 2)
-        order = order.turned(turning_senses(points, order, extreme) != signs)
+        reversed_ = turning_senses(points, order, extreme) != signs
+        order = order.turned(reversed_)
         following = order.successor()
         turned = following[joined[:, 0]] != joined[:, 1]
         joined[turned] = joined[turned, ::-1]
@@ -76,10 +91,13 @@ class Mesh:
             successor=_frozen(following),
             loops=tuple(np.split(_frozen(order.vertices), order.begins[1:])),
             loop_signs=_frozen(signs),
+            parent_of_loop=_frozen(parent),
             component_of_loop=_frozen(component),
             is_validated=True,
             loop_order=order,
         )
+        if not reversed_.any():
+            self._fill(edge_tree=tree)
         if not self.area > 0.0:
             raise InvalidMeshError(
                 f"The area inside the loops around {place(checked[0])} is too small for floating-point numbers; "
@@ -191,10 +209,21 @@ class Mesh:
         owner[self.loop_order.vertices] = self.loop_order.loop
         return _frozen(owner)
 
+    @property
+    def edge_ends(self) -> FloatArray:
+        """(n, 2) where the edge that starts at each vertex ends."""
+        return self.vertices[self.successor]
+
     @cached_property
     def edge_lengths(self) -> FloatArray:
         """(n,) length of the edge that starts at each vertex."""
-        return _frozen(np.hypot(*(self.vertices[self.successor] - self.vertices).T))
+        return _frozen(norm(self.edge_ends - self.vertices))
+
+    @cached_property
+    def edge_tree(self) -> BoxTree:
+        """Bounding boxes of the edges, loop after loop: segment k starts at vertex ``loop_order.vertices[k]``."""
+        order = self.loop_order.vertices
+        return BoxTree(self.vertices[order], self.edge_ends[order])
 
     @cached_property
     def diagonal(self) -> float:
@@ -227,6 +256,10 @@ class Mesh:
     def _fill(self, **fields: Any) -> None:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the tree, which is quickly made again."""
+        return {name: value for name, value in vars(self).items() if name != "edge_tree"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Arrays lose their write protection when they travel between processes; it is given back here."""

@@ -1,4 +1,4 @@
-"""Exact containment: winding numbers by signed crossings of rays, summed over whole stretches of the loops."""
+"""Exact winding numbers by signed crossings of rays: pair by pair, or summed over whole stretches of the loops."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..all_pairs import blocks, few_pairs
 from ..arrays import FloatArray, IntArray
 from .box_tree import CROWDED, FANOUT, BoxTree, children
 from .orientation import orientation
@@ -25,10 +26,28 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
 
     Points on an edge get ON_BOUNDARY. A point inside a counter-clockwise loop gets 1.
     """
-    points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-    crossings = ray_crossings(points, BoxTree(starts, ends))
-    winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
-    winding[crossings.touching] = ON_BOUNDARY
+    points, starts, ends = (np.asarray(a, dtype=np.float64).reshape(-1, 2) for a in (points, starts, ends))
+    if not few_pairs(len(points), len(starts)):
+        crossings = ray_crossings(points, BoxTree(starts, ends))
+        winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
+        winding[crossings.touching] = ON_BOUNDARY
+        return winding
+    parts = [_winding_among_all(part, starts, ends) for part in blocks(points, len(starts))]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
+    """`winding_number` by looking at every pair of a point and an edge."""
+    y = points[:, 1:]
+    level = np.minimum(starts[:, 1], ends[:, 1]) <= y
+    level &= y <= np.maximum(starts[:, 1], ends[:, 1])
+    point, edge = np.divmod(np.flatnonzero(level), max(1, len(starts)))
+    (ax, ay), (bx, by), (x, y) = starts[edge].T, ends[edge].T, points[point].T
+    side = orientation(starts[edge], ends[edge], points[point])
+    rises = (by > y).astype(np.int64) - (ay > y)
+    crossed = (rises != 0) & (side == rises)
+    winding = np.bincount(point[crossed], rises[crossed], len(points)).astype(np.int64)
+    winding[point[(side == 0) & (np.minimum(ax, bx) <= x) & (x <= np.maximum(ax, bx))]] = ON_BOUNDARY
     return winding
 
 

@@ -15,6 +15,7 @@ from ...errors import InvalidMeshError
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..mesh.validation import place
 from ..predicates import Signs, orientation
+from ..vectors import cross
 from .flips import Flips
 
 FAR = 4.0
@@ -114,7 +115,7 @@ def _suspects(points: FloatArray, triangles: IntArray, segments: IntArray) -> In
     starts, ends = _directed_edges(triangles)
     apexes = triangles[:, [2, 0, 1]].T.ravel()
     to_start, to_end = points[starts] - points[apexes], points[ends] - points[apexes]
-    angle = np.arctan2(to_start[:, 0] * to_end[:, 1] - to_start[:, 1] * to_end[:, 0], (to_start * to_end).sum(axis=1))
+    angle = np.arctan2(cross(to_start, to_end), (to_start * to_end).sum(axis=1))
     low, high = np.minimum(starts, ends), np.maximum(starts, ends)
     keys, place_of = np.unique(low * len(points) + high, return_inverse=True)
     total = np.bincount(place_of, weights=angle)

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from ..arrays import FloatArray, IntArray
+from ..vectors import cross
 
 INSIDE = -1e-12
 """Least barycentric coordinate of a point that counts as inside a triangle; only rounding is forgiven."""
@@ -50,7 +51,7 @@ class Triangulation:
     def areas(self) -> FloatArray:
         """(T,) areas."""
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
-        return np.asarray(0.5 * _cross(b - a, c - a))
+        return np.asarray(0.5 * cross(b - a, c - a))
 
     def boundary_values(self, mesh_vertices: int) -> csr_array:
         """(B, n) what makes values at the n mesh vertices, linear along edges, values at the boundary vertices."""
@@ -142,7 +143,7 @@ class Triangulation:
     def _barycentric(self, points: FloatArray, triangle: IntArray) -> FloatArray:
         """Barycentric coordinates (..., 3) of points (..., 2) in triangles (...,)."""
         a, b, c = (self.vertices[self.triangles[triangle, k]] - points for k in range(3))
-        weights = np.stack((_cross(b, c), _cross(c, a), _cross(a, b)), axis=-1)
+        weights = np.stack((cross(b, c), cross(c, a), cross(a, b)), axis=-1)
         return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
 
     @cached_property
@@ -164,7 +165,3 @@ class Triangulation:
         row = np.concatenate([self.triangles[:, i] for i in range(3) for _ in range(3)])
         column = np.concatenate([self.triangles[:, j] for _ in range(3) for j in range(3)])
         return csr_array((entries, (row, column)), shape=(len(self.vertices),) * 2)
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

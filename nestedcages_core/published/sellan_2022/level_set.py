@@ -9,12 +9,11 @@ from ...decimation.base import Count, Decimation, checked_budget
 from ...decimation.douglas_peucker import DouglasPeucker
 from ...decimation.edge_collapse import EdgeCollapse
 from ...errors import NestingError
-from ...geometry.mesh import Mesh
+from ...geometry.mesh import Mesh, Nesting
 from ...geometry.mesh.validation import place
-from ...geometry.predicates import BoxTree
 from ...geometry.smallest_gap import smallest_gap
 from .contour import Field
-from .level_set_loops import encloses, first_lost, loops_around, without_pockets
+from .level_set_loops import first_lost, loops_around, without_pockets
 
 CELLS_PER_VERTEX = 0.5
 """The grid has at least so many cells along the diagonal per vertex wanted, so that contours have enough of them."""
@@ -113,7 +112,7 @@ class _Search:
         try:
             coarse, one_to_one = self._coarse(offset)
             same_loops = not one_to_one or loops_around(coarse, self.fine) is not None
-            if same_loops and encloses(coarse, self.fine) and _distance(coarse, self.fine) >= self.clearance:
+            if same_loops and Nesting(coarse, self.fine).encloses() and _distance(coarse, self.fine) >= self.clearance:
                 return coarse
             problem = "it still cuts into the mesh"
         except NestingError as error:
@@ -150,7 +149,7 @@ class _Search:
 
 def _distance(one: Mesh, other: Mesh) -> float:
     """Smallest distance between two meshes whose edges do not cross."""
-    return smallest_gap(*(BoxTree(mesh.vertices, mesh.vertices[mesh.successor]) for mesh in (one, other)))
+    return smallest_gap(one.edge_tree, other.edge_tree)
 
 
 def _changed(contour: Mesh, fine: Mesh) -> str:

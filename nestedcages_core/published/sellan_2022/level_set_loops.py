@@ -1,4 +1,4 @@
-"""Which loop of a level set belongs to which loop of the mesh, and whether the one encloses the other."""
+"""Which loop of a level set belongs to which loop of the mesh, and which loops are none of the mesh's."""
 
 from __future__ import annotations
 
@@ -6,20 +6,7 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
-from ...geometry.predicates import BoxTree, crossing_pairs, winding_number
-
-
-def encloses(coarse: Mesh, fine: Mesh) -> bool:
-    """Whether the solid of the fine mesh lies strictly inside that of the coarse one, by exact predicates."""
-    starts, ends = coarse.vertices, coarse.vertices[coarse.successor]
-    fine_ends = fine.vertices[fine.successor]
-    if len(crossing_pairs(BoxTree(fine.vertices, fine_ends), BoxTree(starts, ends))[0]):
-        return False
-    fine_points = fine.vertices[[loop[0] for loop in fine.loops]]
-    coarse_points = starts[[loop[0] for loop in coarse.loops]]
-    inside = winding_number(fine_points, starts, ends) == 1
-    outside = winding_number(coarse_points, fine.vertices, fine_ends) == 0
-    return bool(inside.all() and outside.all())
+from ...geometry.predicates import winding_number
 
 
 def without_pockets(contour: Mesh, fine: Mesh) -> Mesh:

@@ -1,0 +1,99 @@
+"""What a decimation is asked for: loops in canonical order, and how many vertices to leave of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InvalidMeshError
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.vectors import norm
+from .apportion import padded
+from .base import LEAST_PER_LOOP, Count, checked_budget
+from .outline import Outline
+
+TIE_TOLERANCE = 1e-9
+"""Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """The loops of a mesh in canonical order, and the number of vertices that its coarse mesh is to have.
+
+    outline: the loops, largest first, each from the vertex farthest from its centre on, so that nothing depends on how
+    the vertices of the mesh are numbered.
+    loop_order: (L,) for each loop of the outline its number in the mesh.
+    total: vertices of the coarse mesh. per_loop: (L,) vertices per loop of the outline; None: shared out freely.
+    """
+
+    fine: Mesh
+    outline: Outline
+    loop_order: IntArray
+    total: int
+    per_loop: IntArray | None
+
+    @classmethod
+    def of(cls, fine: Mesh, count: Count) -> Request:
+        """The request for a count as in `Decimation.decimate`. Raises NestingError."""
+        budget = checked_budget(fine, count)
+        outline, loop_order = canonical_order(fine)
+        per_loop = None if budget.per_loop is None else np.array(budget.per_loop)[loop_order]
+        return cls(fine, outline, loop_order, budget.total, per_loop)
+
+    @property
+    def minimum(self) -> list[int]:
+        """Vertices that each loop keeps: as many as it is to have, at most its own."""
+        sizes = self.outline.sizes
+        return [LEAST_PER_LOOP] * len(sizes) if self.per_loop is None else np.minimum(self.per_loop, sizes).tolist()
+
+    @property
+    def target(self) -> int:
+        """Vertices to come down to; loops that are to have more than their own get them by divided edges."""
+        return self.total if self.per_loop is None else sum(self.minimum)
+
+    def coarse(self, outline: Outline) -> Mesh:
+        """The coarse mesh of an outline with at most `target` vertices: edges are divided until there are enough.
+
+        Raises InvalidMeshError where loops cross.
+        """
+        return self.mesh(padded(outline, self.total, self.per_loop))
+
+    def mesh(self, loops: Sequence[FloatArray]) -> Mesh:
+        """A mesh of loops (k, 2) in the order of the outline; its loop k stands for loop k of the fine mesh."""
+        return Mesh.from_loops([loops[k] for k in np.argsort(self.loop_order)])
+
+    def same_roles(self, coarse: Mesh) -> Mesh:
+        """The coarse mesh. Raises InvalidMeshError if its loops do not lie in each other as those of the fine mesh."""
+        fine = self.fine
+        changed = (coarse.loop_signs != fine.loop_signs) | (coarse.component_of_loop != fine.component_of_loop)
+        if changed.any():
+            k = int(np.flatnonzero(changed)[0])
+            raise InvalidMeshError(f"Loop {k} comes to lie in another loop than in the mesh inside.")
+        return coarse
+
+
+def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
+    """The loops of a mesh, largest first, each from the vertex farthest from its centre on; and their numbers (L,)."""
+    tie, corner = TIE_TOLERANCE * fine.diagonal, fine.vertices.min(axis=0)
+    rings, keys = [], []
+    for loop, area in zip(fine.loops, fine.loop_areas, strict=True):
+        points = fine.vertices[loop]
+        lengths = fine.edge_lengths[loop]
+        middles = 0.5 * (points + np.roll(points, -1, axis=0))
+        offsets = points - (lengths[:, None] * (middles - points[0])).sum(axis=0) / lengths.sum() - points[0]
+        distance = norm(offsets)
+        farthest = np.flatnonzero(distance >= distance.max() - tie)
+        cells = np.round(offsets[farthest] / tie)
+        start = farthest[np.lexsort((cells[:, 1], cells[:, 0]))[0]]
+        rings.append(np.roll(loop, -start))
+        keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - corner) / tie)))
+    order = np.array(sorted(range(len(rings)), key=keys.__getitem__), dtype=np.int64)
+    ordered = tuple(rings[k] for k in order)
+    places = np.concatenate([np.arange(len(ring)) for ring in ordered])
+    outline = Outline(
+        fine.vertices[np.concatenate(ordered)], tuple(len(ring) for ring in ordered), np.stack((places, places), axis=1)
+    )
+    return outline, order

@@ -1,0 +1,22 @@
+"""When measuring every pair of a point and an edge beats a search tree, and in which portions to do so."""
+
+from __future__ import annotations
+
+from .arrays import FloatArray
+
+TREE_COST, TREE_START = 80, 20_000
+"""Cost of a tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
+
+BLOCK = 16_384
+"""Pairs measured together: their arrays stay in the processor's cache (measured)."""
+
+
+def few_pairs(points: int, edges: int) -> bool:
+    """Whether measuring all pairs is faster than a tree."""
+    return points * edges <= TREE_COST * (points + edges) + TREE_START
+
+
+def blocks(points: FloatArray, edges: int) -> list[FloatArray]:
+    """The points (P, 2) in portions that make about BLOCK pairs with the edges each; at least one portion."""
+    rows = max(1, BLOCK // max(1, edges))
+    return [points[first : first + rows] for first in range(0, max(len(points), 1), rows)]
