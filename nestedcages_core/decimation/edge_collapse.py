@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import frexp
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from .simplification import MAX_REACH, Simplification, simplified
 
 MIDPOINT_WEIGHT = 1e-3
 """Weight of the distance to the middle of the edge, relative to that of its lines: decides where they are parallel."""
+
+SMALLEST_DETERMINANT = 1e-280
+"""Determinant of a quadric, in units of the diameter, that is too small to be divided by."""
 
 Point = tuple[float, float]
 
@@ -38,10 +42,13 @@ class _Collapsing(Simplification):
 
     def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
         super().__init__(outline, minimum)
+        # a power of two scales exactly, and keeps the sixth powers of lengths within the range of floats
+        self.unit = 2.0 ** frexp(self.loops.diameter)[1]
         edge = outline.vertices[outline.successor] - outline.vertices
         length = norm(edge)
         nx, ny = edge[:, 1] / length, -edge[:, 0] / length
-        offset = (np.stack((nx, ny), axis=1) * (outline.vertices - self.loops.centre)).sum(axis=1)
+        offset = (np.stack((nx, ny), axis=1) * ((outline.vertices - self.loops.centre) / self.unit)).sum(axis=1)
+        length /= self.unit
         of_edge = length * np.stack((nx * nx, 2 * nx * ny, ny * ny, -2 * offset * nx, -2 * offset * ny, offset**2))
         self.quadrics: list[list[float]] = (of_edge + of_edge[:, outline.predecessor]).T.tolist()
 
@@ -52,15 +59,18 @@ class _Collapsing(Simplification):
         c = loops.next[vertex]
         (cx, cy), X, Y = loops.centre, loops.x, loops.y
         xx, xy, yy, x1, y1, one = map(sum, zip(self.quadrics[vertex], self.quadrics[c], strict=True))
-        mx, my = 0.5 * (X[vertex] + X[c]) - cx, 0.5 * (Y[vertex] + Y[c]) - cy
+        mx, my = (0.5 * (X[vertex] + X[c]) - cx) / self.unit, (0.5 * (Y[vertex] + Y[c]) - cy) / self.unit
         anchor = MIDPOINT_WEIGHT * (xx + yy)
         # gradient: (2 (xx + anchor), xy; xy, 2 (yy + anchor)) (x, y) = (2 anchor mx - x1, 2 anchor my - y1)
         p, q, r, s = 2.0 * (xx + anchor), 2.0 * (yy + anchor), 2.0 * anchor * mx - x1, 2.0 * anchor * my - y1
         determinant = p * q - xy * xy
+        if determinant < SMALLEST_DETERMINANT:
+            return  # edges so short that their lines count for nothing
         x, y = (q * r - xy * s) / determinant, (p * s - xy * r) / determinant
         cost = xx * x * x + xy * x * y + yy * y * y + x1 * x + y1 * y + one
-        if max(abs(x), abs(y)) < MAX_REACH * loops.diameter:
-            self.queue.push(vertex, max(cost, 0.0) / loops.diameter, x + cx, y + cy)
+        if max(abs(x), abs(y)) < MAX_REACH * loops.diameter / self.unit:
+            squared = max(cost, 0.0) / (loops.diameter / self.unit) * self.unit * self.unit
+            self.queue.push(vertex, squared, self.unit * x + cx, self.unit * y + cy)
 
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:
         """Collapse unless something lies between the chains, or the new edges touch something."""

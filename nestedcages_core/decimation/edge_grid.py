@@ -14,20 +14,24 @@ STRIDE = 1 << 32
 class EdgeGrid:
     """Grids of several cell sizes; each edge lies in one cell, that of its middle, on the level of its own length.
 
-    A cell is larger than its edges, so an edge reaches half a cell from its middle at the most, whatever mixture of
+    A cell is larger than its edges, so an edge reaches at most half a cell from its middle, whatever the mixture of
     long and short edges there is. Scalar on purpose: the loops change edge by edge.
     """
 
-    def __init__(self, count: int, origin: tuple[float, float]) -> None:
-        """Room for edges 0 .. count - 1; origin: a point near the loops, for small cell numbers."""
+    def __init__(self, count: int, origin: tuple[float, float], finest: float) -> None:
+        """Room for edges 0 .. count - 1; origin: a point near the loops, for small cell numbers.
+
+        finest: length below which edges share the cells of a level: a rounding of the coordinates.
+        """
         self._origin = origin
+        self._lowest = _level(finest)
         self._levels: dict[int, tuple[float, float, dict[int, list[int]]]] = {}
         self._cells: list[dict[int, list[int]]] = [{}] * count
         self._keys = [0] * count
 
     def insert(self, edge: int, ax: float, ay: float, bx: float, by: float) -> None:
         """Add an edge from (ax, ay) to (bx, by)."""
-        level = frexp(max(abs(bx - ax), abs(by - ay)))[1] // OCTAVES_PER_LEVEL + 1
+        level = max(_level(max(abs(bx - ax), abs(by - ay))), self._lowest)
         if level not in self._levels:
             size = 2.0 ** (level * OCTAVES_PER_LEVEL)
             self._levels[level] = (0.5 * size, 1.0 / size, {})
@@ -70,3 +74,8 @@ class EdgeGrid:
                     if key in cells:
                         found += cells[key]
         return found
+
+
+def _level(length: float) -> int:
+    """The level of edges of a length, so that a cell of size 2 ** (level * OCTAVES_PER_LEVEL) is larger than these."""
+    return frexp(length)[1] // OCTAVES_PER_LEVEL + 1

@@ -36,7 +36,7 @@ class LinkedLoops:
         far = reach * self.diameter
         self.ulp = float(np.spacing(max(np.abs(vertices).max(), far)))
         self.margin = MARGIN_ULPS * self.ulp
-        self.grid = EdgeGrid(total, (self.centre[0] - far, self.centre[1] - far))
+        self.grid = EdgeGrid(total, (self.centre[0] - far, self.centre[1] - far), self.ulp)
         for edge in range(total):
             self._insert_edge(edge)
 

@@ -32,6 +32,9 @@ NUDGE_ULPS = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
 NEGLIGIBLE_AREA = 1e-15
 """Area in squared diameters that is nothing but round-off; moves that cost less are free."""
 
+SMALLEST_DIVISOR = 1e-300
+"""Squared lengths and cross products, in squared input units, that are too small to be divided by."""
+
 REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
 """How much farther new vertices may lie, and how often, when no move is left within reach."""
 
@@ -81,6 +84,7 @@ class ProgressiveHull:
         if weights.loops:
             self.factor = [f * weights.loops[k] for f, k in zip(self.factor, loops.loop_of, strict=True)]
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
+        self._blocked: set[tuple[float, ...]] = set()
         self._consider_all()
 
     def run(self, count: int, max_cost: float = inf) -> Outline:
@@ -140,7 +144,7 @@ class ProgressiveHull:
         z, d = loops.previous[a], loops.next[c]
         fx, fy, gx, gy = ax - X[z], ay - Y[z], cx - X[d], cy - Y[d]
         turn_a, turn_c, den = fx * uy - fy * ux, wy * gx - wx * gy, fx * gy - fy * gx
-        if turn_a < 0.0 or turn_c < 0.0 or den == 0.0:
+        if turn_a < 0.0 or turn_c < 0.0 or abs(den) < SMALLEST_DIVISOR:
             return
         for ratio in PIVOT_RATIOS if size <= PIVOT_RATIO_LOOP else PIVOT_RATIOS[:1]:
             # (a + s f) + ratio (c + t g) = (1 + ratio) b
@@ -168,14 +172,15 @@ class ProgressiveHull:
         else:
             # one end is convex, and the neighbour at the other is shortened, by less than its length
             weight, possible = weights.slide, turn_b * turn_c < 0.0 and max(turn_b, turn_c) < -den
-        if not possible:
+        squared = wx * wx + wy * wy
+        if not possible or squared < SMALLEST_DIVISOR:
             return
         s, t = turn_c / den, -turn_b / den  # b + s u = c + t q
         nearer_b = abs(s) * (abs(ux) + abs(uy)) <= abs(t) * (abs(qx) + abs(qy))
         x, y = (bx + s * ux, by + s * uy) if nearer_b else (cx + t * qx, cy + t * qy)
         if self._within_reach(x, y):
             area = 0.5 * abs(s * turn_b)
-            height_squared = 2.0 * area * (2.0 * area / (wx * wx + wy * wy))  # area² may leave the range of floats
+            height_squared = 2.0 * area * (2.0 * area / squared)  # area² may leave the range of floats
             self.queue.push(2 * b + 1, self.factor[b] * (weight * area + weights.spike * height_squared), x, y)
 
     def _within_reach(self, x: float, y: float) -> bool:
@@ -197,7 +202,12 @@ class ProgressiveHull:
         a, c = loops.previous[b], loops.next[b]
         d = loops.next[c]
         ax, ay, bx, by, cx, cy, dx, dy = X[a], Y[a], X[b], Y[b], X[c], Y[c], X[d], Y[d]
+        move = (b, x, y, bx, by, cx, cy)
         u, q = hypot(bx - ax, by - ay), hypot(dx - cx, dy - cy)
+        if move in self._blocked:
+            return
+        if not (u and q):
+            return  # a vertex was rounded onto its neighbour
         out_x, out_y = (by - ay) / u + (dy - cy) / q, (ax - bx) / u + (cx - dx) / q
         for nudge in NUDGE_ULPS:
             px, py = x + nudge * loops.ulp * out_x, y + nudge * loops.ulp * out_y
@@ -208,6 +218,7 @@ class ProgressiveHull:
             ):
                 break
         else:
+            self._blocked.add(move)
             return
         turn_b = (bx - ax) * (cy - by) - (by - ay) * (cx - bx)
         turn_c = (cx - bx) * (dy - cy) - (cy - by) * (dx - cx)
@@ -217,6 +228,7 @@ class ProgressiveHull:
             # two sides of the triangle are boundary, so no edge gets in without a vertex
             blocked = loops.vertex_in_triangle(bx, by, px, py, cx, cy, own=(b, c))
         if blocked:
+            self._blocked.add(move)
             return
         loops.last[b] = loops.last[c]
         self._discard(c)
@@ -228,9 +240,13 @@ class ProgressiveHull:
         a, c = loops.previous[b], loops.next[b]
         z, d = loops.previous[a], loops.next[c]
         zx, zy, ax, ay, bx, by, cx, cy, dx, dy = X[z], Y[z], X[a], Y[a], X[b], Y[b], X[c], Y[c], X[d], Y[d]
+        move = (b, px, py, qx, qy, ax, ay, bx, by, cx, cy)
+        if move in self._blocked:
+            return
+        self._blocked.add(move)
         f, g, e = hypot(ax - zx, ay - zy), hypot(dx - cx, dy - cy), hypot(qx - px, qy - py)
-        if not e:
-            return  # both new points are the vertex itself
+        if not (e and f and g):
+            return  # both new points are the vertex itself, or a vertex was rounded onto its neighbour
         out_x, out_y = (qy - py) / e, (px - qx) / e
         p_out = out_x + (ay - zy) / f, out_y + (zx - ax) / f
         q_out = out_x + (dy - cy) / g, out_y + (cx - dx) / g

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import IntArray
-from ..geometry.mesh import Mesh, Nesting
+from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, Nesting, is_mesh_like
 from ..geometry.mesh.validation import crossing_point, place
 from ..geometry.smallest_gap import smallest_gap
 
@@ -42,19 +42,22 @@ class Certificate:
         return self.holds
 
 
-def verify(cage: Mesh, fine: Mesh, clearance: float = 0.0, *, same_loops: bool = True) -> Certificate:
+def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops: bool = True) -> Certificate:
     """The certificate of a cage around a fine mesh, for any pair; every verdict but the distance is exact.
 
+    cage, fine: meshes, or anything that `Mesh.of` reads: objects with `__geo_interface__`, lists of loops (k, 2).
     clearance: the distance between the two boundaries to ask for, in input units.
     same_loops: whether the cage must keep the loops of the fine mesh; without it, a cage may cover holes, and one loop
     may wrap several components.
+
+    Raises InvalidMeshError for what is no shape at all; a shape that is not valid makes a certificate that says so.
     """
     problems: list[str] = []
     judged, judged_fine = (_at_the_door(mesh, name, problems) for mesh, name in ((cage, "cage"), (fine, "fine mesh")))
     if judged is None or judged_fine is None:
         return Certificate(judged is not None, False, False, float("nan"), float("nan"), tuple(problems))
     pair = _Pair(judged, judged_fine)
-    turned = _turned_loops(cage, judged)
+    turned = _turned_loops(cage, judged) if isinstance(cage, Mesh) else np.zeros(0, np.int64)
     problems += [f"Loop {k} of the cage near {pair.of_cage(k)} is turned inside out." for k in turned]
     contact = pair.contact()
     problems += contact
@@ -74,10 +77,12 @@ def verify(cage: Mesh, fine: Mesh, clearance: float = 0.0, *, same_loops: bool =
     return Certificate(True, loops_kept, strict, measured, excess, tuple(problems))
 
 
-def _at_the_door(mesh: Mesh, name: str, problems: list[str]) -> Mesh | None:
+def _at_the_door(shape: MeshLike, name: str, problems: list[str]) -> Mesh | None:
     """The mesh as the door lets it in, or None and a sentence."""
+    if not is_mesh_like(shape):
+        raise InvalidMeshError(f"The {name} must be {MESH_LIKE}, not {type(shape).__name__}.")
     try:
-        return mesh.validated()
+        return Mesh.of(shape).validated()
     except InvalidMeshError as error:
         problems.append(f"The {name} is not a valid mesh: {error}")
         return None

@@ -6,7 +6,8 @@ a) is zero and p lies beside the edge. Both c and the two products that say whet
 so each lies between the smallest and the largest of its three Bernstein coefficients (Farouki 2012). Where those have
 one sign, beyond their rounding errors, for the whole way, the pair is certified; so is one whose point stays on one
 side of both ends of the edge along x or along y, which also holds where the edge shrinks to a point in passing. All
-other ways are halved.
+other ways are halved. After k halvings a difference of positions carries an absolute error of up to k roundings of the
+largest one on the way, which both tests allow for: relative bounds say nothing about a difference that vanishes.
 A pair that is still open after all halvings counts as a collision: the certificate never errs on the other side.
 """
 
@@ -15,10 +16,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, MeshLike
 
 MAX_HALVINGS = 40
 """Cap: a piece of the way is then below the spacing of float64."""
@@ -27,14 +30,18 @@ MAX_PIECES = 32
 """Pieces of the way of one pair that may be open at once: a passing contact leaves two or three, more slide along each
 other."""
 
-ROUNDING = 16.0 * np.finfo(float).eps
+COEFFICIENT_ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
 safety."""
 
-HALVED = MAX_HALVINGS * np.finfo(float).eps
-"""Bound on the rounding error of a position on the way after all halvings, relative to the largest one."""
+HALVING_ROUNDING = float(np.finfo(float).eps)
+"""Bound on the rounding error that a halving adds to a difference of positions, relative to the largest one on the way:
+half of it for the sum; the other half, once, for the difference itself."""
 
-SKIN = 1.0
+UNDERFLOW = 16.0 * np.finfo(float).smallest_subnormal
+"""Bound on the error of a coefficient whose products leave the range of normal floats."""
+
+CANDIDATE_SKIN = 1.0
 """Skin of the candidate list as a fraction of the mean cage edge length."""
 
 
@@ -52,12 +59,21 @@ class MotionCertificate:
         return self.free
 
 
-def verify_motion(cage: Mesh, fine: Mesh, cage_steps: FloatArray, fine_steps: FloatArray) -> MotionCertificate:
+def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_steps: ArrayLike) -> MotionCertificate:
     """Certify the linear motion between consecutive steps of a cage (K + 1, m, 2) and a fine mesh (K + 1, n, 2).
 
     The meshes give the edges only; the fine mesh may cross itself on its way. What is certified is that no contact
-    comes or goes: all instants are nested if one is, for which `verify` has a certificate.
+    comes or goes: all instants are nested if one is, for which `verify` has a certificate. cage and fine may be
+    anything that `verify` accepts.
+
+    Raises NestedCagesError if the steps are not that many places, or not finite.
     """
+    cage, fine = Mesh.of(cage), Mesh.of(fine)
+    cage_steps, fine_steps = _checked_steps(cage, cage_steps, "cage"), _checked_steps(fine, fine_steps, "fine")
+    if len(cage_steps) != len(fine_steps):
+        raise NestedCagesError(
+            f"There are {len(cage_steps)} steps of the cage, but {len(fine_steps)} of the fine mesh; give as many."
+        )
     bodies = Bodies.of(cage, fine)
     candidates = CandidateList(bodies)
     for step in range(len(cage_steps) - 1):
@@ -69,12 +85,32 @@ def verify_motion(cage: Mesh, fine: Mesh, cage_steps: FloatArray, fine_steps: Fl
         reach = cage_speed + max(cage_speed, fine_speed)
         if reach == 0.0:
             continue
-        pairs = candidates.within(before, reach, SKIN * bodies.cage_edge_length)
-        pairs = pairs.subset(pairs.measure(before).distance <= pairs.approach(speed) * (1.0 + ROUNDING))
+        slack = COEFFICIENT_ROUNDING * float(np.abs(before).max())  # of a measured distance
+        pairs = candidates.within(before, reach + slack, CANDIDATE_SKIN * bodies.cage_edge_length)
+        closest = pairs.approach(speed) * (1.0 + COEFFICIENT_ROUNDING) + slack
+        pairs = pairs.subset(pairs.measure(before).distance <= closest)
         certified = _never_meet(pairs, before, after)
         if not certified.all():
             return MotionCertificate(False, step, int(pairs.point[~certified][0]))
     return MotionCertificate(True)
+
+
+def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
+    """Steps (K + 1, n, 2) of a mesh. Raises NestedCagesError unless they are that many finite numbers."""
+    try:
+        checked = np.asarray(steps, dtype=np.float64)
+    except (TypeError, ValueError):
+        checked = np.zeros(0)
+    wanted = mesh.vertices.shape
+    if checked.ndim != 3 or checked.shape[1:] != wanted or len(checked) == 0:
+        raise NestedCagesError(
+            f"The {name} steps have shape {np.shape(checked)}, but (steps, {wanted[0]}, {wanted[1]}) is needed: one "
+            "place per vertex in each step."
+        )
+    bad = np.argwhere(~np.isfinite(checked).all(axis=2))
+    if len(bad):
+        raise NestedCagesError(f"Vertex {bad[0][1]} of {name} step {bad[0][0]} is not finite; correct its coordinates.")
+    return checked
 
 
 def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArray:
@@ -85,18 +121,21 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
     ]
     (edge0, start0, end0), (edge1, start1, end1) = ends
     pair = np.arange(len(pairs))
-    margin = HALVED * np.max([np.abs(side).max(axis=1) for side in (start0, start1, end0, end1)], axis=0)
+    vectors = (edge0, edge1, start0, start1, end0, end1)
+    rounding = HALVING_ROUNDING * np.max([np.abs(vector).max(axis=1) for vector in vectors], axis=0)
     certified = np.ones(len(pairs), bool)
-    for _ in range(MAX_HALVINGS):
-        side = _bernstein(edge0, edge1, start0, start1, cross=True)
+    for halvings in range(MAX_HALVINGS):
+        margin = halvings * rounding[pair]
+        side = _bernstein(edge0, edge1, start0, start1, margin, cross=True)
         open_ = ~(_sure(side, 1.0) | _sure(side, -1.0))
         if not open_.any():
             break
-        along_start = _bernstein(edge0[open_], edge1[open_], start0[open_], start1[open_], cross=False)
-        along_end = _bernstein(edge0[open_], edge1[open_], end0[open_], end1[open_], cross=False)
+        left = margin[open_]
+        along_start = _bernstein(edge0[open_], edge1[open_], start0[open_], start1[open_], left, cross=False)
+        along_end = _bernstein(edge0[open_], edge1[open_], end0[open_], end1[open_], left, cross=False)
         open_[open_] = ~(_sure(along_start, -1.0) | _sure(along_end, 1.0))
         sides = np.stack([corner[open_] for corner in (start0, start1, end0, end1)])
-        open_[open_] = ~_beyond(sides, margin[pair[open_]])
+        open_[open_] = ~_beyond(sides, margin[open_])
         crowded = np.bincount(pair[open_], minlength=len(pairs)) > MAX_PIECES
         certified[crowded] = False
         open_ &= ~crowded[pair]
@@ -125,10 +164,12 @@ def _beyond(sides: FloatArray, margin: FloatArray) -> BoolArray:
 
 
 def _bernstein(
-    u0: FloatArray, u1: FloatArray, w0: FloatArray, w1: FloatArray, *, cross: bool
+    u0: FloatArray, u1: FloatArray, w0: FloatArray, w1: FloatArray, margin: FloatArray, *, cross: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Coefficients (3, K) of u(s) × w(s), or of u(s) · w(s), for linear u and w, and bounds of their rounding
-    errors."""
+    """Coefficients (3, K) of u(s) × w(s), or of u(s) · w(s), for linear u and w, and bounds of their errors.
+
+    margin: (K,) bounds on the absolute errors of the components of u and w.
+    """
 
     def products(u: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:
         first = u[:, 0] * (w[:, 1] if cross else w[:, 0])
@@ -140,7 +181,10 @@ def _bernstein(
     (one, one_size), (other, other_size) = products(u0, w1), products(u1, w0)
     values = np.stack([low, 0.5 * (one + other), high])
     sizes = np.stack([low_size, 0.5 * (one_size + other_size), high_size])
-    return values, ROUNDING * sizes
+    # (u + δ)(w + δ) - u w for both terms of each product, the larger end of each vector taken for both
+    reach = np.max([np.abs(vector).sum(axis=1) for vector in (u0, u1)], axis=0)
+    reach = reach + np.max([np.abs(vector).sum(axis=1) for vector in (w0, w1)], axis=0)
+    return values, COEFFICIENT_ROUNDING * sizes + margin * (reach + 2.0 * margin) + UNDERFLOW
 
 
 def _sure(bounds: tuple[FloatArray, FloatArray], sign: float) -> BoolArray:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
-from nestedcages_core import ArcLength, Mesh, OnCurve, Settings, nested_cages, verify_motion
+from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, Settings, nested_cages, verify_motion
 from nestedcages_core.contact.pairs import Pairs
 from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs
 from nestedcages_core.verification.motion import _never_meet
@@ -96,3 +98,47 @@ def test_random_pairs_are_never_wrongly_certified() -> None:
     assert crossed.sum() > 500
     assert not (certified & crossed).any()
     assert certified[nearest > 0.02].all()
+
+
+def test_contact_in_passing_is_never_certified() -> None:
+    """A point runs through the start of an edge while the edge points along its path: c(s) touches zero at s = 2^-k.
+
+    Exact contact, by differences of doubles that round: relative error bounds alone certify half of these.
+    """
+    random = np.random.default_rng(1)
+    count, before, after = 2000, [], []
+    for _ in range(count):
+        parts = 2 ** int(random.integers(1, 12))
+        far = random.integers(1, 2**20, 2) * 2.0**-20 * random.choice([-1, 1], 2)
+        near = random.integers(1, 2**10, 2) * 2.0**-60
+        # p - a is far + near at first and -(parts - 1) (far + near) at last, so zero at s = 1 / parts
+        p0, a0, p1, a1 = near, -far, -(parts - 1) * near, (parts - 1) * far
+        for k in range(2):
+            at_first, at_last = Fraction(p0[k]) - Fraction(a0[k]), Fraction(p1[k]) - Fraction(a1[k])
+            assert (parts - 1) * at_first + at_last == 0
+        path = p0 - a0
+        turning = np.array([-path[1], path[0]]) * random.uniform(0.2, 2.0) * random.choice([-1, 1])
+        along = path * random.uniform(0.5, 2.0) * random.choice([-1, 1])
+        before += [p0, a0, a0 + along - turning / parts]
+        after += [p1, a1, a1 + along + turning * (1 - 1 / parts)]
+    first = 3 * np.arange(count)
+    pairs = Pairs(first, first + 1, first + 2, slice(0, count), slice(count, count), slice(count, count))
+    assert not _never_meet(pairs, np.array(before), np.array(after)).any()
+
+
+def test_bad_steps_are_rejected() -> None:
+    cage, fine = Mesh.from_loops([ring(8, 2.0)]), Mesh.from_loops([ring(6)])
+    still, standing = np.stack([cage.vertices] * 2), np.stack([fine.vertices] * 2)
+    assert verify_motion(cage, fine, still, standing)
+    assert verify_motion([cage.vertices], fine.__geo_interface__, still, standing)
+    broken = standing.copy()
+    broken[1, 4, 0] = np.nan
+    for steps, sentence in (
+        ((still, broken), "Vertex 4 of fine step 1 is not finite"),
+        ((still[:, 1:], standing), r"cage steps have shape \(2, 7, 2\)"),
+        ((still, standing[0]), r"fine steps have shape \(6, 2\)"),
+        ((still, standing[:1]), "2 steps of the cage, but 1 of the fine mesh"),
+        ((still, "none"), "fine steps have shape"),
+    ):
+        with pytest.raises(NestedCagesError, match=sentence):
+            verify_motion(cage, fine, *steps)  # type: ignore[arg-type]

@@ -318,7 +318,7 @@ def test_the_grid_finds_all_edges_near_a_box(seed: int, size: float) -> None:
     random = np.random.default_rng(seed)
     starts = random.uniform(-1.0, 1.0, (60, 2))
     ends = starts + random.normal(size=(60, 2)) * 10.0 ** random.uniform(-5.0, 0.5, (60, 1))
-    grid = EdgeGrid(60, (-1.0, -1.0))
+    grid = EdgeGrid(60, (-1.0, -1.0), 1e-12)
     for k in range(60):
         grid.insert(k, *starts[k].tolist(), *ends[k].tolist())
     for k in range(0, 60, 3):

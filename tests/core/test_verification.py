@@ -13,6 +13,7 @@ import shapely.geometry
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nestedcages_core.errors import InvalidMeshError
 from nestedcages_core.geometry.mesh import Mesh
 from nestedcages_core.verification import Certificate, verify
 
@@ -302,3 +303,36 @@ def test_crowded_pairs_are_no_trouble() -> None:
     assert certificate.strict == polygon_of(mesh(1.001 * spikes)).contains_properly(polygon_of(mesh(spikes)))
     scribble = mesh(ring(10_000)).moved(random.uniform(-1, 1, size=(10_000, 2)))
     expect(verify(scribble, mesh(ring(9))), "The cage is not a valid mesh: Loop 0 crosses itself", simple=False)
+
+
+class Drawing:
+    """Something with `__geo_interface__` that is no Mesh."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.__geo_interface__ = mesh.__geo_interface__
+
+
+def test_anything_that_describes_a_shape_can_be_verified() -> None:
+    cage, fine = Mesh.from_loops([ring(16), ring(16, 0.4)]), Mesh.from_loops([0.9 * ring(16), 0.5 * ring(16)])
+    wanted = verify(cage, fine)
+    assert wanted
+    for read in (
+        Drawing,
+        lambda mesh: shapely.geometry.shape(mesh.__geo_interface__),
+        lambda mesh: mesh.__geo_interface__,
+        lambda mesh: [mesh.vertices[k] for k in mesh.loops],
+    ):
+        found = verify(read(cage), read(fine))
+        assert (found.holds, found.clearance, found.excess) == (True, wanted.clearance, pytest.approx(wanted.excess))
+    crossed = verify([[(0, 0), (1, 1), (1, 0), (0, 1)]], fine)
+    assert not crossed.simple
+    assert "The cage is not a valid mesh: Loop 0 crosses itself" in crossed.problems[0]
+
+
+@pytest.mark.parametrize("thing", [None, 5, "square", Mesh, {1, 2}, object()])
+def test_what_is_no_shape_is_rejected(thing: object) -> None:
+    for pair in ((thing, [ring(8)]), ([ring(8)], thing)):
+        with pytest.raises(
+            InvalidMeshError, match="must be a Mesh, an object with __geo_interface__, or a list of loops"
+        ):
+            verify(*pair)  # type: ignore[arg-type]

@@ -1,8 +1,12 @@
-"""The mesh M = (V, E) of the paper, validated once, at the door."""
+"""The mesh M = (V, E) of the paper, validated once, at the door.
+
+- `Mesh`: closed loops that bound a planar solid; `Mesh.of` reads whatever is `MeshLike`.
+- `Nesting`: how the loops of two meshes lie in each other.
+"""
 
 from __future__ import annotations
 
-from .mesh import Mesh
+from .mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
 from .nesting import Nesting
 
-__all__ = ["Mesh", "Nesting"]
+__all__ = ["MESH_LIKE", "Mesh", "MeshLike", "Nesting", "is_mesh_like"]

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 from ...errors import InvalidMeshError
 
-GREATEST_DEPTH = 64
+MAX_NESTING_DEPTH = 64
 """Collections within collections that are followed; a deeper nest is taken for one that contains itself."""
+
+
+class HasGeoInterface(Protocol):
+    """An object that describes itself as a geometry, for instance one of shapely or geopandas."""
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """A mapping as in GeoJSON."""
 
 
 def rings_of(geometry: Any) -> list[list[Any]]:
@@ -26,7 +34,7 @@ def rings_of(geometry: Any) -> list[list[Any]]:
 
 def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
     mapping = getattr(geometry, "__geo_interface__", geometry)
-    if not isinstance(mapping, Mapping) or depth > GREATEST_DEPTH:
+    if not isinstance(mapping, Mapping) or depth > MAX_NESTING_DEPTH:
         raise InvalidMeshError(
             f"A {type(geometry).__name__} does not describe a geometry; give an object with __geo_interface__, "
             "such as a shapely Polygon."

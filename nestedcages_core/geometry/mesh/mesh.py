@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,13 +14,13 @@ from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
 from ..predicates import BoxTree
 from ..vectors import norm
-from .geo_interface import rings_of, to_geo_interface
+from .geo_interface import HasGeoInterface, rings_of, to_geo_interface
 from .loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
 
-EXTENT = 2.4
+EXTENT_FACTOR = 2.4
 """The extent of a mesh in units of the largest distance of a vertex from their mean."""
 
 TOPOLOGY = frozenset(
@@ -37,6 +37,10 @@ TOPOLOGY = frozenset(
     )
 )
 """Attributes that stay when vertices move."""
+
+
+MESH_LIKE = "a Mesh, an object with __geo_interface__, or a list of loops with rows (x, y)"
+"""What `Mesh.of` reads, in words."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -164,6 +168,18 @@ class Mesh:
             first += len(polygon)
         return mesh
 
+    @classmethod
+    def of(cls, shape: MeshLike) -> Mesh:
+        """A mesh as it is, or read from an object with `__geo_interface__`, such a mapping, or a list of loops (k, 2).
+
+        Raises InvalidMeshError.
+        """
+        if isinstance(shape, cls):
+            return shape
+        if not is_mesh_like(shape):
+            raise InvalidMeshError(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.")
+        return cls.from_loops(shape) if isinstance(shape, list | tuple | np.ndarray) else cls.from_geometry(shape)
+
     @property
     def __geo_interface__(self) -> dict[str, Any]:
         """A Polygon, or a MultiPolygon if there are several components."""
@@ -236,7 +252,7 @@ class Mesh:
 
         2.4 times the largest distance of a vertex from the mean of all: 0.85 diagonals for a disc, 1.2 for a line.
         """
-        return EXTENT * float(np.hypot(*(self.vertices - self.vertices.mean(axis=0)).T).max())
+        return EXTENT_FACTOR * float(np.hypot(*(self.vertices - self.vertices.mean(axis=0)).T).max())
 
     @property
     def loop_areas(self) -> FloatArray:
@@ -268,6 +284,17 @@ class Mesh:
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
         self._fill(**state)
+
+
+MeshLike: TypeAlias = Mesh | Sequence[ArrayLike] | NDArray[Any] | Mapping[str, Any] | HasGeoInterface
+"""What `Mesh.of` reads."""
+
+
+def is_mesh_like(shape: object) -> bool:
+    """Whether `Mesh.of` can try to read a value."""
+    if isinstance(shape, list | tuple | np.ndarray | Mapping):
+        return True
+    return not isinstance(shape, type) and hasattr(shape, "__geo_interface__")
 
 
 def _frozen(array: NDArray[Number]) -> NDArray[Number]:
