@@ -12,6 +12,7 @@ from scipy.sparse.linalg import splu
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
+from ..parameters import check_fraction
 from .inside import require_inside
 from .precision import corrected
 
@@ -30,9 +31,12 @@ class Harmonic:
     """
 
     spacing: float = 1.0 / 96.0
-    """Greatest distance between points of the triangulation, as a share of the cage's diagonal."""
+    """Maximum distance between points of the triangulation, as a fraction of the cage's diagonal, at most 1."""
     at_corners: float = 1.0 / 16.0
-    """Spacing at the cage's vertices, where the coordinates bend most, as a share of that spacing or of the edge."""
+    """Spacing at the cage's vertices, where the coordinates bend most, as a fraction of that spacing or of the edge."""
+
+    def __post_init__(self) -> None:
+        check_fraction(self, "spacing", "at_corners")
 
     def weights(self, points: FloatArray, cage: Mesh) -> FloatArray:
         """W (P, m), never negative. Raises NestedCagesError for a point outside the cage."""

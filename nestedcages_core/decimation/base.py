@@ -88,10 +88,3 @@ def checked_budget(fine: Mesh, count: Count) -> Budget:
             f"{available}."
         )
     return Budget(total, per_loop)
-
-
-def check_whole(name: str, value: object, *, least: int | None = None) -> None:
-    """Raise NestingError unless a parameter is a whole number, of at least `least`."""
-    if not isinstance(value, int | np.integer) or isinstance(value, bool) or (least is not None and value < least):
-        at_least = "" if least is None else f" of at least {least}"
-        raise NestingError(f"{name} must be a whole number{at_least}, not {value!r}.")

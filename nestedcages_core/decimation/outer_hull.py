@@ -14,7 +14,8 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.mesh.validation import place as in_words
-from .base import Count, check_whole
+from ..parameters import check_count
+from .base import Count
 from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
 from .hull_search import search_hulls
 from .offset import strict_offset
@@ -45,8 +46,8 @@ class OuterHull:
     """Seed of the random weights."""
 
     def __post_init__(self) -> None:
-        check_whole("OuterHull: restarts", self.restarts, least=1)
-        check_whole("OuterHull: seed", self.seed)
+        check_count(self, "restarts")
+        check_count(self, "seed", least=0)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """The hull of least area; see `candidates`."""

@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.special import roots_legendre
 
-from ..errors import FlowError
+from ..parameters import check_count
 from .arrays import FloatArray
 from .mesh import Mesh
 
@@ -44,10 +44,12 @@ class QuadraticFallOff:
     samples: int = 4
     """Samples per edge, at t = 0, 1/samples, …"""
 
+    def __post_init__(self) -> None:
+        check_count(self, "samples")
+
     @property
     def rule(self) -> EdgeRule:
         """(Q,) t = k / Q and (1 - t)², normalised."""
-        _check(self.samples)
         parameters = np.arange(self.samples) / self.samples
         return _normalised(parameters, (1.0 - parameters) ** 2)
 
@@ -68,10 +70,12 @@ class GaussLegendre:
 
     points: int = 2
 
+    def __post_init__(self) -> None:
+        check_count(self, "points")
+
     @property
     def rule(self) -> EdgeRule:
         """(Q,) Gauss-Legendre points on [0, 1] and weights w (1 - t), normalised."""
-        _check(self.points)
         nodes, weights = roots_legendre(self.points)
         parameters = 0.5 * (nodes + 1.0)
         return _normalised(parameters, weights * (1.0 - parameters))
@@ -83,10 +87,12 @@ class EvenSamples:
 
     samples: int = 4
 
+    def __post_init__(self) -> None:
+        check_count(self, "samples")
+
     @property
     def rule(self) -> EdgeRule:
         """(Q,) t = (k + 1/2) / Q and 1 - t, normalised."""
-        _check(self.samples)
         parameters = (np.arange(self.samples) + 0.5) / self.samples
         return _normalised(parameters, 1.0 - parameters)
 
@@ -111,11 +117,6 @@ def vertex_samples(mesh: Mesh, quadrature: Quadrature) -> VertexSamples:
     both = length_forth + length_back
     share = np.divide(length_forth, both, out=np.full_like(both, 0.5), where=both > 0.0)
     return VertexSamples(points, np.concatenate([share[:, None] * weights, (1.0 - share)[:, None] * weights], axis=1))
-
-
-def _check(count: int) -> None:
-    if count < 1:
-        raise FlowError(f"A quadrature needs at least one sample per edge, not {count}; use 1 or more.")
 
 
 def _normalised(parameters: FloatArray, weights: FloatArray) -> EdgeRule:

@@ -18,14 +18,14 @@ from ..predicates import Signs, orientation
 from ..vectors import cross
 from .flips import Flips
 
-FAR = 4.0
+FRAME_DISTANCE = 4.0
 """Distance of the auxiliary corners from the centre, in extents of the points; they keep the points off the hull."""
 
-CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+FRAME_CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 """Directions of the auxiliary corners, counter-clockwise."""
 
 DOUBTFUL_ANGLE = 1e-13
-"""Radians by which opposite angles exceed π, from which on an edge is handed to the exact in-circle test."""
+"""Radians by which opposite angles must exceed π for an edge to get the exact in-circle test."""
 
 
 def constrained_delaunay(points: FloatArray, segments: IntArray) -> IntArray:
@@ -38,8 +38,8 @@ def constrained_delaunay(points: FloatArray, segments: IntArray) -> IntArray:
     _check_different(points)
     low, high = points.min(axis=0), points.max(axis=0)
     unit = (points - low) / float((high - low).max())  # powers aside; only Qhull sees these
-    framed = np.concatenate((unit, 0.5 + FAR * CORNERS))
-    exact = np.concatenate((points, 0.5 * (low + high) + FAR * float((high - low).max()) * CORNERS))
+    framed = np.concatenate((unit, 0.5 + FRAME_DISTANCE * FRAME_CORNERS))
+    exact = np.concatenate((points, 0.5 * (low + high) + FRAME_DISTANCE * float((high - low).max()) * FRAME_CORNERS))
     triangles = _delaunay(framed, exact)
     suspects, missing = _suspects(exact, triangles, segments), _missing(triangles, segments, len(exact))
     if len(suspects) or missing.any():
@@ -70,7 +70,7 @@ def _delaunay(framed: FloatArray, exact: FloatArray) -> IntArray:
     triangles[turn < 0, :2] = triangles[turn < 0, 1::-1]
     if _is_valid(triangles, len(exact), turn):
         return triangles
-    first = len(exact) - len(CORNERS)
+    first = len(exact) - len(FRAME_CORNERS)
     flips = Flips(exact, first + np.array([[0, 1, 2], [0, 2, 3]]))
     flips.insert(_along_a_curve(framed[:first]))
     return flips.triangles()
@@ -81,13 +81,13 @@ def _is_valid(triangles: IntArray, count: int, turn: Signs) -> bool:
 
     Without a flat triangle, and with every directed edge once, they cover the frame once.
     """
-    if len(triangles) != 2 * (count - 1) - len(CORNERS) or not turn.all():
+    if len(triangles) != 2 * (count - 1) - len(FRAME_CORNERS) or not turn.all():
         return False
     if len(np.unique(triangles)) != count:
         return False
     starts, ends = _directed_edges(triangles)
     keys, back = starts * count + ends, ends * count + starts
-    return len(np.unique(keys)) == len(keys) and int((~np.isin(keys, back)).sum()) == len(CORNERS)
+    return len(np.unique(keys)) == len(keys) and int((~np.isin(keys, back)).sum()) == len(FRAME_CORNERS)
 
 
 def _along_a_curve(points: FloatArray) -> list[int]:

@@ -20,8 +20,8 @@ from ..predicates import orientation_sign
 CIRCLE_BOUND = (10.0 + 96.0 * 2.0**-53) * 2.0**-53
 """Relative error of the in-circle determinant of rounded differences (Shewchuk 1997, section 4.3, bound A)."""
 
-LEAST_TERM = 1e-290
-"""Sums of in-circle terms below this may have lost digits to underflow and are recomputed exactly."""
+MIN_CIRCLE_TERM = 1e-290
+"""Sums of in-circle terms below this may have lost digits to underflow: the sign is computed exactly."""
 
 Point = tuple[float, float]
 Edge = tuple[int, int]
@@ -35,7 +35,7 @@ def circle_sign(a: Point, b: Point, c: Point, d: Point) -> int:
     determinant = a2 * (bc - cb) + b2 * (ca - ac) + c2 * (ab - ba)
     size = a2 * (abs(bc) + abs(cb)) + b2 * (abs(ca) + abs(ac)) + c2 * (abs(ab) + abs(ba))
     bound = CIRCLE_BOUND * size
-    if LEAST_TERM < size < float("inf") and abs(determinant) > bound:
+    if MIN_CIRCLE_TERM < size < float("inf") and abs(determinant) > bound:
         return 1 if determinant > 0.0 else -1
     rows = [[Fraction(x) - Fraction(y) for x, y in zip(point, d, strict=True)] for point in (a, b, c)]
     (ux, uy), (vx, vy), (wx, wy) = rows

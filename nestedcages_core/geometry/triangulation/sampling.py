@@ -1,4 +1,4 @@
-"""Where a triangulation gets extra points: dense where wanted, sparse elsewhere, the change between gradual."""
+"""Extra points of a triangulation: a graded spacing along the edges and inside."""
 
 from __future__ import annotations
 
@@ -9,21 +9,22 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import NestedCagesError
+from ...parameters import check_fraction, check_not_negative
 from ..arrays import FloatArray, IntArray
 from ..mesh import Mesh
 from ..signed_distance import SignedDistance
 
-NEIGHBOURS = 6
-"""Boundary points that are asked for the spacing they allow at a point inside; the nearest are nearly always right."""
+SPACING_NEIGHBOURS = 6
+"""Nearest boundary points that limit the spacing at a point inside; more make hardly a difference."""
 
-ROOM = 0.5
-"""Distance of inner points from the boundary, in local spacings, at the least."""
+MIN_DEPTH = 0.5
+"""Smallest distance of inner points from the boundary, in local spacings."""
 
-GREATEST_DEPTH = 24
-"""Halvings of the bounding box, at the most: the smallest spacing is 6e-8 of it."""
+MAX_HALVINGS = 24
+"""Maximum number of halvings of the bounding box: the smallest spacing is 6e-8 of it."""
 
 SAMPLES_PER_EDGE = 257
-"""Places on an edge at which the wanted spacing is summed up."""
+"""Places on an edge where the wanted spacing is evaluated to integrate it."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,14 @@ class Sampling:
     growth: float = 0.5
     """How fast the spacing grows with the distance from corners and boundary."""
 
+    def __post_init__(self) -> None:
+        if not 0.0 < self.spacing < np.inf:
+            raise NestedCagesError(f"The spacing of a triangulation must be a positive length, not {self.spacing!r}.")
+        check_fraction(self, "at_corners")
+        check_not_negative(self, "growth")
 
-class Samples(NamedTuple):
+
+class SamplePoints(NamedTuple):
     """Points of a triangulation: first the mesh's own vertices, then others on its edges, then those inside."""
 
     points: FloatArray
@@ -51,13 +58,11 @@ class Samples(NamedTuple):
     """(B, 2) consecutive points of the boundary, the solid on their left."""
 
 
-def sample(mesh: Mesh, sampling: Sampling | None) -> Samples:
-    """The points; without a sampling the mesh's own vertices. NestedCagesError unless the spacing is a length."""
+def sample(mesh: Mesh, sampling: Sampling | None) -> SamplePoints:
+    """The points; without a sampling the mesh's own vertices."""
     n = len(mesh.vertices)
     if sampling is None:
-        return Samples(mesh.vertices, np.arange(n), np.zeros(n), np.stack((np.arange(n), mesh.successor), axis=1))
-    if not 0.0 < sampling.spacing < np.inf:
-        raise NestedCagesError(f"The spacing of a triangulation must be a positive length, not {sampling.spacing!r}.")
+        return SamplePoints(mesh.vertices, np.arange(n), np.zeros(n), np.stack((np.arange(n), mesh.successor), axis=1))
     edge, parameter = _divided(mesh, sampling)
     starts, ends = mesh.vertices[edge], mesh.vertices[mesh.successor[edge]]
     boundary = np.concatenate((mesh.vertices, starts + parameter[:, None] * (ends - starts)))
@@ -68,7 +73,9 @@ def sample(mesh: Mesh, sampling: Sampling | None) -> Samples:
     last = order[np.append(np.flatnonzero(np.diff(edge[order])), len(order) - 1)]
     ahead[last] = mesh.successor[edge[last]]
     segments = np.stack((np.arange(len(order)), ahead), axis=1)
-    return Samples(np.concatenate((boundary, _inside(mesh, boundary, segments, sampling))), edge, parameter, segments)
+    return SamplePoints(
+        np.concatenate((boundary, _inside(mesh, boundary, segments, sampling))), edge, parameter, segments
+    )
 
 
 def _divided(mesh: Mesh, sampling: Sampling) -> tuple[IntArray, FloatArray]:
@@ -106,14 +113,14 @@ def _inside(mesh: Mesh, boundary: FloatArray, segments: IntArray, sampling: Samp
     cells = (0.5 * (low + high))[None]
     leaves = [np.zeros((0, 2))]
     quarter = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
-    for _ in range(GREATEST_DEPTH):
-        reach, near = tree.query(cells, k=range(1, min(NEIGHBOURS, len(boundary)) + 1))
+    for _ in range(MAX_HALVINGS):
+        reach, near = tree.query(cells, k=range(1, min(SPACING_NEIGHBOURS, len(boundary)) + 1))
         wanted = np.minimum((around[near] + sampling.growth * reach).min(axis=1), sampling.spacing)
         signed = distance.at(cells).distance
         # a cell whose centre is farther outside than its own radius has no part inside
         touched = signed < np.sqrt(0.5) * size
         done = (size <= wanted * (1.0 + 1e-9)) & touched
-        leaves.append(cells[done & (signed < -ROOM * wanted)])
+        leaves.append(cells[done & (signed < -MIN_DEPTH * wanted)])
         cells = cells[touched & ~done]
         if not len(cells):
             break

@@ -12,14 +12,14 @@ from scipy.spatial import cKDTree
 from ..arrays import FloatArray, IntArray
 from ..vectors import cross
 
-INSIDE = -1e-12
-"""Least barycentric coordinate of a point that counts as inside a triangle; only rounding is forgiven."""
+INSIDE_TOLERANCE = -1e-12
+"""Smallest barycentric coordinate of a point inside a triangle, negative to allow for rounding."""
 
-STEPS_OF_WALK = 3.0
-"""Triangles that the search for a point passes before it is given up for a look at all triangles, in √T."""
+MAX_WALK = 3.0
+"""Triangles, in √T, that a walk towards a point passes before all triangles are searched instead."""
 
-PAIRS_AT_ONCE = 1_000_000
-"""Pairs of points and triangles measured at once; bounds the memory to about 200 MB."""
+CHUNK_PAIRS = 1_000_000
+"""Pairs of points and triangles measured together; bounds the memory to about 200 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,17 +102,17 @@ class Triangulation:
         )
 
     def locate(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
-        """The triangle around each of (P, 2) points, (P,), and the barycentric coordinates there, (P, 3)."""
+        """The triangle around each of (P, 2) points, (P,), and its barycentric coordinates, (P, 3)."""
         found = np.asarray(self._centres.query(points)[1], dtype=np.int64)
         lost = self._walk(points, found)
-        chunk = max(PAIRS_AT_ONCE // len(self.triangles), 1)
+        chunk = max(CHUNK_PAIRS // len(self.triangles), 1)
         for first in range(0, len(lost), chunk):
             some = lost[first : first + chunk]
             pairs = self._barycentric(points[some, None], np.arange(len(self.triangles))[None])
             found[some] = pairs.min(axis=2).argmax(axis=1)
         weights = np.maximum(self._barycentric(points, found), 0.0)
         weights /= weights.sum(axis=1, keepdims=True)
-        # what rounding left over in thin triangles is found and added once more
+        # one step of iterative refinement, for thin triangles
         corners = self.vertices[self.triangles[found]]
         missed = points - (weights[:, :, None] * corners).sum(axis=1)
         refined = weights + self._barycentric(corners[:, 0] + missed, found) - (1.0, 0.0, 0.0)
@@ -121,17 +121,17 @@ class Triangulation:
         return found, weights
 
     def _walk(self, points: FloatArray, found: IntArray) -> IntArray:
-        """Walk from triangle to triangle towards the points; the points (K,) that a boundary hides or that go on."""
+        """Walk from triangle to triangle towards the points; returns the points (K,) whose walk ended elsewhere."""
         active = np.arange(len(points))
         hidden = [np.zeros(0, dtype=np.int64)]
-        for _ in range(int(STEPS_OF_WALK * np.sqrt(len(self.triangles))) + 1):
+        for _ in range(int(MAX_WALK * np.sqrt(len(self.triangles))) + 1):
             weights = self._barycentric(points[active], found[active])
-            outside = weights.min(axis=1) < INSIDE
+            outside = weights.min(axis=1) < INSIDE_TOLERANCE
             active, weights = active[outside], weights[outside]
             if not len(active):
                 break
             onward = self.neighbours[found[active]]
-            choice = np.where((weights < INSIDE) & (onward >= 0), weights, np.inf)
+            choice = np.where((weights < INSIDE_TOLERANCE) & (onward >= 0), weights, np.inf)
             best = choice.argmin(axis=1)
             row = np.arange(len(active))
             open_ = np.isfinite(choice[row, best])
