@@ -1,4 +1,4 @@
-"""What can go wrong, each as one sentence in the user's words: what is wrong, where, and what to change."""
+"""Errors. Each message is one sentence for users: what is wrong, where, and what to change."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class NestedCagesError(Exception):
-    """Base of every error that this package raises on purpose; `partial` carries what was finished before it."""
+    """Base class of all errors of this package; `partial` is what was finished before it."""
 
     partial: Any
 
@@ -15,7 +15,7 @@ class NestedCagesError(Exception):
         self.partial = partial
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Keep `partial` when the error travels between processes."""
+        """Keep `partial` when the error is pickled."""
         return _rebuilt, (type(self), str(self), self.partial)
 
 
@@ -32,7 +32,7 @@ class FlowError(NestedCagesError):
 
 
 class ReinflationError(NestedCagesError):
-    """The fine mesh could not be brought home without contact; the message names the place."""
+    """The fine mesh could not return to its place without contact; the message names the place."""
 
 
 class NestingError(NestedCagesError):

@@ -1,4 +1,10 @@
-"""Cage coordinates: move a drawing with its cage, and functions between the levels of a hierarchy."""
+"""Cage coordinates: move a drawing with its cage, and functions between the levels of a hierarchy.
+
+- `cage_coordinates`, `deform`: weights of the fine vertices, and their positions under a posed cage.
+- `CageCoordinates`: the interface of `Harmonic` (never negative, needs points inside), `MeanValue` (closed form,
+  anywhere) and `PiecewiseLinear` (three weights per point).
+- `grids`: `Grids` on all levels, with prolongations between them.
+"""
 
 from __future__ import annotations
 

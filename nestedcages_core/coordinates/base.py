@@ -1,4 +1,4 @@
-"""What all cage coordinates share: a matrix W with W @ cage = points, and what is done with it."""
+"""Interface and use of cage coordinates: a matrix W with W @ cage = points."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Weights: TypeAlias = FloatArray | csr_array
 
 
 class CageCoordinates(Protocol):
-    """A way to write points as combinations of cage vertices."""
+    """Weights that write points as combinations of cage vertices."""
 
     def weights(self, points: FloatArray, cage: Mesh) -> Weights:
         """W (P, m) for (P, 2) points and a cage of m vertices: rows sum to 1, W @ cage.vertices = points."""
@@ -30,8 +30,8 @@ def cage_coordinates(fine: Mesh | ArrayLike, cage: Mesh, coordinates: CageCoordi
 
     fine: a mesh, or (n, 2) points inside the cage; coordinates: Harmonic() unless given.
 
-    Rows sum to 1 and W @ cage.vertices gives the points back, so that every affine motion of the cage moves them
-    likewise. Raises NestedCagesError for points outside the cage if the coordinates need them inside.
+    Rows sum to 1 and W @ cage.vertices gives the points, so every affine motion of the cage moves them alike. Raises
+    NestedCagesError for points outside the cage if the coordinates need them inside.
     """
     points = fine.vertices if isinstance(fine, Mesh) else np.asarray(fine, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
@@ -40,10 +40,10 @@ def cage_coordinates(fine: Mesh | ArrayLike, cage: Mesh, coordinates: CageCoordi
 
 
 def deform(weights: Weights, posed_cage: Mesh | ArrayLike) -> FloatArray:
-    """(n, d) places of the points under a pose of the cage: W @ posed_cage.
+    """(n, d) positions of the points under a pose of the cage: W @ posed_cage.
 
-    weights: W (n, m) from `cage_coordinates`; posed_cage: a mesh, or (m, d) places of its vertices; (..., m, d) poses
-    several times at once and gives (..., n, d). The posed cage may cross itself.
+    weights: W (n, m) from `cage_coordinates`; posed_cage: a mesh, or (m, d) positions of its vertices; several poses
+    (..., m, d) give (..., n, d). The posed cage may cross itself.
     """
     given = posed_cage.vertices if isinstance(posed_cage, Mesh) else posed_cage
     posed = np.asarray(given, dtype=np.float64)
@@ -51,7 +51,7 @@ def deform(weights: Weights, posed_cage: Mesh | ArrayLike) -> FloatArray:
     if posed.ndim < 2 or posed.shape[-2] != count:
         raise NestedCagesError(
             f"The posed cage has shape {posed.shape}, but the coordinates belong to a cage of {count} vertices; give "
-            f"({count}, 2) places, one per vertex in the cage's order."
+            f"({count}, 2) positions, one per vertex in the cage's order."
         )
     if posed.ndim == 2 or isinstance(weights, np.ndarray):
         return np.asarray(weights @ posed)

@@ -16,11 +16,11 @@ from ..parameters import check_fraction
 from .inside import require_inside
 from .precision import corrected
 
-COLUMNS_AT_ONCE = 64
-"""Cage vertices solved for at once; bounds the memory beside the result."""
+CHUNK_COLUMNS = 64
+"""Cage vertices solved for together; bounds the memory in addition to the result."""
 
-ROWS_AT_ONCE = 1_000_000
-"""Entries of W corrected at once; bounds the memory to about 200 MB."""
+CHUNK_ENTRIES = 1_000_000
+"""Entries of W corrected together; bounds the memory to about 200 MB."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Harmonic:
         grid = self._grid(cage)
         (weights,) = _from_values(grid, [grid.interpolation(points)], len(cage.vertices))
         np.maximum(weights, 0.0, out=weights)
-        chunk = max(ROWS_AT_ONCE // weights.shape[1], 1)
+        chunk = max(CHUNK_ENTRIES // weights.shape[1], 1)
         for first in range(0, len(points), chunk):
             rows = slice(first, first + chunk)
             weights[rows] = corrected(weights[rows], points[rows], cage.vertices)
@@ -63,7 +63,7 @@ class Harmonic:
 
 
 def _centred(cage: Mesh, points: FloatArray) -> tuple[Mesh, FloatArray]:
-    """Cage and points about the middle of the cage, where their numbers have most digits."""
+    """Cage and points relative to the centre of the cage, where coordinates have most digits."""
     centre = 0.5 * (cage.vertices.min(axis=0) + cage.vertices.max(axis=0))
     return cage.moved(cage.vertices - centre).validated(), points - centre
 
@@ -77,8 +77,8 @@ def _from_values(grid: Triangulation, operators: Sequence[csr_array], corners: i
     factors = splu(stiff, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}) if inner else None
     parts = [(operator.tocsc()[:, :rim], operator.tocsc()[:, rim:]) for operator in operators]
     found = [np.empty((operator.shape[0], corners)) for operator in operators]
-    for first in range(0, corners, COLUMNS_AT_ONCE):
-        some = slice(first, first + COLUMNS_AT_ONCE)
+    for first in range(0, corners, CHUNK_COLUMNS):
+        some = slice(first, first + CHUNK_COLUMNS)
         hats = boundary[:, some].toarray()
         inside = np.zeros((inner, hats.shape[1]))
         if factors is not None:

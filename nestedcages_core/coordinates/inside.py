@@ -1,4 +1,4 @@
-"""The question that coordinates with an inside ask first."""
+"""The check of coordinates that are defined inside the cage only."""
 
 from __future__ import annotations
 

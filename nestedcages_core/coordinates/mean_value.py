@@ -1,4 +1,4 @@
-"""Mean value coordinates: closed form, any cage, smooth inside; negative weights may occur in concave cages."""
+"""Mean value coordinates: closed form, any cage, smooth inside; weights may be negative in concave cages."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from .precision import corrected
 
-ENTRIES_AT_ONCE = 1_000_000
-"""Pairs of points and cage vertices computed at once; bounds the memory to about 100 MB."""
+CHUNK_ENTRIES = 1_000_000
+"""Pairs of points and cage vertices computed together; bounds the memory to about 100 MB."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class MeanValue:
     def weights(self, points: FloatArray, cage: Mesh) -> FloatArray:
         """W (P, m); points may lie on the cage, where the coordinates are linear along each edge, or outside."""
         corners = cage.vertices
-        chunk = max(ENTRIES_AT_ONCE // len(corners), 1)
+        chunk = max(CHUNK_ENTRIES // len(corners), 1)
         parts = [np.zeros((0, len(corners)))]
         for first in range(0, len(points), chunk):
             some = points[first : first + chunk]

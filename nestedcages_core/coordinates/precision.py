@@ -1,4 +1,4 @@
-"""Linear precision to the last digits: small corrections that make W @ cage = points hold."""
+"""Linear precision to the last digits: small corrections for W @ cage = points."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 
-PASSES = 2
-"""Corrections; the first takes what the method left over, the second its rounding."""
+CORRECTIONS = 2
+"""Number of corrections: the first for the error of the method, the second for its own rounding."""
 
-FLAT = 1e-13
-"""Eigenvalues of a row's covariance below this share of the largest are not inverted: the cage is seen as a line."""
+RANK_TOLERANCE = 1e-13
+"""Eigenvalues of a row's moments below this fraction of the largest are not inverted: the corners look collinear."""
 
 
 def corrected(weights: FloatArray, points: FloatArray, corners: FloatArray) -> FloatArray:
@@ -20,7 +20,7 @@ def corrected(weights: FloatArray, points: FloatArray, corners: FloatArray) -> F
     zeros and, as the change is tiny, signs stay signs.
     """
     size = float(np.abs(corners - corners.mean(axis=0)).max())
-    for _ in range(PASSES):
+    for _ in range(CORRECTIONS):
         weights = weights / weights.sum(axis=1, keepdims=True)
         away_x = (corners[:, 0] - points[:, :1]) / size
         away_y = (corners[:, 1] - points[:, 1:]) / size
@@ -34,6 +34,6 @@ def corrected(weights: FloatArray, points: FloatArray, corners: FloatArray) -> F
         missed = -np.stack(((weights * away_x).sum(axis=1), (weights * away_y).sum(axis=1)), axis=1)
         change = np.zeros((len(points), 3))
         change[:, 1:] = missed
-        solution = (np.linalg.pinv(moments, rcond=FLAT, hermitian=True) @ change[:, :, None])[:, :, 0]
+        solution = (np.linalg.pinv(moments, rcond=RANK_TOLERANCE, hermitian=True) @ change[:, :, None])[:, :, 0]
         weights = weights + sum(solution[:, k, None] * basis[k] for k in range(3))
     return np.asarray(weights)

@@ -14,12 +14,12 @@ from ..geometry.triangulation import Sampling, Triangulation, triangulate
 from ..hierarchy import Hierarchy
 
 COARSENING = 2.0
-"""Spacing of each grid by that of the one before, when no other spacings are given: usual for multigrid."""
+"""Default ratio of the spacings of consecutive grids, as usual for multigrid."""
 
 
 @dataclass(frozen=True, eq=False)
 class Grids:
-    """A triangulation of every solid of a hierarchy, from the fine mesh to the coarsest cage, and the way between."""
+    """A triangulation of every solid of a hierarchy, from the fine mesh to the coarsest cage, and prolongations."""
 
     grids: tuple[Triangulation, ...]
     steps: tuple[csr_array, ...]

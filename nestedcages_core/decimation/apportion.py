@@ -1,4 +1,4 @@
-"""Sharing out a number of vertices in proportion to lengths: between loops, or between the edges of a loop."""
+"""Apportioning vertices in proportion to lengths: between loops, or between the edges of a loop."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .outline import Outline
 def shares(total: int, lengths: FloatArray, least: int) -> IntArray:
     """Numbers (K,) in proportion to lengths (K,), at least `least` each, whose sum is `total` or the least possible.
 
-    One by one, each goes to where the spacing is longest (D'Hondt's method), so the longest spacing is as short as it
-    can be. Ties go to the first.
+    One by one, each goes to where the spacing is longest (D'Hondt's method), which minimises the longest spacing. Ties
+    go to the first.
     """
     numbers = np.full(len(lengths), least, dtype=np.int64)
     queue = [(-length / least, k) for k, length in enumerate(lengths.tolist())]

@@ -1,4 +1,4 @@
-"""What every decimation shares: the interface, and the count it is asked for."""
+"""The interface of all decimations, and the count they are asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Clearing: an outline is moved away from the fine mesh to a distance, and gaps too narrow for that are filled."""
+"""Clearing: move an outline outwards to a clearance from the fine mesh, and fill the gaps too narrow for it."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
 CLEARANCE_RESERVE = 1.05
-"""Outlines are moved to so many clearances where there is room: what comes next needs some."""
+"""Distance, in clearances, that outlines are moved to where there is room: later stages need some slack."""
 
 MAX_WIDENINGS = 12
-"""Steps outwards in a row; each is limited by short edges and by the room in gaps."""
+"""Maximum number of consecutive steps outwards; each is limited by short edges and by gaps."""
 
 STALLED_RATIO = 0.97
-"""Fraction of the largest shortfall that a step must get below for another one to follow."""
+"""Ratio of the largest shortfalls after and before a step above which no further step is made."""
 
 MAX_ROUNDS = 12
-"""Rounds of removing what is in the way of wider steps: small details first, then narrow gaps."""
+"""Maximum number of rounds that remove obstacles to wider steps: small details first, then narrow gaps."""
 
 SMALL_DETAIL = 0.2
-"""Size in clearances of details that are built over where they keep an outline from reaching the clearance."""
+"""Size, in clearances, of details that are built over where they keep an outline from reaching the clearance."""
 
 NARROW_GAP = 2.2
-"""Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
+"""Width, in clearances, below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
 
 
 def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
-    """The outline, moved outwards until it keeps the clearance; where a gap has no room for that, the gap is filled."""
+    """The outline moved outwards until it keeps the clearance; gaps too narrow for that are filled."""
     for _ in range(MAX_ROUNDS):
         outline = _widened(outline, fine, CLEARANCE_RESERVE * clearance)
         tight = shortfall(outline, fine, clearance) > 0.0
@@ -47,7 +47,7 @@ def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
         outline = without_small_details(outline, (SMALL_DETAIL * clearance) ** 2)
         if len(outline.vertices) == size:
             outline = _without(outline, _in_narrow_gaps(outline, tight, NARROW_GAP * clearance))
-        if len(outline.vertices) == size:  # not before, as corners at the mouth of a gap may be free without it
+        if len(outline.vertices) == size:  # last, since corners at the mouth of a filled gap may be free
             outline = _without(outline, tight)
         if len(outline.vertices) == size:
             break
@@ -87,7 +87,7 @@ def shortfall(outline: Outline, fine: Mesh, distance: float) -> FloatArray:
 def _in_narrow_gaps(outline: Outline, tight: BoolArray, width: float) -> BoolArray:
     """(n,) the vertices of pockets whose mouth is narrower than `width` and has a tight (n,) vertex or edge at it.
 
-    A vertex and an edge of a loop are the mouth of a pocket if the vertex lies outside of the edge and the stretch of
+    A vertex and an edge of a loop are the mouth of a pocket if the vertex lies outside the edge and the stretch of
     loop between them runs clockwise. Where both stretches do, as in the neck of a hole, the one with less area counts.
     """
     starts, ends = outline.vertices, outline.vertices[outline.successor]
@@ -133,13 +133,13 @@ def without_gaps(outline: Outline, width: float) -> Outline:
 
 
 def without_small_details(outline: Outline, area: float) -> Outline:
-    """The outline without those details that cost less than an area to build over: short edges keep steps short."""
+    """The outline with details built over that cost less than an area: short edges keep steps short."""
     minimum = [LEAST_PER_LOOP] * len(outline.sizes)
     return ProgressiveHull(outline, Weights(pivot=None), minimum).run(sum(minimum), area)
 
 
 def _without(outline: Outline, unwanted: BoolArray, *, exact: bool = False) -> Outline:
-    """The outline without those of the unwanted (n,) vertices that can be dropped: the pockets that they line."""
+    """The outline without the unwanted (n,) vertices, as far as they can be dropped: fills the pockets they line."""
     loops = LinkedLoops(outline, reach=1.0)
     waiting = deque(np.flatnonzero(unwanted).tolist())
     while waiting:

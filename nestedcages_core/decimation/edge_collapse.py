@@ -1,4 +1,4 @@
-"""Edge collapse by quadric error: an edge shrinks to the point that is nearest to the lines it stands for."""
+"""Edge collapse by quadric error: an edge shrinks to the point closest to the lines it stands for."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .outline import Outline
 from .simplification import MAX_REACH, Simplification, simplified
 
 MIDPOINT_WEIGHT = 1e-3
-"""Weight of the distance to the middle of the edge, relative to that of its lines: decides where they are parallel."""
+"""Weight of the distance to the middle of the edge, relative to that of its lines: decides for parallel lines."""
 
 SMALLEST_DETERMINANT = 1e-280
 """Determinant of a quadric, in units of the diameter, that is too small to be divided by."""
@@ -92,7 +92,7 @@ class _Collapsing(Simplification):
         return True
 
     def _is_free(self, a: int, b: int, c: int, d: int, at: Point) -> bool:
-        """Whether nothing is in the way of the chain a, b, c, d on its way to a, x, d with x at ``at``; exact."""
+        """Whether nothing blocks the motion of the chain a, b, c, d to a, x, d with x at ``at``; exact."""
         loops, X, Y = self.loops, self.loops.x, self.loops.y
         A, B, C, D = (self._point(v) for v in (a, b, c, d))
         xs, ys = (A[0], B[0], C[0], D[0], at[0]), (A[1], B[1], C[1], D[1], at[1])

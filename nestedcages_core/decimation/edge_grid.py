@@ -1,4 +1,4 @@
-"""Edges by place and size: which edges of changing loops may touch a box."""
+"""Edges by position and length: which edges of changing loops may touch a box."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ OCTAVES_PER_LEVEL = 2
 """Factors of two between the cell sizes of neighbouring levels; 2 was faster than 1 and 3 on glyphs and fractals."""
 
 STRIDE = 1 << 32
-"""Cells of one column are numbered from column * STRIDE; two cells that share a number only cost time."""
+"""Cells of a column are numbered from column * STRIDE; a collision of numbers only costs time."""
 
 
 class EdgeGrid:
     """Grids of several cell sizes; each edge lies in one cell, that of its middle, on the level of its own length.
 
     A cell is larger than its edges, so an edge reaches at most half a cell from its middle, whatever the mixture of
-    long and short edges there is. Scalar on purpose: the loops change edge by edge.
+    long and short edges. Scalar on purpose: the loops change edge by edge.
     """
 
     def __init__(self, count: int, origin: tuple[float, float], finest: float) -> None:
@@ -46,7 +46,7 @@ class EdgeGrid:
         self._cells[edge], self._keys[edge] = cells, key
 
     def remove(self, edge: int) -> None:
-        """Take an edge out that was inserted before."""
+        """Remove an edge."""
         cells, key = self._cells[edge], self._keys[edge]
         members = cells[key]
         if len(members) == 1:

@@ -1,4 +1,4 @@
-"""Several hulls of one outline: greedy runs down to a middling size, then restarts with varied weights from there."""
+"""Several hulls of one outline: greedy runs down to a medium size, then restarts from there with varied weights."""
 
 from __future__ import annotations
 
@@ -12,43 +12,43 @@ from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
 EVEN_WEIGHTS = Weights()
-"""Every area costs the same: best on smooth shapes with few features."""
+"""Equal cost per area: best on smooth shapes with few features."""
 
 ROUGH_WEIGHTS = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
-"""Filling notches is cheap: best on rough shapes, whose bumps must not be built upon before the notches are gone."""
+"""Cheap notches: best on rough shapes, whose notches must be filled before bumps are extended."""
 
 MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
-"""Restarts begin at so many vertices, or so many times the wanted number: until there, little is lost for good."""
+"""Size of the outline that restarts begin at: a minimum, and a multiple of the wanted number of vertices."""
 
 MAX_SIZE_OF_TWO_STAGES = 400
-"""Size up to which both weights lead down to where the restarts begin; larger outlines go there once."""
+"""Size of the outline up to which both weights make a stage for the restarts; above it, only the rough ones."""
 
 MAX_RESTART_MOVES = 12_000
-"""Moves that all restarts together may take, about half a second: large counts get fewer restarts."""
+"""Moves of all restarts together, about half a second: limits the number of restarts."""
 
 EXTRA_RESTARTS_PER_LOOP, MAX_RESTART_FACTOR = 2, 2
-"""Further restarts for every loop after the second, since many loops share their vertices in many ways; at most so many
-times the restarts of one loop."""
+"""Further restarts per loop after the second, since many loops share vertices in many ways; and the maximum number of
+restarts as a multiple of that of one loop."""
 
 MIN_RESTARTS = 4
-"""Restarts that large counts get nevertheless."""
+"""Minimum number of restarts, whatever the moves."""
 
 SPIKE_WEIGHTS = (0.0, 0.1, 0.3)
-"""Weights against spikes that early restarts try, all else even."""
+"""Weights of the spike term in the first restarts, all else even."""
 
 MAX_RESCUES = 40
-"""Runs with wilder weights if no restart comes down to the wanted number."""
+"""Maximum number of runs with widely varied weights, if no restart reaches the wanted number."""
 
 MAX_RESCUE_MOVES, MIN_RESCUES = 8_000, 8
-"""Moves that all rescues together may take, about two seconds, and rescues that large outlines get nevertheless."""
+"""Moves of all rescues together, about two seconds, and the minimum number of rescues."""
 
 MAX_SIZE_OF_WHOLE_RESCUE = 400
-"""Size up to which every second rescue begins at the outline itself."""
+"""Size of the outline up to which every second rescue begins at the outline itself."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """Ranges that random weights are drawn from, each as natural logarithms, evenly; the noise as it is."""
+    """Ranges of random weights: uniform in the natural logarithm; the noise itself uniform."""
 
     drop: tuple[float, float]
     extend: tuple[float, float]
@@ -77,7 +77,7 @@ class Variation:
 RESTART_VARIATION = Variation(
     drop=(-1.2, 0.2), extend=(-0.4, 0.6), slide=(-0.6, 0.3), spike=(-5.8, -1.2), noise=(0.0, 0.4)
 )
-"""Between smooth and rough: tried on glyphs, blobs and a snowflake, by the area that is left after tightening."""
+"""Between even and rough; tuned on glyphs, blobs and a snowflake for the area after tightening."""
 
 RESCUE_VARIATION = Variation(
     drop=(-1.0, 1.0),
@@ -88,7 +88,7 @@ RESCUE_VARIATION = Variation(
     reach=(-1.0, 3.5),
     loops=2.0,
 )
-"""For loops that are in each other's way: anything that may lead elsewhere."""
+"""For loops that block each other: wide ranges."""
 
 
 def search_hulls(
@@ -126,8 +126,7 @@ def search_hulls(
 
 
 def _stages(outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]) -> list[Outline]:
-    """Where restarts begin. Until there pivots are dearer than other moves, and to look for them costs a third of the
-    time."""
+    """Outlines that restarts begin at, made without pivots, which cost more area there and a third of the time."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
     return [ProgressiveHull(outline, replace(chosen, pivot=None), minimum).run(size) for chosen in weights]
 
@@ -135,7 +134,7 @@ def _stages(outline: Outline, count: int, minimum: Sequence[int], weights: Seque
 def _rescues(
     outline: Outline, count: int, minimum: Sequence[int], seed: int, prepare: Callable[[Outline], Outline]
 ) -> list[Outline]:
-    """Hulls by runs that are the same for every count, so that the smallest one found can be asked for."""
+    """Hulls by runs that do not depend on the count, so that the smallest one found can be asked for."""
     starts = [prepare(stage) for stage in _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,))]
     if len(outline.vertices) <= MAX_SIZE_OF_WHOLE_RESCUE:
         starts.append(prepare(outline))

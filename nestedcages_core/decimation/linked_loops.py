@@ -1,4 +1,4 @@
-"""Loops whose vertices come and go, with an index of their edges: what the progressive hull works on."""
+"""Linked loops that lose vertices, with a grid of their edges: the data structure of all greedy decimations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .edge_grid import EdgeGrid
 from .outline import Outline
 
 MARGIN_ULPS = 64.0
-"""Units in the last place of the largest coordinate that stay free around an added triangle: room for nudges."""
+"""Units in the last place of the largest coordinate kept free around an added triangle, for nudges."""
 
 
 class LinkedLoops:
@@ -41,7 +41,7 @@ class LinkedLoops:
             self._insert_edge(edge)
 
     def outline(self) -> Outline:
-        """The loops as they are now."""
+        """The current loops."""
         ring = [vertex for entrance in self.entrance for vertex in self.walk(entrance)]
         vertices = np.array([(self.x[v], self.y[v]) for v in ring])
         return Outline(vertices, tuple(self.sizes), np.array([(self.first[v], self.last[v]) for v in ring]))
@@ -60,7 +60,7 @@ class LinkedLoops:
         self.grid.insert(edge, self.x[edge], self.y[edge], self.x[end], self.y[end])
 
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
-        """Take a vertex out, and give those right before it, in the order of the loop, another place (vertex, x, y)."""
+        """Remove a vertex, and move those right before it, in loop order: (vertex, x, y) each."""
         before, after = self.previous[vertex], self.next[vertex]
         changed = [self.previous[moved[0][0]], *(v for v, _, _ in moved)] if moved else [before]
         self.grid.remove(vertex)
@@ -79,14 +79,14 @@ class LinkedLoops:
             self._insert_edge(edge)
 
     def can_drop(self, b: int, *, exact: bool = False) -> bool:
-        """Whether the triangle at a vertex lies outside of the solid (exactly) and nothing else is in it."""
+        """Whether the triangle at a vertex lies outside the solid, by an exact test, and nothing else is in it."""
         X, Y = self.x, self.y
         a, c = self.previous[b], self.next[b]
         corners = X[a], Y[a], X[c], Y[c], X[b], Y[b]
         side = orientation_sign(*corners)
         return side == 0 or (side > 0 and not self.vertex_in_triangle(*corners, own=(a, b, c), exact=exact))
 
-    # What lies in the way: closed counter-clockwise triangles, widened by the margin; doubtful cases count as hits
+    # Obstacles: closed counter-clockwise triangles, widened by the margin; doubtful cases count as hits
 
     def vertex_in_triangle(
         self,
@@ -156,7 +156,7 @@ class LinkedLoops:
 
 
 def _is_outside(x: float, y: float, ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> bool:
-    """Whether a point lies outside of a closed counter-clockwise triangle; exact."""
+    """Whether a point lies outside a closed counter-clockwise triangle; exact."""
     return (
         orientation_sign(ax, ay, bx, by, x, y) < 0
         or orientation_sign(bx, by, cx, cy, x, y) < 0

@@ -1,4 +1,4 @@
-"""Moves in the order of their costs, most of which go out of date before their turn comes."""
+"""A priority queue of moves, most of which become obsolete before their turn."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from heapq import heapify, heappop, heappush
 from math import inf
 
 COST_SPLITTER = 2.0**27 + 1.0
-"""Rounds costs to 26 bits, so that equal moves of a symmetric shape tie whatever the round-off (Dekker 1971)."""
+"""Rounds costs to 26 bits (Dekker 1971), so that equal moves of a symmetric shape tie despite round-off."""
 
 HEAP_DIVISOR = 4
-"""One in so many of the waiting moves goes to the heap when that is empty: a small heap stays in the cache."""
+"""When the heap is empty, the cheapest 1 / HEAP_DIVISOR of the waiting moves refill it: a small heap stays in cache."""
 
 
 class MoveQueue:
     """Each move belongs to a slot; renewing the slot discards its moves. Among equal costs the first slot goes first.
 
-    Only the cheapest moves are in a heap; the others wait in a list, where they cost nothing while they go out of date.
+    Only the cheapest moves are in a heap; the others wait in a list, where becoming obsolete costs nothing.
     """
 
     def __init__(self, slots: int, negligible: float) -> None:
@@ -31,7 +31,7 @@ class MoveQueue:
         self._stamps[slot] += 1
 
     def push(self, slot: int, cost: float, *place: float) -> None:
-        """Add a move of a slot, with what it needs to know."""
+        """Add a move of a slot, with its parameters."""
         scaled = cost * COST_SPLITTER
         cost = scaled - (scaled - cost) if cost > self._negligible else 0.0
         if cost <= self._limit:

@@ -1,4 +1,4 @@
-"""Strict offset: loops pushed outwards, less where there is no room, until exact tests say that they touch nothing."""
+"""Strict offset: loops moved outwards, less in narrow gaps, until they touch nothing by exact tests."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from ..geometry.vectors import cross, norm, rotated_right
 from .outline import Outline
 
 MITRE_LIMIT = 2.5
-"""Longest step of a vertex in units of the distance its edges move: convex corners below 47 degrees are cut off, which
+"""Longest step of a vertex in units of the distance its edges move: convex corners below 47 degrees are bevelled, which
 takes two vertices, and notches below 47 degrees are followed less far."""
 
 EDGE_FRACTION = 0.2
-"""Longest step of a vertex in units of its shorter edge; below 0.5, so no edge can turn round."""
+"""Longest step of a vertex in units of its shorter edge; below 0.5, so that no edge flips."""
 
 GAP_FRACTION = 0.25
 """Longest step of a vertex in units of the gap in front of it: where both sides move, half of it stays open."""
 
 SCALE_STEP = 8.0
-"""Gaps are looked for with one radius for all steps that differ by less than this factor."""
+"""Ratio of steps that share one search radius for gaps."""
 
 HALVINGS = 48
-"""Rounds of halving the steps that still touch something; what fails after that has less room than doubles can tell."""
+"""Maximum number of halvings of steps that still touch something: a gap is then below the spacing of doubles."""
 
 
 def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxTree) -> tuple[Outline, IntArray]:
-    """The outline with its edges moved outwards by `distance`, less where there is no room; and who found none at all.
+    """The outline with its edges moved outwards by `distance`, less in narrow gaps; and the vertices that are stuck.
 
-    distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: edges to stay clear of, beside
+    distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: edges to stay clear of, next to
     those of the result itself.
 
     The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
@@ -58,9 +58,9 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
 
 
 def _room_in_gaps(outline: Outline, reach: FloatArray) -> FloatArray:
-    """(n,) how far each vertex may go: a fraction of the gaps between it, or its edges, and what faces these.
+    """(n,) upper bound on each step: a fraction of the gaps between the vertex, or its edges, and what faces them.
 
-    reach: (n,) how far each vertex would go at the most; gaps much wider than that are not looked for.
+    reach: (n,) upper bound on each step without gaps; much wider gaps are not searched.
     """
     starts, ends = outline.vertices, outline.vertices[outline.successor]
     room = np.full(len(starts), np.inf)
@@ -121,9 +121,9 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
 
 
 def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> IntArray:
-    """Edges that touch the obstacle or another edge than their neighbours, or fold back on these; watched or touched.
+    """Edges that touch the obstacle or an edge that is not their neighbour, or fold back on a neighbour.
 
-    watched: (W,) the edges to look at; all are compared with all others.
+    watched: (W,) the edges to test against all others.
     """
     starts, ends = outline.vertices, outline.vertices[outline.successor]
     everything = outline.tree

@@ -24,13 +24,13 @@ from .request import Request
 from .small_holes import with_room
 
 HULL_OFFSET = 5e-5
-"""Distance, in diameters, that the hull keeps from the fine mesh where there is room and no clearance asks for more."""
+"""Distance, in diameters, between hull and fine mesh where there is room, unless the clearance is larger."""
 
 CLOSED_GAP_WIDTH = 1e-9
-"""Width in diameters of gaps that are filled to begin with: no cage could keep a distance in them."""
+"""Width, in diameters, below which gaps are filled first: no cage could keep a distance in them."""
 
 SAME_AREA_TOLERANCE = 1e-9
-"""Relative difference of area below which two hulls are the same one."""
+"""Relative difference of area below which two hulls count as equal."""
 
 MAX_LOOPS_LISTED = 8
 """Number of loops up to which a message lists what was found for each."""
@@ -41,7 +41,7 @@ class OuterHull:
     """Progressive hull of a strict offset of the fine mesh, the best of several seeded runs."""
 
     restarts: int = 8
-    """Runs with varied weights; several loops get more, large vertex counts fewer."""
+    """Runs with varied weights, at least 1; several loops get more, large vertex counts fewer."""
     seed: int = 0
     """Seed of the random weights."""
 
@@ -78,7 +78,7 @@ class OuterHull:
 
 
 class _Search:
-    """The search for hulls of one mesh: three ways, each for what the one before cannot do."""
+    """The search for hulls of one mesh: three approaches, each for cases in which the one before fails."""
 
     def __init__(self, method: OuterHull, request: Request, clearance: float) -> None:
         self.method = method
@@ -91,7 +91,7 @@ class _Search:
         self.stuck = np.zeros(0, dtype=np.int64)
 
     def with_clearance(self) -> list[Outline]:
-        """Hulls of an offset of the fine mesh that keeps the clearance; none if there is no room for an offset."""
+        """Hulls of an offset of the fine mesh that keeps the clearance; none if gaps are too narrow for an offset."""
         return self._offset_hulls(max(self.distance, CLEARANCE_RESERVE * self.clearance), self._cleared)
 
     def around_offset(self) -> list[Outline]:
@@ -99,10 +99,11 @@ class _Search:
         return self._offset_hulls(self.distance, _unchanged)
 
     def without_small_details(self) -> list[Outline]:
-        """Hulls that build over details which are hardly more than round-off; none if those left room."""
-        if len(self.stuck) == 0:
+        """Hulls of the outline without features at round-off scale; none if there are none."""
+        start = without_small_details(self.start, 0.0)
+        if len(start.vertices) == len(self.start.vertices):
             return []
-        self.start = without_small_details(self.start, 0.0)
+        self.start = start
         return self.with_clearance()
 
     def certified(self, hulls: Sequence[Outline]) -> Iterator[Mesh]:
@@ -121,7 +122,7 @@ class _Search:
                     yield mesh
 
     def rank(self, hull: Outline) -> tuple[int, float]:
-        """Small enough first, then by area."""
+        """Sort key: small enough first, then by area."""
         return max(self.target, len(hull.vertices)), hull.area
 
     def tightest(self) -> FloatArray:

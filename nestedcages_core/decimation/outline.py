@@ -1,4 +1,4 @@
-"""Outline: the loops that a decimation works on, before they become a mesh again."""
+"""Outline: the loops that a decimation works on."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ..geometry.vectors import cross, norm
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """Closed loops with the solid on their left, one behind the other, and what each vertex stands for.
+    """Closed loops with the solid on their left, one after the other, and the stretch that each vertex stands for.
 
     vertices: (n, 2). sizes: vertices per loop.
-    spans: (n, 2) the first and the last vertex of the fine loop that a vertex replaces, as places in that loop.
+    spans: (n, 2) the first and the last vertex of the fine loop that a vertex replaces, as positions in that loop.
     """
 
     vertices: FloatArray
@@ -55,7 +55,7 @@ class Outline:
 
     @cached_property
     def centre(self) -> FloatArray:
-        """(2,) centre of gravity of the loops as wires: the same in every direction the shape may be turned to."""
+        """(2,) centroid of the loops as wires, independent of rotation."""
         here = self.vertices - self.vertices[0]
         there = here[self.successor]
         lengths = norm(there - here)
@@ -69,7 +69,7 @@ class Outline:
 
     @property
     def area(self) -> float:
-        """Area of the solid: loops that run clockwise count negative."""
+        """Area of the solid; clockwise loops count negative."""
         here = self.vertices - self.vertices[0]
         there = here[self.successor]
         return 0.5 * float(cross(here, there).sum())

@@ -4,10 +4,10 @@ The solid lies on the left of every edge, so outer loops run counter-clockwise a
 both. Each move works on a short chain of vertices and removes one of them:
 
     drop    a b c      -> a c       b reflex or straight
-    extend  a b c d    -> a x d     x where the lines a-b and c-d meet outside of b-c; b, c or both are convex
+    extend  a b c d    -> a x d     x where the lines a-b and c-d meet outside b-c; b, c or both are convex
     pivot   z a b c d  -> z p q d   a, b, c convex: p and q on the lines z-a and d-c, the edge p-q touched by b
 
-Since solids only grow, what is in the way of a move stays there, and the move is forgotten for good. After the
+Since solids only grow, an obstacle to a move stays one, and the move is discarded for good. After the
 progressive hulls of Sander, Gu, Gortler, Hoppe, Snyder: Silhouette Clipping (2000); the pivot is added here.
 """
 
@@ -30,27 +30,27 @@ NUDGE_ULPS = (0.0, 1.0, 3.0, 9.0, 27.0, 81.0, 243.0, 729.0)
 """Units in the last place by which a new vertex is pushed outwards until the exact tests hold."""
 
 NEGLIGIBLE_AREA = 1e-15
-"""Area in squared diameters that is nothing but round-off; moves that cost less are free."""
+"""Area in squared diameters at round-off level; moves that cost less are free."""
 
 SMALLEST_DIVISOR = 1e-300
 """Squared lengths and cross products, in squared input units, that are too small to be divided by."""
 
 REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
-"""How much farther new vertices may lie, and how often, when no move is left within reach."""
+"""Factor on the reach of new vertices when no move is left within it, and how often it is applied."""
 
 SMALL_LOOP = 8
-"""Size up to which a loop is looked at as a whole after each move."""
+"""Size up to which all moves of a loop are reconsidered after each move."""
 
 PIVOT_RATIOS = (1.0, 0.5, 2.0, 0.2, 5.0)
 """Ratios |b q| / |p b| that pivots try; the first, with b in the middle, adds the least area."""
 
 PIVOT_RATIO_LOOP = 6
-"""Size up to which a loop tries all ratios: little else is left to it, and the first may be blocked."""
+"""Size up to which a loop tries all ratios: few other moves are left, and the first may be blocked."""
 
 
 @dataclass(frozen=True)
 class Weights:
-    """How dear each kind of move is, per area added; restarts vary them."""
+    """Cost weight per kind of move, per area added; randomised by restarts."""
 
     drop: float = 1.0
     extend: float = 1.0
@@ -58,7 +58,7 @@ class Weights:
     slide: float = 1.0
     """Extend across a convex and a reflex vertex: one neighbour gets shorter."""
     pivot: float | None = 1.0
-    """None: only loops of a few vertices pivot, for which there may be no other way."""
+    """None: only loops of a few vertices pivot, which may have no other move."""
     spike: float = 0.02
     """Cost of the squared height of a new corner over the edge it replaces: against spikes."""
     noise: float = 0.0
@@ -106,7 +106,7 @@ class ProgressiveHull:
                 self._consider_all()
         return loops.outline()
 
-    # What could be done: moves and their costs
+    # Moves and their costs
 
     def _consider_all(self) -> None:
         for vertex, alive in enumerate(self.loops.alive):
@@ -115,7 +115,7 @@ class ProgressiveHull:
                 self._consider_edge(vertex)
 
     def _consider_around(self, first: int, last: int) -> None:
-        """Look again at the vertices first .. last and the edges between them, whose surroundings have changed."""
+        """Update the moves of the vertices first .. last and the edges between them, whose neighbours have changed."""
         loops = self.loops
         if loops.sizes[loops.loop_of[first]] <= SMALL_LOOP:
             first, last = last, loops.previous[last]
@@ -180,14 +180,14 @@ class ProgressiveHull:
         x, y = (bx + s * ux, by + s * uy) if nearer_b else (cx + t * qx, cy + t * qy)
         if self._within_reach(x, y):
             area = 0.5 * abs(s * turn_b)
-            height_squared = 2.0 * area * (2.0 * area / squared)  # area² may leave the range of floats
+            height_squared = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
             self.queue.push(2 * b + 1, self.factor[b] * (weight * area + weights.spike * height_squared), x, y)
 
     def _within_reach(self, x: float, y: float) -> bool:
         x, y = x - self.loops.centre[0], y - self.loops.centre[1]
         return x * x + y * y < self.reach * self.reach
 
-    # What is done, if nothing is in the way
+    # Making a move, if nothing blocks it
 
     def _drop(self, b: int) -> None:
         loops = self.loops

@@ -1,7 +1,7 @@
-"""Loops that lose vertices one by one, cheapest first, and never cross on the way: what simplifications share.
+"""Greedy simplification: loops lose vertices one by one, cheapest first, and never cross.
 
 A move replaces a short chain of edges by another one. It is made only if no vertex of any loop lies between the two
-chains and the new edges touch nothing, by exact tests; so no loop is passed over and none changes its role.
+chains and the new edges touch nothing, by exact tests; so no loop is passed and none changes its role.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from .outline import Outline
 from .request import Request
 
 MAX_REACH = 1.5
-"""Largest distance of new vertices from the centre, in diameters; moves that go farther are not made."""
+"""Maximum distance of new vertices from the centre, in diameters."""
 
 NEGLIGIBLE_COST = 1e-15
-"""Cost in squared diameters that is nothing but round-off."""
+"""Cost in squared diameters at round-off level."""
 
 
 class Simplification(ABC):
@@ -40,13 +40,13 @@ class Simplification(ABC):
 
     @abstractmethod
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:
-        """Make the move of a vertex if nothing is in its way, and consider what it changes; whether it was made."""
+        """Make the move of a vertex if nothing blocks it, and reconsider its neighbours; whether it was made."""
 
     def run(self, count: int) -> Outline:
         """Remove vertices until `count` are left, or as many as can be removed."""
         loops, made = self.loops, True
         while loops.total > count and made and loops.sizes != self.minimum:
-            made = False  # what was in the way of a move may be gone by the end of the queue
+            made = False  # an obstacle may be gone once the queue is empty
             for vertex, alive in enumerate(loops.alive):
                 if alive:
                     self.consider(vertex)

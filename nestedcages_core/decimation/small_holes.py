@@ -1,4 +1,4 @@
-"""Holes that a clearance nearly fills: their loops begin as small polygons in the middle, where there is room."""
+"""Holes that a clearance nearly fills: their loops start as small polygons in the widest place."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .clearing import shortfall
 from .outline import Outline
 
 GRID_SIZE = 32
-"""Points along each side of the grids in which the middle of a hole is looked for."""
+"""Points along each side of the grids that search for the widest place of a hole."""
 
 REFINED_POINTS = 8
-"""Number of points of a grid around which finer ones are laid."""
+"""Number of best points of a grid that are refined."""
 
 REFINEMENTS = 10
-"""Finer grids; the last one is as fine as single precision."""
+"""Number of finer grids; the last one is as fine as single precision."""
 
 REFINEMENT_WIDTH = 0.125
-"""Width of a finer grid, in widths of the one before."""
+"""Width of a refined grid, in widths of the one before."""
 
 MAX_SHORTFALL = 0.02
-"""Shortfall of a loop, in clearances, that the first steps of a tightening cannot be trusted to make good."""
+"""Shortfall of a loop, in clearances, above which the first steps of a tightening may not repair it."""
 
 POLYGON_SIZE = 0.9
-"""Part of the room around the middle that the small polygon takes up."""
+"""Size of the small polygon as a fraction of the free circle."""
 
 
 class Circle(NamedTuple):
@@ -40,7 +40,7 @@ class Circle(NamedTuple):
 
 
 def largest_circle(fine: Mesh, hole: int) -> Circle:
-    """The largest circle inside a hole of a mesh, what lies in the hole left aside, by grids finer and finer."""
+    """The largest circle inside a hole of a mesh, ignoring what lies in the hole, by refined grids."""
     loop = fine.loops[hole]
     distance = SignedDistance(fine.vertices[loop], fine.edge_ends[loop], outside=-1)
     low, high = fine.vertices[loop].min(axis=0), fine.vertices[loop].max(axis=0)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
-"""Array of float64; its shape and unit are said where it is used."""
+"""Array of float64; shape and unit are documented where it is used."""
 
 IntArray: TypeAlias = npt.NDArray[np.int64]
 """Array of indices."""
@@ -17,7 +17,7 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 """Array of truth values."""
 
 AnyArray: TypeAlias = npt.NDArray[Any]
-"""Array of unchecked content, as it comes in at the door."""
+"""Array of unchecked content, before validation."""
 
 TINY = float(np.finfo(np.float64).tiny)
 """Smallest normal float64: lower bound of divisors that may vanish."""

@@ -1,9 +1,9 @@
-"""Broad phase: the point-edge pairs that are close enough to matter, without looking at all of them.
+"""Broad phase: the point-edge pairs within a radius, without measuring all pairs.
 
-Of few pairs simply all are compared by boxes. Above that, edges are cut into pieces no longer than a grid cell, so
-that long coarse edges beside short fine ones cost no more than their length; each piece looks up the rows of cells
-around it in the points sorted by cell. A pair found by several pieces is kept only by the piece that holds its closest
-point, so nothing has to be deduplicated.
+Few pairs are all tested by bounding boxes. For more, edges are cut into pieces no longer than a grid cell, so that long
+coarse edges next to short fine ones cost no more than their length; each piece looks up the cells around it in the
+points sorted by cell. A pair found by several pieces is kept only by the piece that holds its closest point, so no
+duplicates arise.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from .arrays import FloatArray, IntArray
 from .distance import point_edge
 
 ALL_BOXES_LIMIT = 200_000
-"""Number of pairs up to which a test of all points against the boxes of all edges is faster than cells (measured)."""
+"""Number of pairs up to which testing all points against the boxes of all edges is faster than cells (measured)."""
 
-FINEST_GRID = 1000
-"""Cells along the longer side of the bounding box, at the most: bounds the number of pieces of long edges."""
+MAX_CELLS = 1000
+"""Maximum number of cells along the longer side; bounds the pieces of long edges."""
 
 CHUNK_PAIRS = 2_000_000
-"""Pairs measured at once: bounds the memory to about 300 MB."""
+"""Pairs measured together; bounds the memory to about 300 MB."""
 
 
 def near_pairs(points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float) -> tuple[IntArray, IntArray]:
     """Indices (point, edge) of all pairs closer than ``radius``.
 
-    points: (P, 2); starts, ends: (E, 2); radius: a length. Returns two (K,) index arrays, in no promised order.
+    points: (P, 2); starts, ends: (E, 2); radius: a length. Returns two (K,) index arrays, in any order.
     """
     if len(points) == 0 or len(starts) == 0:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -57,7 +57,7 @@ def _near_pairs_by_cells(
     high = np.maximum(points.max(axis=0), np.maximum(starts.max(axis=0), ends.max(axis=0)))
     extent = float((high - low).max())
     lengths = np.hypot(*(ends - starts).T)
-    cell = max(radius, extent / FINEST_GRID, 0.5 * min(float(np.median(lengths)), extent / 8.0))
+    cell = max(radius, extent / MAX_CELLS, 0.5 * min(float(np.median(lengths)), extent / 8.0))
     columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
 
     # points sorted by cell; first[c] is where cell c begins
@@ -108,5 +108,5 @@ def _near_pairs_by_cells(
 
 
 def position_in_group(counts: IntArray) -> IntArray:
-    """0, 1, …, counts[0]-1, 0, 1, …, counts[1]-1, …: the place of every member in its group."""
+    """0, 1, …, counts[0]-1, 0, 1, …, counts[1]-1, …: the position of every member in its group."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -18,8 +18,7 @@ import numpy as np
 from .arrays import BoolArray, FloatArray
 
 SMALLEST_LENGTH = 1e-150
-"""Length below which a distance or an edge counts as zero (its square is still a normal float64); same unit as the
-coordinates."""
+"""Length in input units below which a distance or an edge counts as zero; its square is still a normal float64."""
 
 
 class PointEdge(NamedTuple):

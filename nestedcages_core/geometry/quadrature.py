@@ -1,8 +1,7 @@
-"""Quadrature along the edges of a mesh: where a field is sampled, and how much each sample moves a vertex.
+"""Quadrature along the edges of a mesh: where a field is sampled, and the weight of each sample at a vertex.
 
-A rule speaks of one edge as seen from one of its ends: ``parameters`` run from 0 at the vertex to 1 at the other end.
-The gradient of the flow at a vertex is the weighted mean of the field over both incident edges; a longer edge weighs
-more.
+A rule describes an edge as seen from one of its ends: ``parameters`` run from 0 at the vertex to 1 at the other end.
+The gradient of the flow at a vertex is the weighted mean of the field over both incident edges, by length.
 """
 
 from __future__ import annotations

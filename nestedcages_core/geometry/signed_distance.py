@@ -1,8 +1,7 @@
 """Signed distance to the solid that oriented closed loops bound: negative inside, with its gradient.
 
-The sign comes from the winding number, in which a vertex on the ray belongs to the lower side, so that a ray through a
-vertex is counted once; a point within round-off of an edge is on the boundary. The nearest edge comes from measuring
-all of them or, for many, from a tree over points along the edges whose answer is checked against a bound.
+The sign comes from the exact winding number; a point within round-off of an edge is on the boundary. The nearest edge
+is found by measuring all edges or, for many, by a tree over points along the edges, checked against a bound.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ from .predicates import winding_number
 SAMPLES_PER_EDGE = 0.5
 """Points of the tree per mean edge length: an edge of twice the mean length has one, longer ones have more."""
 
-SPARE_SAMPLES = 1000
-"""Points of the tree on top of that, so that a few long edges are still resolved."""
+EXTRA_SAMPLES = 1000
+"""Further points of the tree, so that a few long edges are still resolved."""
 
-ROUND_OFF = 1e-14
-"""Distance, as a share of the largest coordinate, below which a point is on the boundary: some 50 times rounding."""
+BOUNDARY_TOLERANCE = 1e-14
+"""Distance below which a point is on the boundary, as a fraction of the largest coordinate: about 50 roundings."""
 
-NEIGHBOURS = 4
-"""Samples of the tree that are looked at first; if they do not prove the nearest edge, all samples in reach are."""
+NEAREST_SAMPLES = 4
+"""Samples tested first; if they do not prove the nearest edge, all samples in reach are."""
 
 
 class ClosestEdge(NamedTuple):
@@ -57,7 +56,7 @@ class SignedSample(NamedTuple):
 
 
 class EdgeSearch:
-    """Finds the nearest of E edges for many points; keeps its tree for the next question."""
+    """Finds the nearest of E edges for many points; the tree is built once."""
 
     def __init__(self, starts: FloatArray, ends: FloatArray) -> None:
         """starts, ends: (E, 2) with E > 0."""
@@ -90,7 +89,7 @@ class EdgeSearch:
 
     def _by_tree(self, points: FloatArray) -> ClosestEdge:
         tree = self._sampled_tree()
-        reach, sample = tree.query(points, k=min(NEIGHBOURS, len(self._edge_of_sample)))
+        reach, sample = tree.query(points, k=min(NEAREST_SAMPLES, len(self._edge_of_sample)))
         point = np.arange(len(points)).repeat(sample.shape[1])
         found = self._best_of(points, point, self._edge_of_sample[sample.ravel()])
         # an edge at distance d has a sample within √(d² + (spacing / 2)²)
@@ -108,7 +107,7 @@ class EdgeSearch:
     def _sampled_tree(self) -> cKDTree:
         if self._tree is None:
             lengths = np.hypot(*(self.ends - self.starts).T)
-            wanted = lengths.sum() / (SAMPLES_PER_EDGE * len(lengths) + SPARE_SAMPLES)
+            wanted = lengths.sum() / (SAMPLES_PER_EDGE * len(lengths) + EXTRA_SAMPLES)
             counts = np.maximum(np.ceil(lengths / max(wanted, SMALLEST_LENGTH)), 1.0).astype(np.int64)
             self._edge_of_sample = np.repeat(np.arange(len(lengths)), counts)
             place = position_in_group(counts)
@@ -135,7 +134,7 @@ class SignedDistance:
         """outside: winding number of points outside the solid; 0 for meshes and outer loops, -1 for a hole alone."""
         self.search = EdgeSearch(starts, ends)
         self.outside = outside
-        self._touching = max(ROUND_OFF * float(np.abs(starts).max()), SMALLEST_LENGTH)
+        self._touching = max(BOUNDARY_TOLERANCE * float(np.abs(starts).max()), SMALLEST_LENGTH)
 
     @classmethod
     def of(cls, mesh: Mesh) -> SignedDistance:

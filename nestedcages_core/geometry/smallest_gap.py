@@ -35,9 +35,9 @@ class Stretches:
 def smallest_gap(here: BoxTree, there: BoxTree) -> float:
     """Smallest distance between the closed loops of two trees, which must not meet.
 
-    Centres are vertices, so every distance measured on the way is an upper bound of the result, and pairs of balls
-    that are farther apart than the best one so far are dropped; so are crowded pairs that turned boxes tell apart. The
-    cost is that of the stretches in close contact.
+    Centres are vertices, so every measured distance is an upper bound of the result; pairs of balls that are farther
+    apart than the best bound are dropped, and so are crowded pairs that turned boxes separate. The cost grows with the
+    stretches in close contact.
     """
     ours, theirs = Stretches(here), Stretches(there)
     a, b = len(ours.levels) - 1, len(theirs.levels) - 1

@@ -1,4 +1,8 @@
-"""The certificates: the only judges of a cage and of the way to it, exact in every verdict but the distance."""
+"""The certificates, the only judges of a cage and of the motion towards it; exact in every verdict but the distance.
+
+- `verify`: the `Certificate` of a cage around a fine mesh.
+- `verify_motion`: the `MotionCertificate` of linear motion between steps.
+"""
 
 from __future__ import annotations
 

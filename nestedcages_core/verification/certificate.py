@@ -1,4 +1,4 @@
-"""What exact predicates say of a cage: simple, with its loops, strictly around the solid of the fine mesh."""
+"""The certificate of a cage by exact predicates: simple, same loops, strictly around the solid of the fine mesh."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..geometry.mesh.validation import crossing_point, place
 from ..geometry.smallest_gap import smallest_gap
 
 CLEARANCE_TOLERANCE = 1e-9
-"""Relative shortfall of the measured clearance that still counts as reached; above the rounding of a distance."""
+"""Relative shortfall of the measured clearance that is accepted; above the rounding of a distance."""
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What is known about a cage and the fine mesh in it; true if it holds."""
+    """Verdicts on a cage and the fine mesh in it; true if all requirements are met."""
 
     simple: bool
     """The cage is valid: finite, closed loops that neither cross nor touch."""
@@ -78,7 +78,7 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
 
 
 def _at_the_door(shape: MeshLike, name: str, problems: list[str]) -> Mesh | None:
-    """The mesh as the door lets it in, or None and a sentence."""
+    """The validated mesh, or None and a sentence."""
     if not is_mesh_like(shape):
         raise InvalidMeshError(f"The {name} must be {MESH_LIKE}, not {type(shape).__name__}.")
     try:
@@ -102,7 +102,7 @@ def loops_in_words(mesh: Mesh) -> str:
 
 
 class _Pair:
-    """A valid cage and a valid fine mesh, and what to say about them."""
+    """A valid cage and a valid fine mesh, and the sentences about them."""
 
     def __init__(self, cage: Mesh, fine: Mesh) -> None:
         self.cage, self.fine = cage, fine

@@ -1,14 +1,14 @@
 """Certificate of an animation: between consecutive steps, linear motion never lets the cage meet the fine mesh or
 itself.
 
-On the way from one step to the next, with s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p -
-a) is zero and p lies beside the edge. Both c and the two products that say whether p lies beside it are quadratic in s,
-so each lies between the smallest and the largest of its three Bernstein coefficients (Farouki 2012). Where those have
-one sign, beyond their rounding errors, for the whole way, the pair is certified; so is one whose point stays on one
-side of both ends of the edge along x or along y, which also holds where the edge shrinks to a point in passing. All
-other ways are halved. After k halvings a difference of positions carries an absolute error of up to k roundings of the
-largest one on the way, which both tests allow for: relative bounds say nothing about a difference that vanishes.
-A pair that is still open after all halvings counts as a collision: the certificate never errs on the other side.
+From one step to the next, with s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p - a) is zero
+and p lies beside the edge. Both c and the two products that say whether p lies beside it are quadratic in s, so each
+lies between the smallest and the largest of its three Bernstein coefficients (Farouki 2012). Where those have one
+sign, beyond their rounding errors, the pair is certified; so is one whose point stays on one side of both ends of the
+edge along x or along y, even where the edge shrinks to a point. All other intervals of s are halved. After k halvings a
+difference of positions carries an absolute error of up to k roundings of the largest one, which both tests allow for:
+a relative bound says nothing about a difference that vanishes. A pair that is undecided after all halvings counts as a
+collision: the certificate never errs on the unsafe side.
 """
 
 from __future__ import annotations
@@ -24,18 +24,17 @@ from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh, MeshLike
 
 MAX_HALVINGS = 40
-"""Cap: a piece of the way is then below the spacing of float64."""
+"""Maximum number of halvings: an interval is then about as short as a rounding of s."""
 
 MAX_PIECES = 32
-"""Pieces of the way of one pair that may be open at once: a passing contact leaves two or three, more slide along each
-other."""
+"""Maximum number of undecided intervals of one pair: a passing contact leaves two or three, sliding leaves more."""
 
 COEFFICIENT_ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
 safety."""
 
 HALVING_ROUNDING = float(np.finfo(float).eps)
-"""Bound on the rounding error that a halving adds to a difference of positions, relative to the largest one on the way:
+"""Bound on the rounding error that a halving adds to a difference of positions, relative to the largest one:
 half of it for the sum; the other half, once, for the difference itself."""
 
 UNDERFLOW = 16.0 * np.finfo(float).smallest_subnormal
@@ -47,7 +46,7 @@ CANDIDATE_SKIN = 1.0
 
 @dataclass(frozen=True)
 class MotionCertificate:
-    """Whether an animation is free of collisions at every instant, if it is so in one step."""
+    """Whether motion is free of collisions at every instant, given that one step is."""
 
     free: bool
     step: int | None = None
@@ -114,7 +113,7 @@ def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
 
 
 def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArray:
-    """(K,) whether a pair is certified to stay apart on the straight way from ``before`` to ``after``."""
+    """(K,) whether a pair is certified to stay apart in linear motion from ``before`` to ``after``."""
     ends = [
         (x[pairs.end] - x[pairs.start], x[pairs.point] - x[pairs.start], x[pairs.point] - x[pairs.end])
         for x in (before, after)
@@ -154,7 +153,7 @@ def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArra
 
 
 def _beyond(sides: FloatArray, margin: FloatArray) -> BoolArray:
-    """(K,) whether along an axis the point is beyond both ends of the edge, by the margin (K,), before and after.
+    """(K,) whether, along an axis, the point is beyond both ends of the edge by the margin (K,), before and after.
 
     sides: (4, K, 2) from the edge's ends to the point.
     """

@@ -1,4 +1,4 @@
-"""The mesh M = (V, E) of the paper, validated once, at the door.
+"""The mesh M = (V, E) of the paper, validated once, when it is made.
 
 - `Mesh`: closed loops that bound a planar solid; `Mesh.of` reads whatever is `MeshLike`.
 - `Nesting`: how the loops of two meshes lie in each other.

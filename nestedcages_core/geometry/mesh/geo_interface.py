@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from ...errors import InvalidMeshError
 
 MAX_NESTING_DEPTH = 64
-"""Collections within collections that are followed; a deeper nest is taken for one that contains itself."""
+"""Maximum nesting of collections; a deeper one is taken to contain itself."""
 
 
 class HasGeoInterface(Protocol):

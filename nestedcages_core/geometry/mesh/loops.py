@@ -12,8 +12,8 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..predicates import BoxTree, Signs, as_integers, orientation, ray_crossings
 
-DOUBTFUL_AREA = 1e-4
-"""Share of the summed products below which an area has lost four digits or more and is summed exactly instead."""
+CANCELLED_AREA = 1e-4
+"""Fraction of the summed products below which an area has lost four digits or more and is summed exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def trace_loops(edges: IntArray, count: int) -> LoopOrder:
     behind = ends[np.where(leaves_here, last, first) ^ 1]
     jumps = np.flatnonzero(ahead != np.arange(1, count + 1))
     begins = np.concatenate(([0], jumps[:-1] + 1))
-    if np.array_equal(ahead[jumps], begins):  # loop after loop, as they mostly come
+    if np.array_equal(ahead[jumps], begins):  # loop after loop, the usual case
         return LoopOrder(np.arange(count), jumps + 1 - begins)
     return _walk(ahead.tolist(), behind.tolist())
 
@@ -149,12 +149,12 @@ def signed_areas(points: FloatArray, order: LoopOrder) -> tuple[FloatArray, floa
     x, y = (points - points[order.begins][order.loop]).T
     left, right = x * (y[order.ahead] - y), y * (x[order.ahead] - x)
     areas = np.add.reduceat(left - right, order.begins) / 2.0
-    doubtful = np.abs(areas) < DOUBTFUL_AREA * np.add.reduceat(np.abs(left) + np.abs(right), order.begins)
+    doubtful = np.abs(areas) < CANCELLED_AREA * np.add.reduceat(np.abs(left) + np.abs(right), order.begins)
     loops = np.split(points, order.begins[1:])
     for k in np.flatnonzero(doubtful & np.isfinite(areas)):
         areas[k] = float(_exact_area(loops[k]))
     total = math.fsum(areas)
-    if abs(total) < DOUBTFUL_AREA * float(np.abs(areas).sum()):
+    if abs(total) < CANCELLED_AREA * float(np.abs(areas).sum()):
         total = float(sum((_exact_area(loop) for loop in loops), Fraction(0)))
     return areas, total
 

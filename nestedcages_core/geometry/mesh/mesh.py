@@ -1,4 +1,4 @@
-"""The mesh M = (V, E) of the paper: the oriented boundary of a planar solid, validated once, at the door."""
+"""The mesh M = (V, E) of the paper: the oriented boundary of a planar solid, validated once, when it is made."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ TOPOLOGY = frozenset(
         "loop_order",
     )
 )
-"""Attributes that stay when vertices move."""
+"""Attributes that do not change when vertices move."""
 
 
 MESH_LIKE = "a Mesh, an object with __geo_interface__, or a list of loops with rows (x, y)"
@@ -47,8 +47,8 @@ MESH_LIKE = "a Mesh, an object with __geo_interface__, or a list of loops with r
 class Mesh:
     """Closed loops that bound a planar solid with holes and components; normals point out.
 
-    vertices: (n, 2) float64, read-only, the very values that came in, in their order.
-    edges: (n, 2) int64, read-only, in the order that came in; the direction is turned where needed, so that outer
+    vertices: (n, 2) float64, read-only: the exact input values, in their order.
+    edges: (n, 2) int64, read-only, in input order; directions are turned where needed, so that outer
     loops run counter-clockwise and holes clockwise, by nesting depth.
 
     Raises InvalidMeshError unless the loops are closed, have at least three vertices and neither cross nor touch.
@@ -67,9 +67,9 @@ class Mesh:
     component_of_loop: IntArray = field(init=False)
     """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
     is_validated: bool = field(init=False)
-    """Whether these vertices have passed the door; False for a mesh made by `moved`."""
+    """Whether these vertices have been validated; False for a mesh made by `moved`."""
     loop_order: LoopOrder = field(init=False)
-    """The loops one after the other, for work on all of them at once."""
+    """The loops one after the other, for vectorised work on all of them."""
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
@@ -204,7 +204,7 @@ class Mesh:
         return mesh
 
     def validated(self) -> Mesh:
-        """This mesh if it came through the door, else a new one that does. Raises InvalidMeshError."""
+        """This mesh if it is validated, else a validated copy. Raises InvalidMeshError."""
         return self if self.is_validated else Mesh(self.vertices, self.edges)
 
     def has_loops_like(self, other: Mesh) -> bool:
@@ -248,7 +248,7 @@ class Mesh:
 
     @cached_property
     def extent(self) -> float:
-        """Size that does not depend on how the mesh is turned, near the bounding box's diagonal in the mean over turns.
+        """Size that does not depend on the rotation of the mesh; on average near the diagonal of the bounding box.
 
         2.4 times the largest distance of a vertex from the mean of all: 0.85 diagonals for a disc, 1.2 for a line.
         """
@@ -274,11 +274,11 @@ class Mesh:
             object.__setattr__(self, name, value)
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the tree, which is quickly made again."""
+        """All but the tree, which is cheap to rebuild."""
         return {name: value for name, value in vars(self).items() if name != "edge_tree"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Arrays lose their write protection when they travel between processes; it is given back here."""
+        """Pickled arrays lose their write protection, which is restored here."""
         for value in state.values():
             for array in value if isinstance(value, tuple) else (value,):
                 if isinstance(array, np.ndarray):
@@ -298,6 +298,6 @@ def is_mesh_like(shape: object) -> bool:
 
 
 def _frozen(array: NDArray[Number]) -> NDArray[Number]:
-    """The array itself, read-only from here on."""
+    """The array itself, made read-only."""
     array.flags.writeable = False
     return array

@@ -1,4 +1,4 @@
-"""The door: plain arrays are checked once, and each fault gets one sentence with its place and its cure."""
+"""Validation of plain arrays, done once; each fault gets one sentence with its place and its remedy."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..arrays import AnyArray, FloatArray, IntArray
 from ..predicates import BoxTree, orientation, segments_intersect
 from .loops import LoopOrder
 
-GREATEST_EXTENT, LEAST_EXTENT = 1e150, 1e-150
-"""Bounding-box diagonals and coordinates, in input units, whose squares stay inside the range of a double."""
+MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
+"""Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""
 
 
 def as_vertices(data: Any) -> FloatArray:
@@ -32,16 +32,16 @@ def as_vertices(data: Any) -> FloatArray:
             f"Vertex {bad[0]} has the coordinates {place(vertices[bad[0]])}; give finite numbers, or remove the vertex."
         )
     extent = float(np.abs(vertices).max())
-    if extent > GREATEST_EXTENT:
+    if extent > MAX_COORDINATE:
         far = int(np.abs(vertices).max(axis=1).argmax())
         raise InvalidMeshError(
-            f"Vertex {far} at {place(vertices[far])} is farther out than {GREATEST_EXTENT:g}, where areas leave the "
+            f"Vertex {far} at {place(vertices[far])} is farther out than {MAX_COORDINATE:g}, where areas leave the "
             "range of floating-point numbers; scale the shape down."
         )
     width, height = np.ptp(vertices, axis=0)
-    if len(vertices) > 1 and 0.0 < max(width, height) < LEAST_EXTENT:
+    if len(vertices) > 1 and 0.0 < max(width, height) < MIN_EXTENT:
         raise InvalidMeshError(
-            f"The whole shape around {place(vertices[0])} is smaller than {LEAST_EXTENT:g}, where areas leave the "
+            f"The whole shape around {place(vertices[0])} is smaller than {MIN_EXTENT:g}, where areas leave the "
             "range of floating-point numbers; scale it up."
         )
     vertices.flags.writeable = False
@@ -137,7 +137,7 @@ def _has_two_gon(edges: IntArray, count: int) -> bool:
 
 
 def place(point: Sequence[float] | FloatArray) -> str:
-    """A point as the user reads it."""
+    """A point in words, for messages."""
     return f"({float(point[0]):.6g}, {float(point[1]):.6g})"
 
 

@@ -18,10 +18,10 @@ BLOCK = 2**16
 """Pairs whose children are compared at once; bounds the memory to about 100 MB."""
 
 CROWDED = 8
-"""Overlaps per box from which upright boxes are too many and turned ones are asked; smooth loops have about 3."""
+"""Overlaps per box above which turned boxes are tested too; smooth loops have about 3."""
 
 FEW_CHAINS = 8
-"""Chains up to which their order does not matter: the boxes that span two of them are fewer than the sorting costs."""
+"""Number of chains up to which sorting them costs more than the boxes that span two of them."""
 
 MORTON_BITS = 16
 """Bits per coordinate of the space-filling curve that sorts chains of segments."""
@@ -82,8 +82,8 @@ class BoxTree:
     def blocks(self, other: BoxTree | None = None, *, slim: bool = False) -> Iterator[tuple[IntArray, IntArray]]:
         """The pairs of `pairs(other)`, or of `self_pairs()`, in blocks of bounded size.
 
-        slim: whether to leave out pairs that turned boxes tell apart, where upright boxes overlap too often. All pairs
-        of segments that share a point are kept.
+        slim: whether to drop pairs that turned boxes separate, where upright boxes overlap too often. All pairs of
+        segments that share a point are kept.
         """
         second = self if other is None else other
         a, b = len(self.levels) - 1, len(second.levels) - 1
@@ -138,7 +138,7 @@ class BoxTree:
     @cached_property
     def sizes(self) -> list[float]:
         """Mean extent of the boxes of each level."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a guide to what to open first, right or not
+        with np.errstate(over="ignore", invalid="ignore"):  # only decides what to open first
             return [
                 float(boxes[2:, :count].mean() - boxes[:2, :count].mean()) if count else 0.0
                 for boxes, count in zip(self.levels, self.counts, strict=True)
@@ -173,7 +173,7 @@ def _along_curve(points: FloatArray) -> IntArray:
 
 
 def _pyramid(lower: FloatArray, upper: FloatArray) -> tuple[list[FloatArray], list[int]]:
-    """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; and how many of them are no padding."""
+    """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; and how many of them are not padding."""
     boxes = np.concatenate((lower.T, upper.T))
     levels, counts = [boxes], [boxes.shape[1]]
     while boxes.shape[1] > FANOUT:

@@ -15,10 +15,10 @@ ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
 
 PAIR_BLOCK = 2**19
-"""Pairs of a point and a box that are looked at once; bounds the memory to about 100 MB."""
+"""Pairs of a point and a box tested together; bounds the memory to about 100 MB."""
 
 FEW_PAIRS = 20_000
-"""Pairs of a point and a segment up to which all are looked at: fewer calls than a way down the tree (measured)."""
+"""Number of point-segment pairs up to which testing all of them is faster than descending the tree (measured)."""
 
 
 def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
@@ -37,7 +37,7 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
 
 
 def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
-    """`winding_number` by looking at every pair of a point and an edge."""
+    """`winding_number` by testing every pair of a point and an edge."""
     y = points[:, 1:]
     level = np.minimum(starts[:, 1], ends[:, 1]) <= y
     level &= y <= np.maximum(starts[:, 1], ends[:, 1])
@@ -79,7 +79,7 @@ def ray_crossings(points: FloatArray, tree: BoxTree) -> RayCrossings:
 
 
 class _Rays:
-    """The rays from points (P, 2) to the right on their way down a tree.
+    """The rays from points (P, 2) to the right, and their descent of a tree.
 
     parts: (point, chain, value) counted so far; touching: points found on an edge so far.
     """

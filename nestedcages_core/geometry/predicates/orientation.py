@@ -13,17 +13,17 @@ from .box_tree import BoxTree
 
 Signs = NDArray[np.int8]
 
-ROUND_OFF = 2.0**-53
+UNIT_ROUND_OFF = 2.0**-53
 """Largest relative error of one float64 operation."""
 
-FLOAT_BOUND = (3.0 + 16.0 * ROUND_OFF) * ROUND_OFF
+FLOAT_BOUND = (3.0 + 16.0 * UNIT_ROUND_OFF) * UNIT_ROUND_OFF
 """Relative error of the 2x2 determinant of rounded differences (Shewchuk 1997, section 4.3, bound A)."""
 
-EXTENDED_BOUND = 40.0 * ROUND_OFF**2
-"""Relative error of the determinant with first-order corrections; about 15 terms of one ROUND_OFF**2 each, doubled."""
+EXTENDED_BOUND = 40.0 * UNIT_ROUND_OFF**2
+"""Relative error of the determinant with first-order corrections; about 15 terms of one square each, doubled."""
 
-LEAST_PRODUCT, GREATEST_PRODUCT = 1e-240, 1e240
-"""Products within are free of underflow and overflow, their rounding errors included (double range 5e-324, 2e308)."""
+MIN_PRODUCT, MAX_PRODUCT = 1e-240, 1e240
+"""Products in this range, and their rounding errors, neither underflow nor overflow (double range 5e-324, 2e308)."""
 
 MANTISSA_BITS = 53
 """Bits of the significand of a double."""
@@ -39,7 +39,7 @@ def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
         left = (ax - cx) * (by - cy)
         right = (ay - cy) * (bx - cx)
         determinant: FloatArray = np.asarray(left - right)
-        certain = np.abs(determinant) > FLOAT_BOUND * (np.abs(left) + np.abs(right)) + LEAST_PRODUCT
+        certain = np.abs(determinant) > FLOAT_BOUND * (np.abs(left) + np.abs(right)) + MIN_PRODUCT
         sign: Signs = np.sign(np.where(certain, determinant, 0.0)).astype(np.int8)
         if not certain.all():
             doubtful = np.nonzero(~certain)
@@ -53,7 +53,7 @@ def orientation_sign(ax: float, ay: float, bx: float, by: float, cx: float, cy: 
     left = (ax - cx) * (by - cy)
     right = (ay - cy) * (bx - cx)
     determinant = left - right
-    bound = FLOAT_BOUND * (abs(left) + abs(right)) + LEAST_PRODUCT
+    bound = FLOAT_BOUND * (abs(left) + abs(right)) + MIN_PRODUCT
     if determinant > bound:
         return 1
     if determinant < -bound:
@@ -68,7 +68,7 @@ def orientation_sign(ax: float, ay: float, bx: float, by: float, cx: float, cy: 
 
 
 def _sign_by_signs(corners: FloatArray) -> Signs:
-    """Sign for corners (6, K) where the signs of the differences decide, which are exact; the rest is handed on."""
+    """Sign for corners (6, K) by the signs of the differences, which are exact, where these decide."""
     ax, ay, bx, by, cx, cy = corners
     left = np.sign(ax - cx) * np.sign(by - cy)
     right = np.sign(ay - cy) * np.sign(bx - cx)
@@ -93,9 +93,9 @@ def _sign_by_doubled(corners: FloatArray) -> Signs:
     side = np.where(exact, in_order, np.sign(estimate))
     certain = exact | (np.abs(estimate) > bound)
     for product in (left, right):
-        certain &= (np.abs(product) > LEAST_PRODUCT) & (np.abs(product) < GREATEST_PRODUCT)
+        certain &= (np.abs(product) > MIN_PRODUCT) & (np.abs(product) < MAX_PRODUCT)
     for factor in (p, q, r, s):
-        certain &= np.abs(factor) < GREATEST_PRODUCT
+        certain &= np.abs(factor) < MAX_PRODUCT
     sign: Signs = np.where(certain, side, 0.0).astype(np.int8)
     open_ = np.flatnonzero(~certain)
     if len(open_):

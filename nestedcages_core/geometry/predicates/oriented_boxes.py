@@ -1,4 +1,4 @@
-"""Boxes turned along their segments: they tell long slanted segments side by side apart, which upright ones do not."""
+"""Boxes turned along their segments: unlike upright ones they separate long, slanted, parallel segments."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 
-ROUNDING = 1e-13
-"""Share of the largest coordinate that a separation must exceed to be believed; some 900 roundings of a double."""
+SEPARATION_ROUNDING = 1e-13
+"""Fraction of the largest coordinate that a separation must exceed; some 900 roundings of a double."""
 
-LEAST_SEPARATION = 1e-290
-"""Separation, in input units, below which underflow could pretend it."""
+MIN_SEPARATION = 1e-290
+"""Separation in input units, below which it may be due to underflow."""
 
 
 class OrientedBoxes:
@@ -24,7 +24,9 @@ class OrientedBoxes:
 
     def __init__(self, middle: FloatArray, axis: FloatArray, half: FloatArray, longest: FloatArray) -> None:
         self.middle, self.axis, self.half, self.longest = middle, axis, half, longest
-        self.slack = ROUNDING * float(np.abs(middle).max(initial=0.0) + half.max(initial=0.0)) + LEAST_SEPARATION
+        self.slack = (
+            SEPARATION_ROUNDING * float(np.abs(middle).max(initial=0.0) + half.max(initial=0.0)) + MIN_SEPARATION
+        )
 
     @classmethod
     def of_segments(cls, starts: FloatArray, ends: FloatArray) -> OrientedBoxes:
@@ -59,7 +61,7 @@ class OrientedBoxes:
             return OrientedBoxes(middle, axis, np.stack((length, width), axis=1), longest.max(axis=1))
 
     def gap(self, i: IntArray, other: OrientedBoxes, j: IntArray) -> FloatArray:
-        """How far the boxes i of this level and j of the other are apart across their axes, at least, (K,)."""
+        """Lower bound of the distance between boxes i of this level and j of the other, across their axes, (K,)."""
         with _beyond_range():
             offset, axis, other_axis = other.middle[j] - self.middle[i], self.axis[i], other.axis[j]
             (length, width), (other_length, other_width) = self.half[i].T, other.half[j].T
@@ -73,12 +75,12 @@ class OrientedBoxes:
         with _beyond_range():
             along, across = _coordinates(points - self.middle[nodes], self.axis[nodes])
             length, width = self.half[nodes].T
-            slack = self.slack + ROUNDING * np.abs(points).max(axis=1)
+            slack = self.slack + SEPARATION_ROUNDING * np.abs(points).max(axis=1)
             return np.asarray(~((np.abs(along) - length > slack) | (np.abs(across) - width > slack)))
 
 
 def _beyond_range() -> AbstractContextManager[None]:
-    """Beyond the range of a double nothing is told apart, which is safe, so numpy need not warn."""
+    """No warnings: beyond the range of a double no boxes are separated, which is safe."""
     return np.errstate(all="ignore")
 
 
