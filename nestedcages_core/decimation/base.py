@@ -42,6 +42,21 @@ class SeveralStarts(Protocol):
         ...
 
 
+def clamped(count: int, fine: Mesh) -> tuple[int, tuple[str, ...]]:
+    """A number of vertices, reduced to that of the fine mesh if it is larger, and a note if so."""
+    available = len(fine.vertices)
+    if count <= available:
+        return count, ()
+    return available, (f"{count} vertices were asked for, but the mesh inside has {available}: so has the cage.",)
+
+
+def shared_anew(count: Count, coarse: Mesh) -> tuple[str, ...]:
+    """A note if a coarse mesh has other numbers of vertices per loop than were asked for."""
+    if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
+        return ()
+    return ("The vertices per loop of the coarse mesh do not fit the mesh inside: their sum is shared out anew.",)
+
+
 @dataclass(frozen=True)
 class Budget:
     """A checked count: `total` vertices; `per_loop` in the order of `fine.loops`, or None to be shared out freely."""

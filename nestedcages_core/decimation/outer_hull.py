@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -56,13 +56,24 @@ class OuterHull:
     def candidates(self, fine: Mesh, count: Count, *, clearance: float = 0.0, keep: int = 3) -> list[Mesh]:
         """Up to `keep` different meshes that strictly enclose the fine one, by exact predicates, least area first.
 
-        count: total number of vertices, or one per loop of the fine mesh (exactly these, even if it has fewer itself).
+        count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
+        unless the loops then block each other: their sum is shared out anew.
         clearance: distance to keep from the fine mesh where there is room, in input units. Loop k of each mesh belongs
         to loop k of the fine mesh.
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
-        search = _Search(self, Request.of(fine, count), clearance)
+        request = Request.of(fine, count)
+        try:
+            return self._best(request, clearance, keep)
+        except NestingError:
+            if request.per_loop is None:
+                raise
+        return self._best(replace(request, per_loop=None), clearance, keep)
+
+    def _best(self, request: Request, clearance: float, keep: int) -> list[Mesh]:
+        """Up to `keep` meshes of one request, least area first. Raises NestingError."""
+        search = _Search(self, request, clearance)
         too_large: list[Outline] = []
         for hulls in (search.with_clearance, search.around_offset, search.without_small_details):
             found = hulls()

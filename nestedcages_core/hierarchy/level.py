@@ -11,6 +11,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Count, Decimation, SeveralStarts
+from ..decimation.base import clamped, shared_anew
 from ..energies import CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
@@ -48,20 +49,25 @@ class LevelBuilder:
     def build(self, wanted: int | Mesh) -> Level:
         """The level for a vertex count or a coarse mesh, by the flow or, where that fails, from the fallback."""
         settings = self.settings
+        notes: tuple[str, ...] = ()
+        if not isinstance(wanted, Mesh):
+            wanted, notes = clamped(wanted, self.fine)
         same = not isinstance(wanted, Mesh) and settings.fallback == settings.decimation
         fallback = None if same else settings.fallback
         self.report.begin("decimation")
         try:
             if isinstance(wanted, Mesh):
                 return self._certified(self._approach(wanted, False), ())
-            return self._best(self._starts(settings.decimation, wanted), (), last=fallback is None)
+            return self._best(self._starts(settings.decimation, wanted), notes, last=fallback is None)
         except (FlowError, ReinflationError, NestingError) as error:
             if fallback is None:
                 raise
             note = f"Started from the outer hull instead of the coarse mesh: {error}"
             logger.debug("fallback: %s", error)
         self.report.begin("decimation")
-        return self._best(self._starts(fallback, self._counts(wanted)), (note,), last=True)
+        counts = self._counts(wanted)
+        starts = self._starts(fallback, counts)
+        return self._best(starts, (*notes, note, *shared_anew(counts, starts[0])), last=True)
 
     def _starts(self, decimation: Decimation, count: Count) -> list[Mesh]:
         """Coarse meshes to begin with: several where the decimation offers them, since they end in different optima."""

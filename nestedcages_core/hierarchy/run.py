@@ -93,11 +93,10 @@ def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int |
         raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
     fine = fine.validated()
     checked: list[int | Mesh] = []
-    before = len(fine.vertices)
     loops = len(fine.loops)
     for number, level in enumerate(levels, start=1):
         if isinstance(level, Mesh):
-            count, loops = len(level.vertices), len(level.loops)
+            loops = len(level.loops)
             checked.append(level.validated())
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
             count = int(level)
@@ -109,12 +108,6 @@ def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int |
             checked.append(count)
         else:
             raise NestingError(f"Level {number} must be a number of vertices or a Mesh, not {level!r}.")
-        if count > before:
-            what = "the fine mesh" if number == 1 else f"level {number - 1}"
-            raise NestingError(
-                f"Level {number} has {count} vertices, more than the {before} of {what}; levels go from fine to coarse."
-            )
-        before = count
     if not checked:
         raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
     return fine, checked
