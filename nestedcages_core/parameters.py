@@ -11,18 +11,35 @@ from .errors import NestedCagesError
 
 
 def check_positive(method: object, *names: str) -> None:
-    """NestedCagesError unless the named parameters are numbers above 0; infinity is allowed."""
+    """NestedCagesError unless the named parameters are finite numbers above 0."""
+    _check(method, names, lambda value: 0.0 < value < math.inf, "must be positive and finite")
+
+
+def check_limit(method: object, *names: str) -> None:
+    """NestedCagesError unless the named parameters are numbers above 0; infinity is no limit."""
     _check(method, names, lambda value: value > 0.0, "must be positive")
 
 
 def check_not_negative(method: object, *names: str) -> None:
     """NestedCagesError unless the named parameters are finite numbers of at least 0."""
-    _check(method, names, lambda value: 0.0 <= value < math.inf, "must be at least 0")
+    _check(method, names, lambda value: 0.0 <= value < math.inf, "must be finite and at least 0")
 
 
 def check_fraction(method: object, *names: str) -> None:
     """NestedCagesError unless the named parameters are numbers above 0 and at most 1."""
     _check(method, names, lambda value: 0.0 < value <= 1.0, "must be above 0 and at most 1")
+
+
+def check_reduction(method: object, *names: str) -> None:
+    """NestedCagesError unless the named parameters are numbers above 0 and below 1."""
+    _check(method, names, lambda value: 0.0 < value < 1.0, "must be above 0 and below 1")
+
+
+def check_flag(method: object, *names: str) -> None:
+    """NestedCagesError unless the named parameters are True or False."""
+    for name in names:
+        if not isinstance(getattr(method, name), bool | np.bool_):
+            raise _error(method, name, "must be True or False", getattr(method, name))
 
 
 def check_count(method: object, *names: str, least: int = 1) -> None:

@@ -22,6 +22,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from .autodiff import Jet, Number, Point, plain_points_of, points_of
@@ -44,6 +45,11 @@ class ElementEnergy:
     """Maps a coarse mesh to the corners (E, k) of the elements, indices of its vertices."""
     formula: Formula
     """f."""
+
+    def __post_init__(self) -> None:
+        for name in ("elements", "formula"):
+            if not callable(getattr(self, name)):
+                raise NestedCagesError(f"ElementEnergy: {name} must be a function, not {getattr(self, name)!r}.")
 
     @classmethod
     def per_vertex(cls, formula: Formula) -> ElementEnergy:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray
+from ..parameters import check_count, check_not_negative
 from .base import Objective, SolverResult
 from .line_search import backtrack
 
@@ -26,6 +27,10 @@ class ProjectedNewton:
     """Stop when the predicted decrease is below this fraction of the first one."""
     max_iterations: int = 100
     """Cap on the steps."""
+
+    def __post_init__(self) -> None:
+        check_not_negative(self, "tolerance")
+        check_count(self, "max_iterations", least=0)
 
     def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""

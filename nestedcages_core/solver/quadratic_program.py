@@ -21,6 +21,7 @@ import numpy as np
 from ..energies import Blocks
 from ..errors import NestedCagesError
 from ..geometry.arrays import TINY, FloatArray
+from ..parameters import check_count, check_positive
 from .banded import BandedSystem, BandOrder, Rows
 
 START_MULTIPLIER, START_SLACK = 1.0, 0.1
@@ -111,6 +112,10 @@ class InteriorPoint:
     """Largest violation of a constraint at the end, relative to the mean radius."""
     dual: float = 0.02
     """Largest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
+
+    def __post_init__(self) -> None:
+        check_count(self, "iterations", least=0)
+        check_positive(self, "complementarity", "primal", "dual")
 
     def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> QPSolution:
         """Solve; ``absolute`` is a complementarity, in units of the energy, at which to stop in any case.

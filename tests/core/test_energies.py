@@ -286,5 +286,5 @@ def test_a_weighted_sum_takes_energies(term: object) -> None:
 
 @pytest.mark.parametrize("strength", [-1.0, np.inf, np.nan, "much"])
 def test_shape_keeping_takes_a_strength_from_zero(strength: object) -> None:
-    with pytest.raises(NestedCagesError, match="ShapeKeeping: strength must be at least 0, not"):
+    with pytest.raises(NestedCagesError, match="ShapeKeeping: strength must be finite and at least 0, not"):
         ShapeKeeping(strength)

@@ -20,7 +20,7 @@ from nestedcages_core import (
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.energies import Energy
-from nestedcages_core.published.sacht_2015.impact_zones import KEPT, ImpactZones
+from nestedcages_core.published.sacht_2015.impact_zones import KEPT_PROXIMITY, ImpactZones
 from nestedcages_core.solver import ProjectedNewton
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring, star
 
@@ -52,7 +52,7 @@ def test_a_struck_edge_takes_the_nearest_velocity_that_does_not_penetrate() -> N
     t = (1.004 - 0.25) / 2.0
     rows = np.zeros((1, 8))
     rows[0, 5], rows[0, 7] = 1.0 - t, t
-    least = np.array([0.05 + min(PROXIMITY, KEPT * 0.02) - 0.02])
+    least = np.array([0.05 + min(PROXIMITY, KEPT_PROXIMITY * 0.02) - 0.02])
     expected = wished[:4].ravel() + least_change(rows, least)
     assert np.allclose(velocity[:4].ravel(), expected, atol=0.1 * PROXIMITY)
     assert np.array_equal(velocity[4:], wished[4:])

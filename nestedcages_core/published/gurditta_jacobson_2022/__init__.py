@@ -1,4 +1,7 @@
-"""Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) as written, with its repairs one at a time."""
+"""Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) as published, with repairs one at a time.
+
+Section 3.1: the flow (Algorithms 1 and 2). Section 3.2: reinflation, its energy and its gradient descent.
+"""
 
 from __future__ import annotations
 
@@ -8,4 +11,11 @@ from .gradient_descent import GradientDescent
 from .potential import PaperWeights
 from .signed_distance_flow import SignedDistanceFlow
 
-__all__ = ["GradientDescent", "PaperContact", "PaperFlow", "PaperWeights", "Repairs", "SignedDistanceFlow"]
+__all__ = [  # noqa: RUF022 - in the order of the paper
+    "PaperFlow",  # section 3.1 as its program runs it, with parity tests
+    "SignedDistanceFlow",  # section 3.1 with exact signs and a choice of quadratures
+    "PaperContact",  # section 3.2: the loop over the steps of the flow
+    "PaperWeights",  # its weights of the terms of the energy
+    "GradientDescent",  # its solver
+    "Repairs",  # fixes of its program
+]

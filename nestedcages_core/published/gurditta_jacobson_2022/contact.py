@@ -1,7 +1,7 @@
-"""Reinflation as the paper writes it (Gurditta & Jacobson 2022, section 3.2), with its repairs as switches.
+"""Reinflation as published (Gurditta & Jacobson 2022, section 3.2), with repairs as switches.
 
 For each step of the flow, from the last to the first, the energy is lowered by a fixed number of descent steps. Nothing
-says that the fine mesh has arrived before the next target is set, and nothing brings the rest of it home in the end.
+ensures that the fine mesh reaches its target before the next one is set, nor its original position in the end.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from ...contact.pairs import Bodies
 from ...contact.step_filter import NoFilter, StepFilter
 from ...energies import CageEnergy
 from ...geometry.arrays import FloatArray
+from ...parameters import check_flag, check_positive
 from ...solver import Solver
 from .flow import PAPER_DIAGONAL
 from .potential import PaperPotential, PaperWeights
 
-STIFFER = 4.0
-"""Repair of the home-coming: factor on λ_R while the fine mesh rests short of home."""
+STIFFENING = 4.0
+"""Factor on λ_R while the fine mesh cannot go straight to its original position."""
 
 MAX_STIFFENINGS = 12
 """Cap on those factors."""
@@ -30,13 +31,15 @@ MAX_STIFFENINGS = 12
 
 @dataclass(frozen=True)
 class Repairs:
-    """What the paper's program gets wrong, each mended on its own. The third repair of the three, of infinite energies,
-    is the solver's: ``GradientDescent(refuse_infinite=True)``."""
+    """Fixes to the paper's program, one by one. A third one is `GradientDescent(refuse_infinite=True)`."""
 
     parity: bool = False
-    """E_cont by exact crossings, which also see the cage cross itself, instead of parity along rays."""
+    """E_cont by exact crossings, self-crossings of the cage included, instead of parity along rays."""
     exact_home: bool = False
-    """λ_R grows after the last target until the fine mesh can go straight home without contact; then it does."""
+    """Increase λ_R after the last target until the fine mesh can go straight to it without contact; then go."""
+
+    def __post_init__(self) -> None:
+        check_flag(self, "parity", "exact_home")
 
 
 @dataclass(frozen=True)
@@ -47,13 +50,18 @@ class PaperContact:
     """
 
     d_hat: float = 0.1 / PAPER_DIAGONAL
-    """Range of the barrier; the program's is 0.1 on the annulus of Table 1."""
+    """Range of the barrier; the program has 0.1 on the annulus of Table 1."""
     weights: PaperWeights = field(default_factory=PaperWeights)
+    """Weights of the terms of the energy."""
     repairs: Repairs = field(default_factory=Repairs)
+    """Fixes to apply."""
     step_filter: StepFilter = field(default_factory=NoFilter)
     """What bounds a step before the line search."""
     broad_phase: BroadPhase = field(default_factory=AllPairs)
-    """Which pairs are looked at."""
+    """Which pairs are considered."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "d_hat")
 
     def reinflate(
         self,
@@ -66,8 +74,7 @@ class PaperContact:
         solver: Solver,
         on_step: Callable[[FloatArray], None],
     ) -> ContactOutcome:
-        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`. ``clearance`` is not known
-        here.
+        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`. ``clearance`` is unused.
 
         Unless a step filter is safe, the linear motion between steps may pass through a contact.
         """
@@ -102,7 +109,7 @@ class PaperContact:
                 solution = solver.minimise(objective, x, on_step)
                 x = solution.x
                 iterations += solution.iterations
-                weights = PaperWeights(STIFFER * weights.restoring, weights.cages, weights.barrier)
+                weights = PaperWeights(STIFFENING * weights.restoring, weights.cages, weights.barrier)
         short = np.hypot(*(path[-1] - x[bodies.m :]).T)
         worst = int(short.argmax())
         came_home = not bool(short.any())

@@ -1,7 +1,7 @@
-"""The flow as the paper's program runs it: parity decides what is inside, and so which way the gradient points.
+"""The flow as the paper's program runs it (Gurditta & Jacobson 2022, section 3.1, Algorithms 1 and 2).
 
-:class:`SignedDistanceFlow` is the same method with exact signs. The differences are kept in one place here, so that the
-comparison can mend them one at a time.
+Ray parity decides what is inside, and so the sign of the gradient. :class:`SignedDistanceFlow` is the same method with
+exact signs.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ...geometry.arrays import FloatArray
 from ...geometry.distance import SMALLEST_LENGTH
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
+from ...parameters import check_count, check_flag, check_positive
 from .ray_parity import contained_by_parity, inside_by_parity
 
 PAPER_DIAGONAL = float(np.sqrt(8.0))
@@ -28,16 +29,21 @@ class PaperFlow:
     """F ← F - h ∇̄ until the fine mesh is inside, with ∇̄ the gradient averaged over both edges and normalised."""
 
     step: float = 0.01 / PAPER_DIAGONAL
-    """h in bounding-box diagonals of the fine mesh; the program's is 0.01 on the annulus of Table 1."""
+    """h in bounding-box diagonals of the fine mesh; the program has 0.01 on the annulus of Table 1."""
     limit: int = 300
-    """Most steps; the program has no cap. Of 78 pairs none that was outside after 230 steps got inside in 1,000."""
+    """Maximum number of steps; the program has none. Of 78 pairs, none outside after 230 steps got inside in 1,000."""
     samples: int = 4
     """Samples per edge, at t = 0, 1/samples, … from the vertex on, weighted (1 - t)² / length."""
     exact_parity: bool = False
-    """Repair: exact winding numbers and crossings instead of parity, which a ray through a vertex deceives."""
+    """Repair: exact winding numbers and crossings instead of parity, which fails for rays through a vertex."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "step")
+        check_count(self, "limit", "samples")
+        check_flag(self, "exact_parity")
 
     def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
-        """All steps from the fine mesh on, until the test of the method says that it is inside.
+        """All steps of the fine mesh, until the method's own test finds it inside.
 
         Raises: FlowError after ``limit`` steps with the cause, and the FlowResult so far as `partial`.
         """
@@ -62,7 +68,7 @@ class PaperFlow:
         return contained_by_parity(coarse.vertices, coarse.successor, vertices, fine.successor)
 
     def _sign(self, vertices: FloatArray, coarse: Mesh, distance: SignedDistance) -> FloatArray:
-        """(n,) 1 outside the coarse mesh and -1 inside."""
+        """(n,) 1 outside the coarse mesh, -1 inside."""
         if self.exact_parity:
             return np.where(distance.winding(vertices) == distance.outside, 1.0, -1.0)
         ends = coarse.vertices[coarse.successor]

@@ -1,4 +1,4 @@
-"""Gradient descent with backtracking: the paper's solver, as written (Gurditta & Jacobson 2022, section 3.2)."""
+"""Gradient descent with backtracking, the solver of the paper (Gurditta & Jacobson 2022, section 3.2)."""
 
 from __future__ import annotations
 
@@ -8,36 +8,43 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ...parameters import check_count, check_flag, check_positive, check_reduction
 from ...solver.base import Objective, SolverResult
 
 
 @dataclass(frozen=True)
 class GradientDescent:
-    """x ← x - t ∇E, a fixed number of times, with t halved until E has fallen enough (Boyd & Vandenberghe 2004,
-    algorithm 9.2).
+    """x ← x - t ∇E, a fixed number of times, with t reduced until E decreases enough.
 
-    Steps have no unit where the energy is a length²: the same descent at any size of the drawing.
+    Backtracking after Boyd & Vandenberghe 2004, algorithm 9.2. t has no unit if the energy is a length²: the descent
+    does not depend on scale.
     """
 
     steps: int = 100
-    """Descent steps of one minimisation; the paper has no other way to end it."""
+    """Number of steps of one minimisation: the only stopping criterion of the paper."""
     first_step: float = 0.05
-    """The first t tried."""
+    """First t."""
     contraction: float = 0.5
-    """β, the factor on a t that was refused."""
+    """β, the factor on a rejected t, between 0 and 1."""
     sufficient_decrease: float = 0.1
-    """α, the fraction of the decrease that the gradient predicts."""
+    """α, the required fraction of the predicted decrease, between 0 and 1."""
     smallest_step: float = 1e-15
-    """t below which the search ends."""
+    """Lower bound on t, at which the search ends."""
     refuse_infinite: bool = False
-    """Repair: an infinite energy is no decrease, even when it was infinite before."""
+    """Repair: reject states of infinite energy, even after another one."""
+
+    def __post_init__(self) -> None:
+        check_count(self, "steps", least=0)
+        check_positive(self, "first_step", "smallest_step")
+        check_reduction(self, "contraction", "sufficient_decrease")
+        check_flag(self, "refuse_infinite")
 
     def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""
         for iteration in range(self.steps):
             if objective.finished(x):
                 return SolverResult(x, iteration, True)
-            with np.errstate(over="ignore", invalid="ignore"):  # of meshes thrown by an infinite energy
+            with np.errstate(over="ignore", invalid="ignore"):  # of meshes after a step from an infinite energy
                 step = self._step(objective, x)
             if step is None:
                 return SolverResult(x, iteration + 1, False)
@@ -55,7 +62,7 @@ class GradientDescent:
         while t > self.smallest_step:
             candidate = x - t * gradient
             after = objective.value(candidate)
-            # E = ∞ refuses nothing: ∞ > ∞ is false, and the first step is taken, wherever it leads
+            # as published: ∞ > ∞ is false, so from an infinite energy the first step is taken, wherever it leads
             refused = after > value - self.sufficient_decrease * t * predicted
             if not refused and (np.isfinite(after) or not self.refuse_infinite):
                 return candidate

@@ -1,4 +1,4 @@
-"""The energy of the paper's section 3.2, term by term as its program weighs them."""
+"""The energy of reinflation, with the weights of the paper's program (Gurditta & Jacobson 2022, section 3.2)."""
 
 from __future__ import annotations
 
@@ -18,27 +18,34 @@ from ...energies.blocks import assembled_gradient
 from ...energies.containment_energy import ContainmentEnergy
 from ...geometry.arrays import FloatArray
 from ...geometry.distance import PointEdge, distance_gradient
+from ...parameters import check_not_negative
 from ...solver import NewtonModel
 from .ray_parity import contained_by_parity
 
-TOUCHING = 1e-15
-"""Pairs closer than this feel no barrier in the program, which so passes over a vertex and its own edges."""
+SMALLEST_DISTANCE = 1e-15
+"""Distance in bounding-box diagonals below which the program has no barrier, to skip a vertex and its own edges."""
 
 
 @dataclass(frozen=True)
 class PaperWeights:
-    """λ_R, λ_cages, λ_B of the program, which hold at any size: every term of the energy is a length²."""
+    """Weights of the program, which hold at any scale: every term of the energy is a length²."""
 
     restoring: float = 1e4
+    """λ_R."""
     cages: float = 10.0
+    """λ_cages."""
     barrier: float = 10.0
+    """λ_B."""
+
+    def __post_init__(self) -> None:
+        check_not_negative(self, "restoring", "cages", "barrier")
 
 
 class PaperPotential:
     """E = λ_R R + λ_cages E_cages + λ_B (B_FC + B_CF + B_CC) + E_cont over x = (C; F).
 
-    R = ½ Σ |f - target|², every vertex alike; B = Σ -(d - d̂)² log(d / d̂) over all pairs closer than one d̂; E_cont = 0
-    or ∞. The last has no gradient and acts through the line search alone.
+    R = ½ Σ |f - target|²; B = Σ -(d - d̂)² log(d / d̂) over all pairs closer than d̂; E_cont = 0 or ∞, which has no
+    gradient and acts through the line search only.
     """
 
     def __init__(
@@ -66,7 +73,7 @@ class PaperPotential:
         return self._value(x, self._within_range(x)[1])
 
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """E and its gradient, which is that of its finite terms."""
+        """E and the gradient of its finite terms."""
         pairs, pair = self._within_range(x)
         self._ceiling = np.inf
         self._ceiling = self._value(x, pair)
@@ -78,7 +85,7 @@ class PaperPotential:
         return self._ceiling, gradient
 
     def newton(self, x: FloatArray) -> NewtonModel:
-        """E, its gradient and its projected Newton direction, which the paper leaves as further work."""
+        """E, its gradient and its projected Newton direction, named as further work by the paper."""
         value, gradient = self.slope(x)
         pairs, pair = self._within_range(x)
         weight = np.full(len(pairs), self.weights.barrier)
@@ -89,12 +96,12 @@ class PaperPotential:
         return NewtonModel(value, gradient, newton_direction(pairs.corners, factors, stiffness, own, gradient))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
-        """Fraction of ``direction`` that the step filter lets through."""
+        """Fraction of ``direction`` that the step filter allows."""
         pairs, pair = self._near(x, direction)
         return self.step_filter.fraction(pairs, x, direction, pair.distance)
 
     def finished(self, x: FloatArray) -> bool:
-        """Whether the fine mesh can go straight to its target, if that is asked for: the paper does not ask."""
+        """Whether the fine mesh can go straight to its target, if ``ends_at_target``; always False as published."""
         if not self.ends_at_target:
             return False
         motion = np.zeros_like(x)
@@ -106,8 +113,8 @@ class PaperPotential:
         return bool((after > DIRECT_STEP_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
 
     def _value(self, x: FloatArray, pair: PointEdge) -> float:
-        """E, or its finite terms alone where these already exceed E at the last slope: E_cont, the dearest term, then
-        refuses nothing that is not refused anyway."""
+        """E; without E_cont, the costly term, where the others already exceed E at the last slope and the line search
+        rejects the state anyway."""
         m = self.bodies.m
         cages = self.energy.value(x[:m], self.bodies.cage_successor)
         if not np.isfinite(cages):
@@ -122,21 +129,21 @@ class PaperPotential:
         return np.inf
 
     def _contained(self, x: FloatArray) -> bool:
-        """E_cont = 0, by parity as written or by exact predicates."""
+        """Whether E_cont is 0, by parity as published or by exact predicates."""
         if self._exact is not None:
             return self._exact.value(x) == 0.0
         m = self.bodies.m
         return contained_by_parity(x[:m], self.bodies.cage_successor, x[m:], self.bodies.fine_successor)
 
     def _within_range(self, x: FloatArray) -> tuple[Pairs, PointEdge]:
-        """The pairs that the barrier acts on."""
+        """The pairs with a barrier."""
         pairs = self.candidates.within(x, self.d_hat, self.d_hat)
         pair = pairs.measure(x)
-        active = (pair.distance < self.d_hat) & (pair.distance >= TOUCHING)
+        active = (pair.distance < self.d_hat) & (pair.distance >= SMALLEST_DISTANCE)
         return pairs.subset(active), PointEdge(*(field[active] for field in pair))
 
     def _near(self, x: FloatArray, motion: FloatArray) -> tuple[Pairs, PointEdge]:
-        """The pairs that can meet in a motion; an edge has nothing to fear from its neighbours' common vertices."""
+        """A superset of the pairs that can meet in a motion."""
         longest = float(np.sqrt((motion * motion).sum(axis=1).max()))
         pairs = self.candidates.within(x, self.d_hat + 2.0 * longest, self.d_hat)
         return pairs, pairs.measure(x)

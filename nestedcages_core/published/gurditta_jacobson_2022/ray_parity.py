@@ -1,6 +1,6 @@
-"""Containment as the paper tests it: parity along a ray, and edges that cross.
+"""Containment as the paper's program tests it: parity along a ray, and crossing edges.
 
-Kept to show what it gets wrong; everything that certifies uses :func:`winding_number` and :func:`crossing_pairs`.
+For comparison only. Certificates use :func:`winding_number` and :func:`crossing_pairs`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from ...geometry.vectors import cross
 def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
     """(P,) whether a ray from each point (P, 2) along +x crosses an odd number of edges (E, 2) between their ends.
 
-    A ray that meets a vertex crosses neither of its edges between the ends, so it goes uncounted: the answer is then
-    wrong, for instance for every vertex of a regular polygon on the height of one of the coarse mesh's.
+    A ray through a vertex crosses neither of its edges between their ends and is not counted, so the result is wrong,
+    for instance for every vertex of a regular polygon at the height of a coarse vertex.
     """
     edge = ends - starts
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -26,7 +26,7 @@ def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -
 
 
 def edges_meet(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> bool:
-    """Whether any edge of a-b (E, 2) meets any of c-d (K, 2), in floating point; parallel edges are passed over."""
+    """Whether any edge of a-b (E, 2) meets any of c-d (K, 2), in floating point; parallel edges are skipped."""
     u, w, apart = (b - a)[:, None], (d - c)[None], c[None] - a[:, None]
     turn = cross(u, w)
     with np.errstate(divide="ignore", invalid="ignore"):

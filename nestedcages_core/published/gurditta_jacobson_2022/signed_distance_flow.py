@@ -1,4 +1,4 @@
-"""The paper's flow down the signed distance of the coarse mesh, averaged around each vertex (Algorithms 1 and 2)."""
+"""The flow down the signed distance of the coarse mesh (Gurditta & Jacobson 2022, section 3.1), with exact signs."""
 
 from __future__ import annotations
 
@@ -13,18 +13,23 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.quadrature import QuadraticFallOff, Quadrature, vertex_samples
 from ...geometry.signed_distance import SignedDistance
+from ...parameters import check_count, check_positive
 
 
 @dataclass(frozen=True)
 class SignedDistanceFlow:
-    """Algorithm 1: steps of one length along the averaged gradient of Algorithm 2 until the fine mesh is inside."""
+    """Algorithm 1: steps of fixed length along the averaged gradient of Algorithm 2, until the fine mesh is inside."""
 
     step: float = 5e-3
     """Length of a step in bounding-box diagonals of the fine mesh."""
     limit: int = 200
-    """Most steps."""
+    """Maximum number of steps."""
     quadrature: Quadrature = field(default_factory=QuadraticFallOff)
-    """Where the gradient is sampled around a vertex, and with what weight."""
+    """Sample points and weights of the gradient around a vertex."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "step")
+        check_count(self, "limit")
 
     def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.

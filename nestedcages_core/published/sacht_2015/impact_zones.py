@@ -1,15 +1,14 @@
-"""The velocity nearest to a wished one with which nothing penetrates (Brochu & Bridson 2009, section 4; Harmon et al.
-2008).
+"""Impact zones: the nearest velocity without penetration (Harmon et al. 2008; Brochu & Bridson 2009, section 4).
 
-Swept collisions are found by continuous collision detection. Each becomes a row of a quadratic program: at the place
-and with the normal of the impact, the pair has to stay apart,
+Continuous collision detection finds the impacts. Each becomes a row of a quadratic program, which keeps the pair apart
+at the position and along the normal of the impact,
 
     minimise   ½ |V - V*|² + |e|² / (2 ε)
     subject to g + n · (V_p - (1 - t) V_a - t V_b) + e ≥ margin,
 
-g the distance along n at the start. The fine mesh has infinite mass: its velocity is prescribed, and only the cage's
-vertices move. The new velocity may bring new impacts, whose rows join the old ones, until there are none: pairs that
-share vertices so come to form an impact zone, and V is nearest for the zone as a whole.
+with the distance g along n at the start. The fine mesh has infinite mass: its velocity is prescribed, and only the cage
+responds. The new velocity may cause new impacts, whose rows are added, until there are none. Pairs that share vertices
+form an impact zone, and V is the nearest velocity for the zone as a whole.
 """
 
 from __future__ import annotations
@@ -22,30 +21,30 @@ from ...contact.ccd import impacts
 from ...contact.linearisation import Contacts, local_axes, measure
 from ...contact.pairs import Bodies, Pairs
 from ...energies import Blocks
-from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.vectors import rotated_left
 from ...solver.banded import Rows
 from ...solver.quadratic_program import InteriorPoint, QuadraticProgram
 
-ROUNDS = 12
-"""Cap on the programs for one velocity; what still collides then is left to the halving of the step."""
+MAX_PROGRAMS = 12
+"""Cap on the programs for one velocity; remaining impacts are left to the halving of the step."""
 
-KEPT = 0.7
-"""A pair closer than the proximity has to keep this part of its distance: more than the feasibility rule asks for."""
+KEPT_PROXIMITY = 0.7
+"""Fraction of its distance that a pair closer than the proximity keeps: more than the feasibility rule requires."""
 
-SOFTNESS = 1e-4
-"""ε: how far a row may be missed per unit of impulse; every program so has a solution, pinched cages too."""
+IMPULSE_COMPLIANCE = 1e-4
+"""ε: violation of a row per unit of impulse, so that every program has a solution, even for pinched cages."""
 
-COMPLEMENTARITY = 1e-4
-"""Complementarity of the programs that is small enough, in units of the proximity squared."""
+IMPULSE_TOLERANCE = 1e-4
+"""Complementarity at which a program is solved in any case, in units of the proximity squared."""
 
 LARGEST_VELOCITY = 4.0
-"""The cage's vertices may move so many times the largest wished motion plus the proximity, along each axis."""
+"""Largest motion of a cage vertex along each axis, relative to the largest wished motion plus the proximity."""
 
 
 @dataclass(frozen=True, eq=False)
 class Impacts:
-    """K rows: pairs that have to stay apart, with the place and the normal of their impacts."""
+    """K rows: pairs to keep apart, with the position and the normal of their impacts."""
 
     point: IntArray
     start: IntArray
@@ -55,20 +54,20 @@ class Impacts:
     distance: FloatArray
     """(K,) g, along the normal, at the start."""
     margin: FloatArray
-    """(K,) what has to be left of it."""
+    """(K,) distance to keep."""
 
     def joined(self, other: Impacts) -> Impacts:
-        """Both."""
+        """The rows of both."""
         return Impacts(*(np.concatenate(both) for both in zip(vars(self).values(), vars(other).values(), strict=True)))
 
     def where(self, keep: IntArray) -> Impacts:
-        """Those with the indices ``keep``."""
+        """The rows with the indices ``keep``."""
         return Impacts(*(array[keep] for array in vars(self).values()))
 
 
 @dataclass(frozen=True)
 class ImpactZones:
-    """Finds velocities."""
+    """Filters velocities."""
 
     bodies: Bodies
     proximity: float
@@ -78,14 +77,14 @@ class ImpactZones:
     )
 
     def nearest(self, pairs: Pairs, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, int]:
-        """A velocity (m + n, 2) near the wished one, equal to it on the fine mesh, and the systems solved.
+        """The filtered velocity (m + n, 2), equal to the wished one on the fine mesh, and the number of systems solved.
 
-        pairs: all that can meet during the step from x (m + n, 2), which takes unit time.
+        pairs: a superset of those that can meet in the step from x (m + n, 2), which takes unit time.
         """
         contacts = measure(pairs, x)
         rows = self._proximities(pairs, contacts)
         velocity, systems = wished, 0
-        for _ in range(ROUNDS):
+        for _ in range(MAX_PROGRAMS):
             if len(rows.point):
                 velocity, count = self._project(rows, wished, local_axes(self.bodies, x))
                 systems += count
@@ -96,7 +95,7 @@ class ImpactZones:
         return velocity, systems
 
     def _proximities(self, pairs: Pairs, contacts: Contacts) -> Impacts:
-        """Rows of the pairs that are too close at the start: they come half of the way to the proximity."""
+        """Rows of the pairs that are too close at the start: they recover half of what is missing."""
         close = np.flatnonzero(contacts.distance < self.proximity)
         d = contacts.distance[close]
         return Impacts(
@@ -107,23 +106,23 @@ class ImpactZones:
     def _swept(
         self, pairs: Pairs, contacts: Contacts, x: FloatArray, velocity: FloatArray, hit: IntArray, time: FloatArray
     ) -> Impacts:
-        """Rows of the pairs that collide with this velocity, as they stand at that time."""
+        """Rows of the pairs that collide, at their time of impact."""
         p, a, b = pairs.point[hit], pairs.start[hit], pairs.end[hit]
         then = time[:, None]
         start, end = x[a] + then * velocity[a], x[b] + then * velocity[b]
         edge, to = end - start, x[p] + then * velocity[p] - start
-        squared = np.maximum((edge * edge).sum(axis=1), np.finfo(float).tiny)
+        squared = np.maximum((edge * edge).sum(axis=1), TINY)
         parameter = np.clip((edge * to).sum(axis=1) / squared, 0.0, 1.0)
         normal = rotated_left(edge) / np.sqrt(squared)[:, None]
         before = x[p] - (1.0 - parameter)[:, None] * x[a] - parameter[:, None] * x[b]
         distance = (normal * before).sum(axis=1)
         normal[distance < 0.0] *= -1.0
         distance = np.abs(distance)
-        margin = np.minimum(self.proximity, KEPT * contacts.distance[hit])
+        margin = np.minimum(self.proximity, KEPT_PROXIMITY * contacts.distance[hit])
         return Impacts(p, a, b, parameter, normal, distance, np.minimum(margin, distance))
 
     def _project(self, rows: Impacts, wished: FloatArray, axes: FloatArray) -> tuple[FloatArray, int]:
-        """The nearest velocity that keeps the rows."""
+        """The nearest velocity that satisfies the rows."""
         m = self.bodies.m
         order = np.argsort(2 * (rows.point < m) + (rows.start < m), kind="stable")  # C-F is 2, F-C 1, C-C 3
         rows = rows.where(order)
@@ -153,11 +152,11 @@ class ImpactZones:
             room,
             np.full(m, LARGEST_VELOCITY * largest),
             axes,
-            softness=np.full(len(t), SOFTNESS),
+            softness=np.full(len(t), IMPULSE_COMPLIANCE),
             order=self.bodies.cage_order,
             scale=largest,
         )
-        solution = self.solver.solve(program, COMPLEMENTARITY * self.proximity**2)
+        solution = self.solver.solve(program, IMPULSE_TOLERANCE * self.proximity**2)
         velocity = wished.copy()
         if np.isfinite(solution.step).all():
             velocity[:m] = solution.step

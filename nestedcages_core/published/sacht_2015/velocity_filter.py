@@ -1,9 +1,9 @@
-"""The original contact method of Nested Cages (Sacht et al. 2015, section 5) in the plane.
+"""Expansion with a velocity filter (Sacht et al. 2015, section 5) in the plane.
 
-The fine mesh has infinite mass and takes one step of the flow back at a prescribed velocity; the cage wishes to go down
-the gradient of its energy. Both velocities go through a filter, which replaces the cage's by the nearest one that does
-not penetrate. Then the fine mesh stands still while the cage lowers its energy further, step by filtered step: a step
-that raises the energy is taken back and halved, one that lowers it makes the next a tenth longer.
+The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the cage wishes to
+descend the gradient of its energy. The filter replaces the velocity of the cage by the nearest one without penetration.
+Then the fine mesh rests while the cage lowers its energy further by filtered steps: one that raises the energy is
+undone and halved, one that lowers it makes the next longer by a tenth.
 """
 
 from __future__ import annotations
@@ -20,50 +20,55 @@ from ...contact.linearisation import measure
 from ...contact.pairs import Bodies, CandidateList
 from ...energies import CageEnergy
 from ...geometry.arrays import FloatArray
+from ...parameters import check_count, check_positive
 from ...solver import Solver
 from .impact_zones import LARGEST_VELOCITY, ImpactZones
 
-HALVE, LENGTHEN = 0.5, 1.1
-"""Factors on the descent step after the energy has risen or fallen."""
+DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1
+"""Factors on the descent step after the energy has increased or decreased."""
 
-SHORT = 0.05
-"""Part of a filtered step below which it is tried again over half of the time."""
+SHORTEST_FILTERED_STEP = 0.05
+"""Feasible fraction of a filtered step below which it is repeated over half the time."""
 
-HALVINGS = 6
-"""Cap on these halvings, after which every vertex goes as far as it can."""
+MAX_TIME_HALVINGS = 6
+"""Cap on these halvings, after which each vertex gets a fraction of its own."""
 
-SUBSTEPS = 60
-"""Cap on the parts of one filtered step; the original gives up when a part is below a thousandth."""
+MAX_SUBSTEPS = 60
+"""Cap on the parts of one filtered step; the original program gives up when a part is below a thousandth."""
 
-CLOSER = (1.0, 0.2, 0.04)
-"""Factors on the proximity, the next of which holds from where the fine mesh cannot pass: a gap of the cage may be
-narrower than two proximities, and nothing in it could keep both."""
+PROXIMITY_FACTORS = (1.0, 0.2, 0.04)
+"""Factors on the proximity; the next one holds from where the fine mesh cannot pass, as in gaps of the cage narrower
+than two proximities."""
 
-SKIN = 0.3
-"""Skin of the candidate list as a fraction of the mean coarse edge length."""
+SKIN_PER_EDGE = 0.3
+"""Skin of the candidate list, as a fraction of the mean coarse edge length."""
 
 
 @dataclass(frozen=True)
 class VelocityFilter:
     """Prescribed fine velocities, filtered cage velocities; lengths in bounding-box diagonals of the fine mesh.
 
-    The final pass of the original is the tightening here; without an energy only the way is cleared.
+    Tightening takes the place of the final pass of the original.
     """
 
     proximity: float = 1e-3
     """Distance below which pairs are pushed apart."""
     room: float = 5e-3
-    """The same where the cage has no energy to lower: it leaves room for the tightening."""
+    """The same for a cage without energy, to leave room for tightening."""
     first_step: float = 1e-2
-    """First descent step, a multiple of the energy's gradient."""
+    """First descent step, relative to the gradient of the energy."""
     smallest_step: float = 1e-3
-    """Descent step below which the energy counts as minimal."""
+    """Descent step at which descent ends."""
     still: float = 1e-5
-    """Motion of the cage below which it counts as standing still."""
+    """Motion of the cage at which descent ends."""
     iterations: int = 100
-    """Cap on the descent steps for one step of the flow."""
+    """Maximum number of descent steps per step of the flow."""
     stride: float = 1.0 / 3.0
-    """Longest prescribed motion at once, as a fraction of the mean coarse edge length."""
+    """Longest prescribed motion per step, as a fraction of the mean coarse edge length."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "proximity", "room", "first_step", "smallest_step", "still", "stride")
+        check_count(self, "iterations")
 
     def reinflate(
         self,
@@ -101,10 +106,10 @@ class _Run:
         self.settings, self.bodies, self.x, self.energy, self.on_step = settings, bodies, x, energy, on_step
         self.candidates = CandidateList(bodies)
         self.systems = 0
-        self.closer = max(CLOSER)
+        self.closer = max(PROXIMITY_FACTORS)
 
     def towards(self, target: FloatArray) -> bool:
-        """One step of the flow back to ``target`` (n, 2), and the descent of the cage there; whether it got there."""
+        """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
         settings, m, successor = self.settings, self.bodies.m, self.bodies.cage_successor
         energy = self.energy.after(self.x[:m])
         step = settings.first_step
@@ -113,7 +118,7 @@ class _Run:
             gradient = energy.gradient(self.x[:m], successor)
             idle = not gradient.any()
             proximity = settings.room if idle else settings.proximity
-            for factor in [one for one in CLOSER if one <= self.closer]:
+            for factor in [one for one in PROXIMITY_FACTORS if one <= self.closer]:
                 states, arrived = self._filtered(-step * gradient, target, factor * proximity)
                 self.closer = factor
                 if arrived:
@@ -127,11 +132,11 @@ class _Run:
                 if not arrived:
                     return False
                 lowest = after
-                step *= LENGTHEN
+                step *= DESCENT_GROWTH
                 if idle or (iteration > 0 and motion < settings.still):
                     break
             else:
-                step *= HALVE
+                step *= DESCENT_REDUCTION
                 if step < settings.smallest_step:
                     break
         return True
@@ -144,21 +149,21 @@ class _Run:
         states: list[FloatArray] = []
         x, left, part = self.x, 1.0, 1.0
         halvings = 0
-        for _ in range(SUBSTEPS):
+        for _ in range(MAX_SUBSTEPS):
             wished = part * np.concatenate([left * wish, target - x[m:]])
             longest = float(np.sqrt((wished * wished).sum(axis=1).max()))
             reach = 2.0 * np.sqrt(2.0) * LARGEST_VELOCITY * (longest + proximity) + longest
-            pairs = self.candidates.within(x, reach, SKIN * bodies.cage_edge_length)
+            pairs = self.candidates.within(x, reach, SKIN_PER_EDGE * bodies.cage_edge_length)
             velocity, systems = zones.nearest(pairs, x, wished)
             self.systems += systems
             contacts = measure(pairs, x)
-            fraction = rule.fraction(pairs, contacts, x, velocity, SHORT)
-            # the time of the step is halved, and the velocity found anew
-            if fraction <= SHORT and halvings < HALVINGS:
+            fraction = rule.fraction(pairs, contacts, x, velocity, SHORTEST_FILTERED_STEP)
+            # halve the time of the step and filter again
+            if fraction <= SHORTEST_FILTERED_STEP and halvings < MAX_TIME_HALVINGS:
                 part, halvings = 0.5 * part, halvings + 1
                 continue
             kept = np.full(len(x), fraction)
-            if fraction <= SHORT:
+            if fraction <= SHORTEST_FILTERED_STEP:
                 kept = rule.fractions(pairs, contacts, x, velocity)
                 fraction = float(kept.min())
                 if not kept.any():

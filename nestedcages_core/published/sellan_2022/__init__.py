@@ -4,4 +4,6 @@ from __future__ import annotations
 
 from .level_set import LevelSet
 
-__all__ = ["LevelSet"]
+__all__ = [
+    "LevelSet",  # a decimated level set, at the smallest offset that encloses the mesh
+]

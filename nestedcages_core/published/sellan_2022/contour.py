@@ -13,8 +13,8 @@ from ...geometry.arrays import BoolArray, FloatArray, IntArray
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
 
-NEAREST = 0.01
-"""Contour points keep this fraction of an edge from its ends, so that no two of them fall together."""
+END_MARGIN = 0.01
+"""Distance of contour points from the ends of their grid edge, as a fraction of it, so that no two coincide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Field:
 
     @classmethod
     def signed_distance(cls, mesh: Mesh, cell: float, pad: float) -> Field:
-        """Signed distance to a mesh on a grid that reaches ``pad`` beyond it; deep inside, minus one cell."""
+        """Signed distance to a mesh on a grid padded by ``pad``; -cell deep inside."""
         origin = mesh.vertices.min(axis=0) - pad
         size = np.ceil((mesh.vertices.max(axis=0) + pad - origin) / cell).astype(np.int64) + 1
         x, y = (origin[axis] + cell * np.arange(size[axis]) for axis in (0, 1))
@@ -43,9 +43,9 @@ class Field:
         return cls(origin, cell, values.reshape(size))
 
     def contour(self, level: float) -> Mesh | None:
-        """The boundary of where the values are below a level, as a mesh; None if they are so nowhere.
+        """The boundary of the region below a level, as a mesh; None if that is empty.
 
-        The level must lie below all values on the rim of the grid.
+        The level must be below all values on the rim of the grid.
         """
         inside = self.values < level
         if not inside.any():
@@ -56,18 +56,18 @@ class Field:
 
     @cached_property
     def _middles(self) -> FloatArray:
-        """(X - 1, Y - 1) values in the middle of each cell, which decide where its corners do not."""
+        """(X - 1, Y - 1) values at the cell centres, which resolve ambiguous cells."""
         v = self.values
         middles: FloatArray = 0.25 * (v[:-1, :-1] + v[1:, :-1] + v[:-1, 1:] + v[1:, 1:])
         return middles
 
     def _points(self, edges: IntArray, level: float) -> FloatArray:
-        """(K, 2) where the field has the level on edges of the grid, whose numbers are those of `_edges`."""
+        """(K, 2) points at the level on edges of the grid, numbered as by `_edges`."""
         rows = self.values.shape[1]
         upright = edges % 2
         x, y = np.divmod(edges // 2, rows)
         here, there = self.values[x, y], self.values[x + (1 - upright), y + upright]
-        t = np.clip((level - here) / (there - here), NEAREST, 1.0 - NEAREST)
+        t = np.clip((level - here) / (there - here), END_MARGIN, 1.0 - END_MARGIN)
         steps = np.stack((x + t * (1 - upright), y + t * upright), axis=1)
         points: FloatArray = self.origin + self.cell * steps
         return points
@@ -100,8 +100,8 @@ TURNS: dict[int, Turns] = {
     13: ((LOWER, RIGHT),),
     14: ((LEFT, LOWER),),
 }
-"""For each set of corners inside (1 lower left, 2 lower right, 4 upper right, 8 upper left) the edges from which and to
-which the contour runs, with the inside on its left."""
+"""For each case (corners inside: 1 lower left, 2 lower right, 4 upper right, 8 upper left) the edges where the contour
+enters and leaves, with the inside on its left."""
 
 SADDLES: dict[tuple[int, bool], Turns] = {
     (5, True): ((LOWER, RIGHT), (UPPER, LEFT)),
@@ -109,11 +109,11 @@ SADDLES: dict[tuple[int, bool], Turns] = {
     (10, True): ((LEFT, LOWER), (RIGHT, UPPER)),
     (10, False): ((RIGHT, LOWER), (LEFT, UPPER)),
 }
-"""The same where opposite corners are inside, and the middle is or is not."""
+"""The same for opposite corners inside, with the centre inside or not."""
 
 
 def _segments(inside: BoolArray, middle: BoolArray) -> tuple[IntArray, IntArray]:
-    """Numbers of the grid edges (S,) between which segments of the contour run, from and to."""
+    """(S,) numbers of the grid edges at the start and the end of the segments of the contour."""
     case = inside[:-1, :-1] + 2 * inside[1:, :-1] + 4 * inside[1:, 1:] + 8 * inside[:-1, 1:]
     edges = _edges(inside.shape)
     starts, ends = [], []

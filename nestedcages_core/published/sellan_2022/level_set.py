@@ -1,4 +1,4 @@
-"""Level set: the contour of the signed distance at the least offset that still encloses the mesh once it is coarse."""
+"""Decimated level sets of the signed distance, at the smallest offset that encloses the mesh (Sellán et al. 2022)."""
 
 from __future__ import annotations
 
@@ -12,41 +12,46 @@ from ...errors import NestingError
 from ...geometry.mesh import Mesh, Nesting
 from ...geometry.mesh.validation import place
 from ...geometry.smallest_gap import smallest_gap
+from ...parameters import check_count, check_flag
 from .contour import Field
 from .level_set_loops import first_lost, loops_around, without_pockets
 
 CELLS_PER_VERTEX = 0.5
-"""The grid has at least so many cells along the diagonal per vertex wanted, so that contours have enough of them."""
+"""Minimum number of grid cells along the diagonal per wanted vertex, so that contours have enough vertices."""
 
 POINTS_PER_VERTEX = 8
-"""Points of a contour, per vertex wanted, that the simplification starts from."""
+"""Maximum number of contour points per wanted vertex that are passed to the simplification, to limit its time."""
 
-GROWTH = 1.6
-"""Factor from one offset to the next while none encloses."""
+OFFSET_GROWTH = 1.6
+"""Factor to the next offset while none encloses."""
 
 LARGEST_OFFSET = 2.0
-"""Offset in diagonals at which the search ends: even a triangle around everything is closer."""
+"""Offset in diagonals at which the search ends: a triangle around the bounding box is closer."""
 
-PAD = 0.1
-"""First distance in diagonals by which the grid goes beyond the mesh; it grows with the offset."""
+FIRST_PADDING = 0.1
+"""First padding of the grid around the mesh, in diagonals; it doubles as offsets grow."""
 
 BISECTIONS = 6
-"""Halvings of the interval between an offset that is too small and one that encloses, or that changes the loops."""
+"""Number of bisections between an offset that is too small and one that encloses or changes the loops."""
 
-RESOLVED = 1.5
-"""Offset in cells from which on the grid sees the loops of a level set as they are: closed holes stay closed."""
+RESOLVED_OFFSET = 1.5
+"""Offset in cells above which the grid resolves the loops of a level set: closed holes stay closed."""
 
 
 @dataclass(frozen=True)
 class LevelSet:
-    """Simple nested cages (Sellán et al. 2022): a level set, decimated, with the least offset that encloses."""
+    """Simple nested cages: a decimated level set at the smallest offset that encloses the mesh."""
 
     cells: int = 250
-    """Cells of the grid along the diagonal of the mesh."""
+    """Grid cells along the diagonal of the mesh."""
     simplification: Decimation = field(default_factory=EdgeCollapse)
-    """How the contour gets its number of vertices."""
+    """Decimation of the contour."""
     change_loops: bool = False
-    """Whether holes may close and components merge, as they do at large offsets; otherwise that is an error."""
+    """Whether holes may close and components merge, as at large offsets; otherwise that is an error."""
+
+    def __post_init__(self) -> None:
+        check_count(self, "cells")
+        check_flag(self, "change_loops")
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh that strictly encloses the fine one, at least the clearance away; loop k around loop k.
@@ -65,12 +70,12 @@ class LevelSet:
 
 
 class _Search:
-    """Offsets that were tried, and what is known about them."""
+    """State of the search for the offset."""
 
     def __init__(self, settings: LevelSet, fine: Mesh, count: Count, cells: int, clearance: float) -> None:
         self.settings, self.fine, self.count, self.clearance = settings, fine, count, clearance
         self.cell = fine.diagonal / cells
-        self.pad = PAD * fine.diagonal
+        self.pad = FIRST_PADDING * fine.diagonal
         self.field = Field.signed_distance(fine, self.cell, self.pad)
         self.problem = ""
         self.changed = False
@@ -100,11 +105,11 @@ class _Search:
         return found
 
     def _offsets(self) -> Iterator[float]:
-        """Growing offsets, up to where all is enclosed for certain."""
+        """Growing offsets, up to one that certainly encloses."""
         offset = max(0.5 * self.cell, self.clearance)
         while offset < LARGEST_OFFSET * self.fine.diagonal:
             yield offset
-            offset *= GROWTH
+            offset *= OFFSET_GROWTH
 
     def _enclosing(self, offset: float) -> Mesh | None:
         """The decimated level set at an offset if it encloses the fine mesh; otherwise None, and `problem` says why."""
@@ -117,12 +122,12 @@ class _Search:
             problem = "it still cuts into the mesh"
         except NestingError as error:
             problem = str(error)
-        if self.changed or not self.problem:  # of all that was in the way, a change of loops tells most
+        if self.changed or not self.problem:  # a change of loops says most
             self.problem = f"at the offset {offset:.3g} {problem}"
         return None
 
     def _coarse(self, offset: float) -> tuple[Mesh, bool]:
-        """The decimated level set, and whether its loops are those of the fine mesh, one to one and in their order."""
+        """The decimated level set, and whether its loops match those of the fine mesh, one to one and in order."""
         while offset > self.pad - self.cell:
             self.pad *= 2.0
             self.field = Field.signed_distance(self.fine, self.cell, self.pad)
@@ -134,12 +139,12 @@ class _Search:
         if partner is not None:
             contour = Mesh.from_loops([contour.vertices[contour.loops[k]] for k in partner])
         elif not self.settings.change_loops:
-            self.changed = offset > RESOLVED * self.cell
+            self.changed = offset > RESOLVED_OFFSET * self.cell
             raise NestingError(_changed(contour, self.fine))
         return self.settings.simplification.decimate(self._thinned(contour), self.count), partner is not None
 
     def _thinned(self, contour: Mesh) -> Mesh:
-        """A contour with only so many of its vertices that the simplification is not slow."""
+        """The contour reduced to `POINTS_PER_VERTEX` points per wanted vertex."""
         if not isinstance(self.count, Sequence):
             few = POINTS_PER_VERTEX * self.count
             return DouglasPeucker().decimate(contour, few) if few < len(contour.vertices) else contour

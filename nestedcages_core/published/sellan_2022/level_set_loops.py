@@ -10,9 +10,9 @@ from ...geometry.predicates import winding_number
 
 
 def without_pockets(contour: Mesh, fine: Mesh) -> Mesh:
-    """A level set without the holes that are none of the fine mesh: bays that have closed, parts of holes that split.
+    """A level set without holes that the fine mesh does not have: closed bays, and parts of holes that split.
 
-    Of the parts of a hole the largest stays; so does what holds another component.
+    The largest part of each hole stays, and so does a hole that contains another component.
     """
     holes = np.flatnonzero(contour.loop_signs < 0)
     within = _smallest_around(fine, -1, contour, holes)
@@ -30,9 +30,9 @@ def without_pockets(contour: Mesh, fine: Mesh) -> Mesh:
 
 
 def loops_around(contour: Mesh, fine: Mesh) -> IntArray | None:
-    """(L,) the loop of a level set that belongs to each loop of the fine mesh; None if they are not one to one.
+    """(L,) the loop of a level set for each loop of the fine mesh; None if they do not match one to one.
 
-    An outer loop is that around it, a hole the one inside it; where loops are nested, the smallest of the larger ones.
+    The smallest outer loop around each outer loop, and the hole inside each hole.
     """
     if not np.array_equal(np.bincount(contour.loop_signs + 1), np.bincount(fine.loop_signs + 1)):
         return None
@@ -48,7 +48,7 @@ def loops_around(contour: Mesh, fine: Mesh) -> IntArray | None:
 
 
 def _smallest_around(larger: Mesh, sign: int, smaller: Mesh, loops: IntArray) -> IntArray:
-    """(K,) the smallest loop with a sign in one mesh around each of some loops of another; -1 where there is none."""
+    """(K,) the smallest loop of a given sign in one mesh around each of some loops of another; -1 if there is none."""
     points = smaller.vertices[[smaller.loops[k][0] for k in loops]].reshape(-1, 2)
     best, least = np.full(len(points), -1), np.full(len(points), np.inf)
     for k in np.flatnonzero(larger.loop_signs == sign):
@@ -65,7 +65,7 @@ def _winding(points: FloatArray, mesh: Mesh, k: int) -> IntArray:
 
 
 def first_lost(contour: Mesh, fine: Mesh) -> int:
-    """A loop of the fine mesh to name: a hole that no hole of the contour lies in, else the last loop."""
+    """A loop of the fine mesh for the error message: a hole without a hole of the contour in it, else the last loop."""
     left = _smallest_around(fine, -1, contour, np.flatnonzero(contour.loop_signs < 0))
     lost = np.setdiff1d(np.flatnonzero(fine.loop_signs < 0), left)
     return int(lost[0]) if len(lost) else len(fine.loops) - 1
