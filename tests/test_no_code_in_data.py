@@ -1,0 +1,40 @@
+"""Files come from strangers: nothing that the core or the add-on reads is ever run as code."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FORBIDDEN_CALLS = {"eval", "exec", "compile", "__import__"}
+FORBIDDEN_MODULES = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
+FORBIDDEN_OPTIONS = {"allow_pickle", "shell"}
+SOURCES = sorted(path for folder in ("nestedcages_core", "addon") for path in (ROOT / folder).rglob("*.py"))
+
+
+def uses(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Line and name of everything that runs data as code."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            if isinstance(node.func, ast.Name) and node.func.id in FORBIDDEN_CALLS:
+                yield node.lineno, node.func.id
+            yield from ((node.lineno, word.arg) for word in node.keywords if word.arg in FORBIDDEN_OPTIONS)
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [node.module or ""]
+        yield from ((node.lineno, name) for name in names if name.partition(".")[0] in FORBIDDEN_MODULES)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_data_is_never_run(path: Path) -> None:
+    assert list(uses(ast.parse(path.read_text(encoding="utf-8")))) == []
+
+
+def test_every_way_is_known() -> None:
+    source = "import pickle\nfrom marshal import loads\neval('1')\nnumpy.load(f, allow_pickle=True)\nrun(c, shell=True)"
+    assert [name for _, name in uses(ast.parse(source))] == ["pickle", "marshal", "eval", "allow_pickle", "shell"]
