@@ -3,8 +3,10 @@
     python benchmarks/stress.py --count 10000 --seed 0 --jobs 2
 
 Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull or
-from coarse meshes on the curve. Prints each failure with its seed (repeat it with --seed SEED --count 1) and a table at
-the end. A sample is checked by shapely as well. Exit status 1 when anything failed.
+from coarse meshes on the curve. A count that is refused because the loops need more is replaced by the one that the
+refusal names, and told apart. Prints each failure with its seed (repeat it with --seed SEED --count 1), and at the end
+tables of cages, counts replaced, and refusals by their sentence. A sample is checked by shapely as well. Exit status 1
+when anything failed.
 """
 
 from __future__ import annotations
@@ -51,6 +53,9 @@ SLOWEST = 5
 SMALLEST_POSSIBLE = re.compile(r"ask for at least (\d+)")
 """How a refusal names the smallest vertex count that was found to be possible."""
 
+DETAILS = re.compile(r" \([\d, ]+ for its loops\)|-?\d+(\.\d+)?(e[+-]?\d+)?")
+"""What differs between sentences of one kind: lists of numbers, and numbers."""
+
 REFUSALS = 2
 """Refusals of a count that are followed: one for a later level, one for the fine mesh itself."""
 
@@ -67,6 +72,8 @@ class Case:
     start: str = ""
     excess: float = float("nan")
     seconds: float = 0.0
+    refusals: tuple[str, ...] = ()
+    """Sentences that refused a count, each of which was replaced."""
     failure: str = ""
 
 
@@ -110,7 +117,7 @@ def cages_or_smallest(fine: Mesh, case: Case, settings: Settings) -> tuple[Hiera
             if possible is None:
                 raise
             # named for the mesh inside the refused level, which may have been a cage already
-            case = replace(case, levels=(int(possible[1]),))
+            case = replace(case, levels=(int(possible[1]),), refusals=(*case.refusals, str(error)))
     return nested_cages(fine, case.levels, settings), case
 
 
@@ -180,9 +187,26 @@ def report(cases: list[Case], first: int, last: int) -> None:
     print(f"\nseeds {first} to {last - 1}; {sample} cases checked by shapely too")
     table("kind", ((case.kind, case) for case in cases))
     table("coarse", ((case.decimation, case) for case in cases))
+    refusals(cases)
     print()
     for case in sorted(cases, key=lambda case: -case.seconds)[:SLOWEST]:
         print(f"{case.seconds:.1f} s: {described(case)}")
+
+
+def refusals(cases: list[Case]) -> None:
+    """How many counts were replaced, and the sentences that refused counts or whole cases, numbers left out."""
+    replaced = sum(bool(case.refusals) and not case.failure for case in cases)
+    asked = sum(not case.refusals and not case.failure for case in cases)
+    print(f"\ncertified with the counts asked for: {asked}; with counts replaced: {replaced}; failed: "
+          f"{sum(bool(case.failure) for case in cases)}")  # fmt: skip
+    sentences = Counter(
+        DETAILS.sub(lambda found: "" if found[0].startswith(" (") else "N", told)
+        for case in cases
+        for told in (*case.refusals, case.failure)
+        if told
+    )
+    for sentence, count in sentences.most_common():
+        print(f"{count:6d} x {sentence}")
 
 
 def table(title: str, named: Iterable[tuple[str, Case]]) -> None:
@@ -192,7 +216,7 @@ def table(title: str, named: Iterable[tuple[str, Case]]) -> None:
     for name, case in named:
         groups[name].append(case)
         everything.append(case)
-    columns = ("cases", "certified", "flow", "hull", "median s", "slowest s", "excess %")
+    columns = ("cases", "certified", "replaced", "flow", "hull", "median s", "slowest s", "excess %")
     print(f"\n{title:10}" + "".join(f"{name:>10}" for name in columns))
     for name, group in [*sorted(groups.items()), ("all", everything)]:
         good = [case for case in group if not case.failure]
@@ -200,7 +224,8 @@ def table(title: str, named: Iterable[tuple[str, Case]]) -> None:
         seconds = [case.seconds for case in good] or [0.0]
         excess = [100.0 * case.excess for case in good] or [0.0]
         print(
-            f"{name:10}{len(group):10d}{len(good):10d}{starts['flow']:10d}{starts['outer hull']:10d}"
+            f"{name:10}{len(group):10d}{len(good):10d}{sum(bool(case.refusals) for case in good):10d}"
+            f"{starts['flow']:10d}{starts['outer hull']:10d}"
             f"{np.median(seconds):10.3f}{max(seconds):10.2f}{np.median(excess):10.2f}"
         )
 

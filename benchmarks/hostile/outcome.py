@@ -58,12 +58,11 @@ def outcome(call: Callable[[], Any], *, errors: type[Exception] = NestedCagesErr
 
 
 def fault_of_sentence(told: str) -> str:
-    """What is wrong with a message: it must be a sentence on one line."""
-    if not told or not (told[0].isupper() or not told[0].isalpha()) or not told.endswith("."):
-        return f"not a sentence: {told[:200]!r}"
-    if len(told.splitlines()) > 1 or len(told) > LONGEST_SENTENCE:
-        return f"{len(told)} characters in {len(told.splitlines())} lines: {told[:200]!r}"
-    return ""
+    """What is wrong with a message: it must be a sentence, or one on each line where several things are wrong."""
+    if len(told) > LONGEST_SENTENCE:
+        return f"{len(told)} characters: {told[:200]!r}"
+    wrong = [line for line in told.splitlines() or [""] if not line.endswith(".") or line[0] != line[0].upper()]
+    return f"not a sentence: {wrong[0][:200]!r}" if wrong else ""
 
 
 @contextmanager
