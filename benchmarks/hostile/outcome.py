@@ -43,7 +43,8 @@ def outcome(call: Callable[[], Any], *, errors: type[Exception] = NestedCagesErr
     """Run a call within the limits; its errors may be of one kind only."""
     try:
         with limits(), warnings.catch_warnings():
-            warnings.simplefilter("error")
+            for kind in (RuntimeWarning, DeprecationWarning):
+                warnings.simplefilter("error", kind)
             result = call()
     except errors as error:
         told = str(error)

@@ -85,7 +85,7 @@ def try_many(check: Callable[[Any], None], strategy: st.SearchStrategy[Any], amo
     seed(SEED)(quiet(given(strategy)(check)))()
 
 
-READER_NOT_YET = pytest.mark.xfail(reason="coordinates are not looked at one by one", strict=False)
+READER_NOT_YET = pytest.mark.xfail(reason="coordinates are not looked at one by one", strict=False, run=False)
 
 
 @pytest.mark.parametrize("amount", AMOUNTS)
@@ -174,7 +174,8 @@ NOT_YET = {
 
 def known(name: str) -> Any:
     """The attack, marked where it is not held yet."""
-    marks = [pytest.mark.xfail(reason=NOT_YET[name], strict=False)] if name in NOT_YET else []
+    run = "bombs" not in name  # each would take its ten seconds
+    marks = [pytest.mark.xfail(reason=NOT_YET[name], strict=False, run=run)] if name in NOT_YET else []
     return pytest.param(name, marks=marks, id=name)
 
 
