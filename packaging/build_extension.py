@@ -2,7 +2,7 @@
 
     python packaging/build_extension.py [--output dist]
 
-Blender brings numpy, but not scipy and shapely; its extension system installs the wheels in a zip that match its
+Blender brings numpy, but not scipy and the libraries of file formats; its extension system installs the wheels in a zip that match its
 Python. Needs Blender as a Python module (``pip install bpy``) for Blender's own build and validate commands, pip for
 the wheels, which are never committed, and markdown-it-py for the manual.
 """
@@ -42,13 +42,16 @@ class Bundle:
     platforms: tuple[str, ...] = tuple(PLATFORMS)
 
 
+STYLE_SHEETS = ("tinycss2==1.5.1", "cssselect2==0.10.1", "webencodings==0.6.1")
+"""Packages of Python alone that drawings with style sheets need."""
+
 BUNDLES = (
     # Blender 4.2 to 5.0; scipy and shapely that work with their numpy, 1.24 and 1.26
-    Bundle("3.11", ("scipy==1.15.3", "shapely==2.1.2")),
+    Bundle("3.11", ("scipy==1.15.3", "shapely==2.1.2", *STYLE_SHEETS)),
     # Blender 5.1 and 5.2
-    Bundle("3.13", ("scipy==1.17.1", "shapely==2.2.0")),
+    Bundle("3.13", ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS)),
     # Blender as Linux distributions build it, with their own Python
-    Bundle("3.14", ("scipy==1.17.1", "shapely==2.2.0"), ("linux-x64",)),
+    Bundle("3.14", ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), ("linux-x64",)),
 )
 
 

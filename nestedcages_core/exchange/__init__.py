@@ -14,12 +14,27 @@ from .geojson import (
     to_geojson,
     write_geojson,
 )
-from .svg import from_svg, read_svg, to_svg, write_svg
+from .limits import Limits
+from .svg import (
+    Frame,
+    SvgDrawing,
+    SvgOptions,
+    from_svg,
+    read_svg,
+    read_svg_drawing,
+    svg_drawing,
+    to_svg,
+    write_svg,
+)
 
 __all__ = [
     "Feature",
+    "Frame",
+    "Limits",
     "Painted",
     "Record",
+    "SvgDrawing",
+    "SvgOptions",
     "features_from_geojson",
     "from_engine_json",
     "from_geojson",
@@ -27,8 +42,10 @@ __all__ = [
     "is_engine_json",
     "read_geojson",
     "read_svg",
+    "read_svg_drawing",
     "records_from_geojson",
     "solid",
+    "svg_drawing",
     "to_engine_json",
     "to_geojson",
     "to_svg",

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import winding_number
-from .arrangement import arranged
+from ..geometry.mesh.loops import enclosing_pairs, extreme_places
+from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
+from .libraries import load_shapely
+from .touching import pulled_apart
+
+GRIDS = (0.0, 2.0**-30, 2.0**-24)
+"""Spacings, in diagonals rounded up to a power of two, of the grids that a union is rounded to, tried in turn: none,
+unless edges are too close to tell; the coarsest is a ten-thousandth of the default tolerance of curves."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Painted:
     """Closed loops of points, each (k, 2), in any direction, painted by one rule."""
 
@@ -22,58 +29,150 @@ class Painted:
     evenodd: bool = False
     """Whether points are inside where the winding number is odd, else where it is not zero."""
 
+    def cleaned(self) -> Painted:
+        """The same without repeated points, and without loops that have no inside."""
+        different = [points[(points != np.roll(points, -1, axis=0)).any(axis=1)] for points in self.loops]
+        return Painted([loop for loop in different if len(loop) > 2], self.evenodd)
+
     def painted(self, winding: IntArray) -> BoolArray:
         """(...,) whether places with these winding numbers are inside."""
         return np.asarray(winding % 2 == 1 if self.evenodd else winding != 0)
 
 
-def solid(areas: Sequence[Painted]) -> Mesh:
-    """The union of areas as a mesh. Loops without crossing keep their points to the last bit.
+Area = Painted | Any
+"""A painted area, or a geometry of shapely."""
 
-    Where the union touches itself in a point it becomes one by a neck as thin as a hair. Raises InvalidMeshError where
-    nothing is inside.
+
+def solid(areas: Sequence[Area]) -> Mesh:
+    """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
+
+    Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
+    inside, NestedCagesError where loops cross and shapely is missing.
     """
-    loops, owner = _cleaned(areas)
+    if not all(isinstance(area, Painted) for area in areas):
+        shapely = load_shapely("shapes that overlap or touch")
+        return mesh_of(shapely, regions(shapely, areas))
+    cleaned = [area.cleaned() for area in areas]
+    loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
         raise InvalidMeshError("The shapes have no inside: every loop is shorter than three different points.")
     try:
         mesh = Mesh.from_loops(loops)
     except InvalidMeshError:
-        return arranged(loops, owner, [area.painted for area in areas])
-    kept = _on_the_rim(mesh, loops, owner, areas)
+        shapely = load_shapely("shapes that overlap or touch")
+        return mesh_of(shapely, regions(shapely, cleaned))
+    kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
         raise InvalidMeshError("The shapes have no inside.")
     return mesh if kept.all() else Mesh.from_loops([loops[k] for k in np.flatnonzero(kept)])
 
 
-def _cleaned(areas: Sequence[Painted]) -> tuple[list[FloatArray], IntArray]:
-    """All loops without repeated points, those without an inside left out, and the area of each."""
-    loops, owner = [], []
-    for k, area in enumerate(areas):
-        for points in area.loops:
-            loop = points[(points != np.roll(points, -1, axis=0)).any(axis=1)]
-            if len(loop) > 2:
-                loops.append(loop)
-                owner.append(k)
-    return loops, np.array(owner, dtype=np.int64)
+def regions(shapely: Any, areas: Sequence[Area]) -> list[Any]:
+    """The inside of each area as a valid geometry."""
+    cleaned = [area.cleaned() if isinstance(area, Painted) else area for area in areas]
+    single = [k for k, area in enumerate(cleaned) if isinstance(area, Painted) and len(area.loops) == 1]
+    outlines = shapely.polygons(_rings(shapely, [cleaned[k].loops[0] for k in single]))
+    simple = {k: outline for k, outline in zip(single, outlines, strict=True) if shapely.is_valid(outline)}
+    return [
+        simple[k] if k in simple else _region(shapely, area) if isinstance(area, Painted) else area
+        for k, area in enumerate(cleaned)
+    ]
 
 
-def _on_the_rim(mesh: Mesh, loops: list[FloatArray], owner: IntArray, areas: Sequence[Painted]) -> BoolArray:
-    """(L,) whether a loop has painted places on one side only; loops neither cross nor touch.
+def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
+    """Lower left and upper right corner of all areas, (2,), (2,); NaN where they are empty."""
+    corners = [np.full((1, 2), np.nan)]
+    for area in areas:
+        corners += list(area.loops) if isinstance(area, Painted) else [np.reshape(area.bounds, (-1, 2))]
+    points = np.concatenate(corners)
+    return np.fmin.reduce(points), np.fmax.reduce(points)
 
-    mesh: made of the loops, in their order.
+
+def mesh_of(shapely: Any, parts: Sequence[Any]) -> Mesh:
+    """The union of valid geometries as a mesh. Raises InvalidMeshError where nothing is inside."""
+    bounds = shapely.total_bounds(parts)
+    size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
+    if not size > 0.0:
+        raise InvalidMeshError("The shapes have no inside.")
+    unit = 2.0 ** np.ceil(np.log2(size))
+    failed: InvalidMeshError | None = None
+    for grid in GRIDS:
+        union = shapely.union_all(parts, grid_size=grid * unit if grid else None)
+        rings = rings_of(shapely, union)
+        if not rings:
+            raise failed or InvalidMeshError("The shapes have no inside.")
+        try:
+            return Mesh.from_loops(pulled_apart(rings, size))
+        except InvalidMeshError as error:
+            failed = failed or error
+    assert failed is not None
+    raise failed
+
+
+def rings_of(shapely: Any, geometry: Any) -> list[FloatArray]:
+    """The rings (k, 2) of all polygons, not closed, with the inside to their left."""
+    polygons = [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon" and part.area > 0.0]
+    rings = shapely.get_rings(shapely.orient_polygons(polygons)) if polygons else []
+    return [shapely.get_coordinates(ring)[:-1] for ring in rings]
+
+
+def _region(shapely: Any, area: Painted) -> Any:
+    """The inside of loops that may cross: the faces between them whose winding numbers are inside."""
+    if not area.loops:
+        return shapely.Polygon()
+    lines = shapely.union_all(_rings(shapely, area.loops))
+    faces = shapely.get_parts(shapely.polygonize([lines]))
+    starts, ends = _edges_of(area.loops)
+    winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
+    return shapely.union_all(faces[area.painted(winding) | (winding == ON_BOUNDARY)])  # a face without room is a seam
+
+
+def _rings(shapely: Any, loops: Sequence[FloatArray]) -> Any:
+    """(L,) loops as rings."""
+    if not loops:
+        return np.zeros(0, dtype=object)
+    return shapely.linearrings(np.concatenate(loops), indices=np.repeat(np.arange(len(loops)), [len(p) for p in loops]))
+
+
+def _edges_of(loops: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Ends (E, 2), (E, 2) of all edges of loops."""
+    return np.concatenate(loops), np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+
+
+def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
+    """(L,) whether a loop has painted places on one side only.
+
+    mesh: made of the areas' loops, in their order, which neither cross nor touch.
     """
-    first = np.array([loop[0] for loop in loops])
-    winding = np.zeros((len(loops), len(areas)), dtype=np.int64)  # around the first point of each loop, without itself
-    own = np.empty(len(loops), dtype=np.int64)
-    for k, loop in enumerate(loops):
-        others = np.arange(len(loops)) != k
-        winding[others, owner[k]] += winding_number(first[others], loop, np.roll(loop, -1, axis=0))
-        begin = mesh.loops[k][0]
-        as_given = mesh.successor[begin] == begin + 1
-        own[k] = mesh.loop_signs[k] if as_given else -mesh.loop_signs[k]
-    inside = winding.copy()
-    inside[np.arange(len(loops)), owner] += own
-    outside_painted = np.any([area.painted(winding[:, k]) for k, area in enumerate(areas)], axis=0)
-    inside_painted = np.any([area.painted(inside[:, k]) for k, area in enumerate(areas)], axis=0)
-    return np.asarray(outside_painted != inside_painted)
+    begins = mesh.loop_order.begins
+    own = np.where(mesh.successor[begins] == begins + 1, mesh.loop_signs, -mesh.loop_signs)
+    owner = np.repeat(np.arange(len(areas)), [len(area.loops) for area in areas])
+    inner, outer = _nesting(mesh)
+    itself = np.arange(len(own))
+    outside = _any_painted(inner, outer, own, owner, areas)
+    inside = _any_painted(np.concatenate((inner, itself)), np.concatenate((outer, itself)), own, owner, areas)
+    return np.asarray(outside != inside)
+
+
+def _nesting(mesh: Mesh) -> tuple[IntArray, IntArray]:
+    """Pairs (inner, outer) of loops, (K,), (K,)."""
+    order = mesh.loop_order
+    points = mesh.vertices[order.vertices]
+    tree = BoxTree(points, points[order.ahead])
+    return enclosing_pairs(points[extreme_places(points, order)], order, tree)
+
+
+def _any_painted(
+    inner: IntArray, outer: IntArray, own: IntArray, owner: IntArray, areas: Sequence[Painted]
+) -> BoolArray:
+    """(L,) whether any area paints the place inside of all loops `outer` that are paired with a loop `inner`.
+
+    own: (L,) sense in which a loop turns; owner: (L,) its area.
+    """
+    keys, index = np.unique(inner * len(areas) + owner[outer], return_inverse=True)
+    winding = np.bincount(index.ravel(), own[outer], len(keys)).astype(np.int64)
+    loop, area = np.divmod(keys, len(areas))
+    evenodd = np.array([each.evenodd for each in areas], dtype=bool)[area]
+    painted = np.zeros(len(own), dtype=bool)
+    painted[loop[np.where(evenodd, winding % 2 == 1, winding != 0)]] = True
+    return painted

@@ -31,8 +31,8 @@ from nestedcages_core.exchange import (
     write_geojson,
     write_svg,
 )
-from nestedcages_core.exchange.curves import flattened
-from nestedcages_core.exchange.svg_path import read_path
+from nestedcages_core.exchange.svg.curves import flattened
+from nestedcages_core.exchange.svg.path_data import read_path
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -214,16 +214,17 @@ def test_what_cannot_be_seen_is_left_out() -> None:
 
 def test_per_cent_are_of_the_view_box_or_the_size() -> None:
     rect = '<rect x="25%" y="10%" width="50%" height="20%"/>'
-    for attributes in ('viewBox="5 5 40 30"', 'width="40" height="30px"', 'viewBox="0 0 40 30" width="100%"'):
+    for attributes in ('viewBox="5 0 40 30"', 'width="40" height="30px"', 'viewBox="0 0 40 30" width="100%"'):
         low, high = (edge(from_svg(svg(rect, attributes)).vertices, axis=0) for edge in (np.min, np.max))
         assert [*low, *high] == pytest.approx([10.0, 3.0, 30.0, 9.0])
     circle = from_svg(svg('<circle cx="50%" cy="50%" r="10%"/>', 'viewBox="0 0 30 40"'))
     assert np.ptp(circle.vertices, axis=0) == pytest.approx(2.0 * 0.1 * math.sqrt((30**2 + 40**2) / 2.0), rel=1e-3)
 
 
-def test_outlines_count_where_nothing_is_filled() -> None:
-    body = '<g fill="none" stroke="black"><rect width="9" height="9"/><path d="M0 0 L50 50 L0 50"/></g>'
-    assert area_of(body) == 81.0
+def test_outlines_count_where_nothing_is_painted() -> None:
+    body = '<g fill="none"{}><rect width="9" height="9"/><path d="M0 0 L50 50 L0 50"/></g>'
+    assert area_of(body.format("")) == 81.0
+    assert area_of(body.format(' stroke="black"'), strokes=False) == 81.0
 
 
 def test_symbols_and_references_are_followed() -> None:

@@ -7,23 +7,33 @@ import re
 
 import numpy as np
 
-from ..errors import NestedCagesError
-from ..geometry.arrays import FloatArray
+from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
 
 CALL = re.compile(r"[\s,]*([A-Za-z]+)\s*\(([^)]*)\)[\s,]*")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+VALUE = re.compile(rf"({NUMBER.pattern})(deg|rad|grad|turn)?")
+DEGREES = {"": 1.0, "deg": 1.0, "rad": 180.0 / math.pi, "grad": 0.9, "turn": 360.0}
+"""Units of angles, in style sheets only."""
+
+MAX_SHOWN = 60
+"""Characters of a transform that a sentence quotes."""
 
 
 def read_transform(text: str) -> FloatArray:
     """The product of a list of transforms; the identity for an empty one. Raises NestedCagesError."""
     product = np.eye(3)
     place = 0
-    while place < len(text.rstrip()):
+    text = text.rstrip()
+    while place < len(text) and text != "none":
         found = CALL.match(text, place)
-        matrix = _matrix(found[1], [float(x) for x in NUMBER.findall(found[2])]) if found else None
+        values = [float(x) * DEGREES[unit] for x, unit in VALUE.findall(found[2])] if found else []
+        matrix = _matrix(found[1], values) if found and np.isfinite(values).all() else None
         if found is None or matrix is None:
             raise NestedCagesError(
-                f"The transform '{text}' cannot be read; use matrix, translate, scale, rotate, skewX and skewY."
+                f"The transform '{text[:MAX_SHOWN]}' cannot be read; use matrix, translate, scale, rotate, skewX and "
+                "skewY with finite numbers."
             )
         product = product @ matrix
         place = found.end()
@@ -36,6 +46,13 @@ def translation(x: float, y: float) -> FloatArray:
 
 def scaling(x: float, y: float) -> FloatArray:
     return np.diag([x, y, 1.0])
+
+
+def turned(degrees: float) -> FloatArray:
+    matrix = np.eye(3)
+    angle = math.radians(degrees)
+    matrix[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return matrix
 
 
 def moved(points: FloatArray, matrix: FloatArray) -> FloatArray:
@@ -51,14 +68,15 @@ def _matrix(name: str, values: list[float]) -> FloatArray | None:
         return np.array([values[0::2], values[1::2], [0.0, 0.0, 1.0]])
     if name == "translate" and count in (1, 2):
         return translation(values[0], values[1] if count == 2 else 0.0)
+    if name in ("translateX", "translateY") and count == 1:
+        return translation(values[0], 0.0) if name[-1] == "X" else translation(0.0, values[0])
+    if name in ("scaleX", "scaleY") and count == 1:
+        return scaling(values[0], 1.0) if name[-1] == "X" else scaling(1.0, values[0])
     if name == "scale" and count in (1, 2):
         return scaling(values[0], values[-1])
     if name == "rotate" and count in (1, 3):
-        turn = math.radians(values[0])
-        matrix = np.eye(3)
-        matrix[:2, :2] = [[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]
         about = values[1:] or [0.0, 0.0]
-        return translation(*about) @ matrix @ translation(-about[0], -about[1])
+        return translation(*about) @ turned(values[0]) @ translation(-about[0], -about[1])
     if name in ("skewX", "skewY") and count == 1:
         matrix = np.eye(3)
         matrix[(0, 1) if name == "skewX" else (1, 0)] = math.tan(math.radians(values[0]))

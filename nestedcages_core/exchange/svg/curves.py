@@ -6,13 +6,16 @@ import math
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray
+from ...geometry.arrays import FloatArray
 
-GREATEST_ARC = math.pi / 6.0
-"""Radians that one cubic may stand for; its distance from the true arc is then below 4e-7 of the radius."""
+MAX_ARC = math.pi / 6.0
+"""Radians of one cubic; its distance from the true arc is then below 4e-7 of the radius."""
 
-GREATEST_PIECES = 4096
-"""Chords of one curve, at the most."""
+MAX_CHORDS = 4096
+"""Chords of one curve at most."""
+
+FLATTEST = 1e-30
+"""Radii by coordinates, and (chord / diameter) squared, below which an elliptical arc is a line."""
 
 
 def line(start: FloatArray, end: FloatArray) -> FloatArray:
@@ -28,11 +31,15 @@ def arc(
     radii: (2,) along the ellipse's axes, widened if too small to reach; turn: radians from x to the first axis.
     """
     radii = np.abs(radii)
-    if not radii.all() or (start == end).all():
-        return [line(start, end)] if (start != end).any() else []
+    if (start == end).all():
+        return []
+    if not (radii > FLATTEST * np.abs(np.concatenate((start, end))).max()).all() or not np.isfinite(turn):
+        return [line(start, end)]
     axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
     half = axes.T @ (start - end) / 2.0
     stretch = float(((half / radii) ** 2).sum())
+    if not stretch > FLATTEST:  # so large that the arc is a line
+        return [line(start, end)]
     if stretch >= 1.0:  # too small, or just reaching: the centre is the middle
         radii = radii * math.sqrt(stretch)
         off = np.zeros(2)
@@ -52,7 +59,7 @@ def arc(
 
 def ellipse(centre: FloatArray, axes: FloatArray, begin: float = 0.0, angle: float = 2.0 * math.pi) -> list[FloatArray]:
     """Cubics (4, 2) along centre + axes @ (cos t, sin t) for t from `begin` over `angle` radians; axes: (2, 2)."""
-    count = max(math.ceil(abs(angle) / GREATEST_ARC - 1e-9), 1)
+    count = max(math.ceil(abs(angle) / MAX_ARC - 1e-9), 1)
     reach = 4.0 / 3.0 * math.tan(angle / count / 4.0)
     t = begin + np.linspace(0.0, angle, count + 1)
     if abs(angle) == 2.0 * math.pi:
@@ -74,7 +81,7 @@ def flattened(curves: list[FloatArray], tolerance: float) -> FloatArray:
         degree = len(control) - 1
         bend = float(np.hypot(*np.diff(control, 2, axis=0).T).max()) if degree > 1 else 0.0
         wanted = math.sqrt(degree * (degree - 1) / 8.0 * bend / tolerance)
-        count = min(max(math.ceil(wanted), 1), GREATEST_PIECES)
+        count = max(math.ceil(min(wanted, MAX_CHORDS)), 1)
         t = np.arange(1, count)[:, None] / count
         level = control
         for _ in range(degree if count > 1 else 0):  # de Casteljau, all t at once

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import NestedCagesError
-from ..geometry.arrays import FloatArray
+from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
 from .curves import arc, line
 
 NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")

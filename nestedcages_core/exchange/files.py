@@ -1,0 +1,65 @@
+"""Files read within limits, and written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from ..errors import NestedCagesError
+from .limits import Limits
+
+DEFAULT_MODE = 0o666
+"""Permissions of a new file before the user's umask."""
+
+
+def read_whole(path: str | os.PathLike[str], limits: Limits) -> bytes:
+    """The contents of a file. Raises NestedCagesError for one beyond the limit, OSError for one that can't be read."""
+    with Path(path).open("rb") as file:
+        content = file.read(limits.bytes + 1)
+    if len(content) > limits.bytes:
+        limits.check("bytes", max(os.stat(path).st_size, len(content)))
+    return content
+
+
+def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write a file, text as UTF-8; whatever goes wrong, the file is the old one or the new one, never half of either.
+
+    Raises OSError, with the name of the file, where it cannot be written; NestedCagesError for text that is no UTF-8.
+    """
+    given = Path(path)
+    try:
+        data = content.encode("utf-8") if isinstance(content, str) else content
+    except UnicodeEncodeError as error:
+        character = error.object[error.start]
+        raise NestedCagesError(
+            f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name."
+        ) from error
+    target = Path(os.path.realpath(given))  # a link stays one
+    if target.exists() and not target.is_file():  # a device or a pipe holds nothing that could be lost
+        target.write_bytes(data)
+        return
+    try:
+        handle, beside = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(beside, stat.S_IMODE(target.stat().st_mode) if target.exists() else DEFAULT_MODE & ~_umask())
+            os.replace(beside, target)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(beside)
+            raise
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(given)) from error
+
+
+def _umask() -> int:
+    """The user's umask, which can only be read by setting it."""
+    current = os.umask(0)
+    os.umask(current)
+    return current

@@ -1,0 +1,20 @@
+"""SVG in and out: what is painted becomes a mesh, meshes become paths with holes."""
+
+from __future__ import annotations
+
+from .document import Frame
+from .options import SvgOptions
+from .reading import SvgDrawing, from_svg, read_svg, read_svg_drawing, svg_drawing
+from .writing import to_svg, write_svg
+
+__all__ = [
+    "Frame",
+    "SvgDrawing",
+    "SvgOptions",
+    "from_svg",
+    "read_svg",
+    "read_svg_drawing",
+    "svg_drawing",
+    "to_svg",
+    "write_svg",
+]

@@ -1,0 +1,177 @@
+"""A scene as areas: curves become chords, strokes outlines, clips and masks intersections."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray
+from ..fill import Area, Painted, bounds_of, regions
+from ..libraries import load_shapely
+from .curves import flattened
+from .gradients import visible
+from .options import SvgOptions
+from .paints import Paint
+from .path_data import Subpath
+from .scene import Clip, Group, Shape
+from .strokes import Polyline, Stroke, stroked
+from .transforms import moved, scaling, translation
+
+STROKE_FINENESS = 0.25
+"""Tolerance of the middle line of a stroke, by that of its outline."""
+
+
+class Areas:
+    """Turns the shapes of a scene into areas.
+
+    tolerance: greatest distance between curves and chords; pixel: user units that a stroke of width 1 covers if its
+    width does not scale.
+    """
+
+    def __init__(self, options: SvgOptions, tolerance: float, pixel: float) -> None:
+        self.options = options
+        self.tolerance = tolerance
+        self.pixel = pixel
+        self.points = 0
+
+    def of(self, node: Group | Shape, outer: FloatArray) -> list[Area]:
+        """What a node paints. outer: from its units to those of the document."""
+        if isinstance(node, Shape):
+            return self._of_shape(node, outer)
+        areas = [area for child in node.children for area in self.of(child, outer)]
+        for clip in node.clips:
+            if not areas:
+                break
+            areas = self._clipped(areas, node, clip, outer)
+        return areas
+
+    def _of_shape(self, shape: Shape, outer: FloatArray) -> list[Area]:
+        matrix = outer @ shape.matrix
+        found: list[Area] = []
+        if shape.fill is not None:
+            found += self._painted(shape, shape.fill, [self._filled(shape, matrix)], outer)
+        if shape.stroke is not None and shape.stroke_paint is not None and self.options.strokes:
+            found += self._painted(shape, shape.stroke_paint, self._stroked(shape, shape.stroke, matrix), outer)
+        return found
+
+    def _filled(self, shape: Shape, matrix: FloatArray) -> Painted:
+        return Painted([self._flat(path, matrix, self.tolerance) for path in shape.subpaths], shape.evenodd)
+
+    def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
+        points = flattened([moved(curve, matrix) for curve in path.curves], tolerance)
+        self._count(len(points))
+        return points
+
+    def _count(self, points: int) -> None:
+        self.points += points
+        self.options.limits.check("points", self.points)
+
+    def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
+        """Areas as far as their paint can be seen."""
+        if not paint.opacity > self.options.faintest:
+            return []
+        if paint.gradient is None:
+            return areas
+        alphas = np.array([stop.colour.alpha for stop in paint.gradient.stops]) * paint.opacity
+        if (alphas > self.options.faintest).all():
+            return areas
+        if not (alphas > self.options.faintest).any():
+            return []
+        shapely = load_shapely("gradients that fade away")
+        whole = shapely.union_all(regions(shapely, areas))
+        matrix = outer @ shape.matrix
+        box = _box(self._outline(shape, np.eye(3)))
+        seen = visible(shapely, paint.gradient, alphas, self.options.faintest, box, matrix, shapely.bounds(whole))
+        return [shapely.intersection(whole, seen)]
+
+    def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
+        """What a stroke covers."""
+        shapely = load_shapely("strokes")
+        before, after = (np.eye(3), matrix) if shape.scales else (matrix, np.eye(3))
+        if not shape.scales:
+            stroke = stroke.scaled(self.pixel)
+        scale = float(np.linalg.norm(after[:2, :2], 2))
+        if not scale > 0.0 or np.linalg.det(after[:2, :2]) == 0.0:
+            return []
+        tolerance = self.tolerance / scale
+        lines = [
+            Polyline(self._flat(path, before, STROKE_FINENESS * tolerance), path.closed) for path in shape.subpaths
+        ]
+        parts = stroked(shapely, lines, stroke, tolerance, self.options.limits)
+        self._count(int(shapely.get_num_coordinates(parts).sum()))
+        return [shapely.transform(part, lambda points: moved(points, after)) for part in parts]
+
+    def _outline(self, node: Group | Shape, outer: FloatArray) -> list[FloatArray]:
+        """Points of the outlines of a node, whatever paints them."""
+        shapes = [node] if isinstance(node, Shape) else node.shapes()
+        return [self._flat(path, outer @ shape.matrix, self.tolerance) for shape in shapes for path in shape.subpaths]
+
+    def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
+        """What a clip path or mask leaves of the areas of a group; areas wholly inside stay as they are."""
+        matrix = outer @ clip.matrix
+        if clip.of_box:
+            if np.linalg.det(clip.matrix[:2, :2]) == 0.0:
+                return []
+            low, high = _box(self._outline(group, np.linalg.inv(clip.matrix)))
+            matrix = matrix @ translation(*low) @ scaling(*(high - low))
+        low, high = bounds_of(areas)
+        inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)
+        if len(inside) == 1 and _is_box_around(inside[0], low, high):
+            return areas
+        shapely = load_shapely("clip paths and masks")
+        kept = shapely.union_all(regions(shapely, inside))
+        if shapely.covers(kept, shapely.box(*low, *high)):
+            return areas
+        return [shapely.intersection(shapely.union_all(regions(shapely, areas)), kept)]
+
+    def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
+        """Where a mask lets through more than the faintest share: shapes painted over each other by luminance."""
+        shapely = load_shapely("masks")
+        kept = shapely.union_all([])
+        for shape in content.shapes():
+            for paint, part in self._layers(shape, outer):
+                region = shapely.union_all(regions(shapely, part))
+                light = paint.opacity * _luminance(paint)
+                if light > self.options.faintest:
+                    kept = shapely.union(kept, region)
+                elif 1.0 - paint.opacity + light <= self.options.faintest:
+                    kept = shapely.difference(kept, region)
+        clipped: list[Area] = [kept]
+        for clip in content.clips:
+            clipped = self._clipped(clipped, content, clip, outer)
+        return clipped
+
+    def _layers(self, shape: Shape, outer: FloatArray) -> list[tuple[Paint, Sequence[Area]]]:
+        """Fill and stroke of a shape in a mask, each with what it covers."""
+        matrix = outer @ shape.matrix
+        found: list[tuple[Paint, Sequence[Area]]] = []
+        if shape.fill is not None:
+            found.append((shape.fill, [self._filled(shape, matrix)]))
+        if shape.stroke is not None and shape.stroke_paint is not None:
+            found.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
+        return found
+
+
+def _luminance(paint: Paint) -> float:
+    """The brightest that a paint is."""
+    if paint.gradient is None:
+        return paint.colour.luminance
+    return max(stop.colour.alpha * stop.colour.luminance for stop in paint.gradient.stops)
+
+
+def _box(outlines: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Lower left and upper right corner."""
+    points = np.concatenate(outlines)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:
+    """Whether an area is a rectangle along the axes that covers another one."""
+    if not isinstance(area, Painted) or len(area.loops) != 1:
+        return False
+    loop = area.loops[0]
+    corners = np.unique(loop, axis=0)
+    is_rectangle = len(corners) == 4 and all(len(np.unique(corners[:, axis])) == 2 for axis in (0, 1))
+    return is_rectangle and bool((loop.min(axis=0) <= low).all() and (loop.max(axis=0) >= high).all())

@@ -1,0 +1,81 @@
+"""The document: parsed within its budget, its elements by id, its frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+from ...errors import NestedCagesError
+from ..limits import Limits
+from .lengths import LENGTH, UNITS, Viewport, measure, name_of, view_box_of
+
+OUTLINES, DECORATION = "data-outlines", "decoration"
+"""Attribute of the root of documents of our own, whose strokes only show where the edges of filled shapes are."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a document is seen: written again, new shapes lie on the old ones."""
+
+    view_box: tuple[float, float, float, float] | None = None
+    """x, y, width and height in user units."""
+    width: str = ""
+    """Width of the page with its unit, as written in the document."""
+    height: str = ""
+    preserve_aspect_ratio: str = ""
+
+    @property
+    def page(self) -> tuple[float, float, float, float] | None:
+        """x, y, width and height of what is seen, in user units; None if the document does not say."""
+        if self.view_box is not None:
+            return self.view_box
+        sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
+        found = [float(size[1]) * UNITS.get(size[2].lower(), 0.0) for size in sizes if size]
+        if len(found) != 2 or not all(0.0 < size < float("inf") for size in found):
+            return None
+        return 0.0, 0.0, found[0], found[1]
+
+
+class Document:
+    """A parsed document."""
+
+    def __init__(self, text: str | bytes, limits: Limits) -> None:
+        limits.check("bytes", len(text))
+        try:
+            self.root = ET.fromstring(text)
+        except (ET.ParseError, ValueError, LookupError) as error:
+            raise NestedCagesError(f"This is not an SVG document: {error}.") from error
+        if name_of(self.root) != "svg":
+            raise NestedCagesError(
+                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'."
+            )
+        self.strokes_count = self.root.get(OUTLINES) != DECORATION
+        self.by_id: dict[str, ET.Element] = {}
+        for item in self.root.iter():
+            self.by_id.setdefault(item.get("id", ""), item)
+        self.frame = Frame(
+            view_box_of(self.root),
+            self.root.get("width", ""),
+            self.root.get("height", ""),
+            self.root.get("preserveAspectRatio", ""),
+        )
+        page = self.frame.page
+        self.viewport = Viewport(page[2], page[3]) if page else Viewport()
+
+    @property
+    def pixel(self) -> float:
+        """User units of one pixel of the page, for strokes whose width does not scale."""
+        box, size = self.frame.view_box, Viewport()
+        if box is None:
+            return 1.0
+        try:
+            width = measure(self.frame.width, "width", "width", size)
+            height = measure(self.frame.height, "height", "height", size)
+        except NestedCagesError:  # per cent: as large as the view box
+            return 1.0
+        scales = [given / whole for given, whole in ((width, box[2]), (height, box[3])) if given > 0.0]
+        return 1.0 / min(scales) if scales else 1.0
+
+    def linked(self, link: str) -> ET.Element | None:
+        """The element that `#id` names."""
+        return self.by_id.get(link[1:]) if len(link) > 1 and link.startswith("#") else None

@@ -1,0 +1,74 @@
+"""Outlines of paths and basic shapes (SVG 1.1, sections 8 and 9)."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray
+from .curves import ellipse, line
+from .lengths import Viewport, attribute, name_of, numbers
+from .path_data import Subpath, read_path
+
+OUTLINED = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "polygon"))
+"""Elements with an outline."""
+
+
+def outline(item: ET.Element, viewport: Viewport) -> list[Subpath]:
+    """The outline of an element, in its own units; nothing for other elements. Raises NestedCagesError."""
+    name = name_of(item)
+
+    def length(key: str) -> float:
+        return attribute(item, key, viewport)
+
+    if name == "path":
+        return read_path(item.get("d", ""))
+    if name in ("polygon", "polyline"):
+        return _through(numbers(item.get("points", "")), closed=name == "polygon")
+    if name == "line":
+        return [Subpath([line(np.array([length("x1"), length("y1")]), np.array([length("x2"), length("y2")]))])]
+    if name == "rect":
+        rx, ry = item.get("rx", "auto").strip(), item.get("ry", "auto").strip()
+        first = attribute(item, "rx" if rx != "auto" else "ry", viewport)
+        second = attribute(item, "ry" if ry != "auto" else "rx", viewport)
+        return _rectangle(length("x"), length("y"), length("width"), length("height"), first, second)
+    if name in ("circle", "ellipse"):
+        radii = [length("r")] * 2 if name == "circle" else _radii(item, viewport)
+        centre = np.array([length("cx"), length("cy")])
+        return [Subpath(ellipse(centre, np.diag(radii)), True)] if min(radii) > 0.0 else []
+    return []
+
+
+def _through(values: list[float], *, closed: bool) -> list[Subpath]:
+    points = np.reshape(values[: len(values) // 2 * 2], (-1, 2))
+    if len(points) < 2:
+        return []
+    curves = [line(a, b) for a, b in pairwise(points)]
+    return [Subpath([*curves, line(points[-1], points[0])] if closed else curves, closed)]
+
+
+def _radii(item: ET.Element, viewport: Viewport) -> list[float]:
+    """Of an ellipse; one that is not given is the other one."""
+    given = [key for key in ("rx", "ry") if item.get(key, "auto").strip() != "auto"]
+    return [attribute(item, key if key in given else (given or [key])[0], viewport) for key in ("rx", "ry")]
+
+
+def _rectangle(x: float, y: float, width: float, height: float, rx: float, ry: float) -> list[Subpath]:
+    if not (width > 0.0 and height > 0.0):
+        return []
+    rx, ry = min(rx, width / 2.0), min(ry, height / 2.0)
+    corners = np.array([[x + width, y + height], [x, y + height], [x, y], [x + width, y]])
+    if not (rx > 0.0 and ry > 0.0):
+        around = np.concatenate((corners[2:], corners[:3]))
+        return [Subpath([line(a, b) for a, b in pairwise(around)], True)]
+    centres = corners + np.array([[-rx, -ry], [rx, -ry], [rx, ry], [-rx, ry]])
+    curves: list[FloatArray] = []
+    for k, centre in enumerate(centres):
+        quarter = ellipse(centre, np.diag((rx, ry)), k * math.pi / 2.0, math.pi / 2.0)
+        if curves:
+            curves.append(line(curves[-1][-1], quarter[0][0]))
+        curves += quarter
+    return [Subpath([*curves, line(curves[-1][-1], curves[0][0])], True)]

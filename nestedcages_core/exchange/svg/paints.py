@@ -1,0 +1,186 @@
+"""What fills and strokes are painted with: colours and gradients, as far as they can be seen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from xml.etree import ElementTree as ET
+
+from ...geometry.arrays import FloatArray
+from ..libraries import load_colours
+from .document import Document
+from .lengths import attribute, link_of, name_of, share
+from .style import Style, Styles
+from .transforms import read_transform
+
+URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
+HEX = re.compile(r"#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})")
+
+LUMINANCE = (0.2125, 0.7154, 0.0721)
+"""Weights of red, green and blue (SVG 1.1, section 14.4)."""
+
+GRADIENTS = ("linearGradient", "radialGradient")
+MAX_LINKS = 16
+"""Gradients that refer to each other, one after the other."""
+
+
+@dataclass(frozen=True)
+class Colour:
+    """How much of what lies below a colour covers, and how bright it is, from 0 to 1."""
+
+    alpha: float = 1.0
+    luminance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Stop:
+    offset: float
+    colour: Colour
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """Colours along a line or outwards from a focus."""
+
+    radial: bool
+    numbers: tuple[float, ...]
+    """x1, y1, x2, y2; or cx, cy, r, fx, fy."""
+    of_box: bool
+    """Whether lengths are shares of the box of what is painted."""
+    matrix: FloatArray = field(compare=False)
+    stops: tuple[Stop, ...]
+    repeats: bool
+
+
+@dataclass(frozen=True)
+class Paint:
+    """A colour, or a gradient; `opacity` counts for both."""
+
+    opacity: float
+    colour: Colour = Colour()
+    gradient: Gradient | None = None
+
+
+def link_in(value: str) -> tuple[str, str]:
+    """The `#id` in a value such as "url(#id) none", and what comes after it; empty if there is none."""
+    found = URL.match(value.strip())
+    return (found[1], found[2].strip()) if found else ("", "")
+
+
+def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
+    """A colour; None for none. bright: whether its luminance matters."""
+    text = text.strip()
+    lower = text.lower()
+    if lower == "currentcolor":
+        text = style.get("color", "black")
+        lower = text.lower()
+    if lower == "none":
+        return None
+    if lower == "transparent":
+        return Colour(0.0)
+    found = HEX.fullmatch(text)
+    if found:
+        digits = found[1] if len(found[1]) > 4 else "".join(2 * digit for digit in found[1])
+        red, green, blue, alpha = (int((digits + "ff")[k : k + 2], 16) / 255.0 for k in (0, 2, 4, 6))
+        return Colour(alpha, _luminance(red, green, blue))
+    if lower in ("white", "black") or (lower.isalpha() and not bright):
+        return Colour(1.0, float(lower == "white"))
+    parsed = load_colours().parse_color(text)
+    if parsed is None or parsed == "currentcolor":
+        return Colour()
+    return Colour(float(parsed.alpha), _luminance(*parsed.to("srgb").coordinates))
+
+
+def _luminance(red: float, green: float, blue: float) -> float:
+    return sum(weight * part for weight, part in zip(LUMINANCE, (red, green, blue), strict=True))
+
+
+class Paints:
+    """The paints of a document."""
+
+    def __init__(self, document: Document, styles: Styles) -> None:
+        self.document = document
+        self.styles = styles
+        self.gradients: dict[tuple[ET.Element, bool], Gradient | None] = {}
+
+    def paint(self, text: str, opacity: float, style: Style, *, bright: bool) -> Paint | None:
+        """A paint that can be seen; None for none. bright: whether luminance matters, as in masks."""
+        link, instead = link_in(text)
+        if not link:
+            colour = colour_of(text, style, bright=bright)
+            return Paint(opacity * colour.alpha, colour) if colour else None
+        server = self.document.linked(link)
+        if server is None:
+            return self.paint(instead, opacity, style, bright=bright) if instead and "url(" not in instead else None
+        if name_of(server) not in GRADIENTS:
+            return Paint(opacity)  # a pattern counts as a whole
+        if (server, bright) not in self.gradients:
+            self.gradients[server, bright] = self._gradient(server, bright)
+        gradient = self.gradients[server, bright]
+        if gradient is None:
+            return None
+        if len({stop.colour for stop in gradient.stops}) == 1:
+            colour = gradient.stops[0].colour
+            return Paint(opacity * colour.alpha, colour)
+        return Paint(opacity, gradient=gradient)
+
+    def _gradient(self, item: ET.Element, bright: bool) -> Gradient | None:
+        """A gradient with the attributes and stops of those that it refers to; None without stops."""
+        given: dict[str, str] = {}
+        stops: list[Stop] = []
+        link: ET.Element | None = item
+        for _ in range(MAX_LINKS):
+            if link is None or name_of(link) not in GRADIENTS:
+                break
+            given = {**link.attrib, **given}
+            stops = stops or self._stops(link, bright)
+            link = self.document.linked(link_of(link))
+        if not stops:
+            return None
+        of_box = given.get("gradientUnits", "") != "userSpaceOnUse"
+        radial = name_of(item) == "radialGradient"
+        return Gradient(
+            radial,
+            self._numbers(given, radial, of_box),
+            of_box,
+            read_transform(given.get("gradientTransform", "")),
+            tuple(stops),
+            given.get("spreadMethod", "pad") != "pad",
+        )
+
+    def _numbers(self, given: Mapping[str, str], radial: bool, of_box: bool) -> tuple[float, ...]:
+        """Lengths of a gradient; per cent are of the box or of the page."""
+        item = ET.Element("gradient", dict(given))
+
+        def length(key: str, default: str) -> float:
+            text = given.get(key) or default
+            if of_box and text.strip().endswith("%"):
+                item.set(key, repr(_per_cent(text)))
+            else:
+                item.set(key, text)
+            return attribute(item, key, self.document.viewport)
+
+        if not radial:
+            return length("x1", "0%"), length("y1", "0%"), length("x2", "100%"), length("y2", "0%")
+        cx, cy, r = length("cx", "50%"), length("cy", "50%"), length("r", "50%")
+        return cx, cy, r, length("fx", repr(cx)), length("fy", repr(cy))
+
+    def _stops(self, item: ET.Element, bright: bool) -> list[Stop]:
+        stops: list[Stop] = []
+        for child in item:
+            if name_of(child) != "stop":
+                continue
+            own = self.styles.own(child)
+            colour = colour_of(own.get("stop-color", "black"), own, bright=bright) or Colour(0.0)
+            alpha = colour.alpha * share(own.get("stop-opacity"))
+            before = stops[-1].offset if stops else 0.0
+            stops.append(Stop(max(share(child.get("offset"), 0.0), before), Colour(alpha, colour.luminance)))
+        return stops
+
+
+def _per_cent(text: str) -> float:
+    try:
+        return float(text.strip()[:-1]) / 100.0
+    except ValueError:
+        return 0.0

@@ -1,0 +1,206 @@
+"""SVG in: what is painted becomes a mesh."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InvalidMeshError, NestedCagesError
+from ...geometry.arrays import FloatArray
+from ...geometry.mesh import Mesh
+from ..fill import Area, bounds_of, regions, solid
+from ..libraries import load_shapely
+from .areas import Areas
+from .curves import flattened
+from .document import Document, Frame
+from .options import SvgOptions
+from .paints import Paint
+from .scene import Group, Scene, Shape
+from .transforms import moved
+
+DEFAULT_TOLERANCE = 5e-4
+"""Greatest distance of chords from curves when none is given, as a share of the drawing's diagonal."""
+
+MAX_COORDINATE = 1e150
+"""Coordinates beyond this cannot be multiplied with each other."""
+
+PAGE_COVERED = 0.95
+"""Share of the page that a background covers at least; rounded corners count as covered."""
+
+
+Box = tuple[float, float, float, float]
+"""x, y, width and height."""
+
+
+@dataclass(frozen=True)
+class SvgDrawing:
+    """What was read of a document, and what was not."""
+
+    mesh: Mesh
+    """In user units, y pointing down."""
+    frame: Frame
+    """What to give to `to_svg` so that its output lies on this drawing."""
+    notes: tuple[str, ...]
+    """A sentence each: what was left out, and what may not have been meant."""
+
+
+def read_svg(path: str | os.PathLike[str], **options: Any) -> Mesh:
+    """The painted area of an SVG file; see `from_svg`."""
+    return read_svg_drawing(path, **options).mesh
+
+
+def from_svg(text: str | bytes, **options: Any) -> Mesh:
+    """The painted area of an SVG document as a mesh, in the document's user units, y pointing down as there.
+
+    Shapes that overlap are united; fills, strokes, clip paths, masks, references and style sheets are followed. What
+    crosses nothing keeps its coordinates exactly. options: fields of `SvgOptions`.
+
+    Raises NestedCagesError for what is not such a document, InvalidMeshError where nothing is painted.
+    """
+    return svg_drawing(text, **options).mesh
+
+
+def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing:
+    """The painted area of an SVG file with its frame and what was left out; see `svg_drawing`."""
+    return svg_drawing(Path(path).read_bytes(), **options)
+
+
+def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
+    """Same as `from_svg`, with the document's frame and notes on what was left out."""
+    chosen = SvgOptions(**options)
+    document = Document(text, chosen.limits)
+    if not document.strokes_count:
+        chosen = replace(chosen, strokes=False)
+    scene = Scene(document, chosen)
+    notes: list[str] = []
+    root = _what_counts(scene, notes)
+    page = document.frame.page if chosen.crop and document.root.get("overflow") != "visible" else None
+    tolerance = chosen.tolerance or DEFAULT_TOLERANCE * _size(root, page)
+    if not tolerance > 0.0:
+        raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
+    areas = Areas(chosen, tolerance, document.pixel).of(root, np.eye(3))
+    if page is not None:
+        areas = _on_page(areas, page, notes)
+    try:
+        return SvgDrawing(solid(areas), document.frame, tuple(notes))
+    except InvalidMeshError as error:
+        raise InvalidMeshError(" ".join((str(error), *notes))) from error
+
+
+def _what_counts(scene: Scene, notes: list[str]) -> Group:
+    """The scene without what cannot be seen; where nothing can, closed outlines count as filled.
+
+    Raises NestedCagesError where nothing is left.
+    """
+    options = scene.options
+    if scene.left_out:
+        counted = (f"{number} {kind}{'s' if number > 1 else ''}" for kind, number in scene.left_out.items())
+        notes.append(f"Left out: {', '.join(counted)}.")
+    strokes = sum(_is_seen(shape.stroke_paint, options) for shape in scene.root.shapes())
+    if strokes and not options.strokes and scene.document.strokes_count:
+        notes.append(f"Left out: {strokes} stroke{'s' if strokes > 1 else ''}, since strokes are turned off.")
+    found = _only(scene.root, lambda shape: _counts(shape, options))
+    if not found.children:
+        found = _only(scene.root, _as_outline)
+    if not found.children:
+        problem = "The drawing has no filled or closed shapes; close its paths, or convert strokes and text to paths."
+        raise NestedCagesError(" ".join((problem, *notes)))
+    shapes = list(found.shapes())
+    page = scene.document.frame.page
+    if page is not None and len(shapes) > 1 and _covers(shapes[0], page):
+        if options.background:
+            notes.append(f"The {shapes[0].name} covers the whole page; background=False leaves it out.")
+        else:
+            notes.append(f"Left out: the {shapes[0].name}, which covers the whole page.")
+            found = _only(found, lambda shape: None if shape is shapes[0] else shape)
+    return found
+
+
+def _only(group: Group, chosen: Callable[[Shape], Shape | None]) -> Group:
+    """A group with the shapes that are chosen, as they are then."""
+    children: list[Shape | Group] = []
+    for child in group.children:
+        kept = _only(child, chosen) if isinstance(child, Group) else chosen(child)
+        if isinstance(kept, Shape) or (kept is not None and kept.children):
+            children.append(kept)
+    return Group(children, group.clips)
+
+
+def _counts(shape: Shape, options: SvgOptions) -> Shape | None:
+    """A shape with those of its paints that can be seen."""
+    fill = shape.fill if _is_seen(shape.fill, options) else None
+    stroke = shape.stroke_paint if options.strokes and _is_seen(shape.stroke_paint, options) else None
+    return replace(shape, fill=fill, stroke_paint=stroke) if fill or stroke else None
+
+
+def _as_outline(shape: Shape) -> Shape | None:
+    """The closed parts of a shape's outline, filled."""
+    closed = [path for path in shape.subpaths if path.closed]
+    return replace(shape, subpaths=closed, fill=Paint(1.0), stroke_paint=None) if closed else None
+
+
+def _is_seen(paint: Paint | None, options: SvgOptions) -> bool:
+    if paint is None or not paint.opacity > options.faintest:
+        return False
+    stops = paint.gradient.stops if paint.gradient else ()
+    return not stops or any(paint.opacity * stop.colour.alpha > options.faintest for stop in stops)
+
+
+def _controls(shape: Shape) -> FloatArray:
+    """Control points (k, 2) in the document. Raises NestedCagesError where they are out of range."""
+    points = np.concatenate([moved(curve, shape.matrix) for path in shape.subpaths for curve in path.curves])
+    if not np.abs(points).max() < MAX_COORDINATE:
+        raise NestedCagesError(
+            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing."
+        )
+    return points
+
+
+def _size(group: Group, page: Box | None) -> float:
+    """Diagonal of all shapes as far as they can be seen."""
+    corners = []
+    for shape in group.shapes():
+        points = _controls(shape)
+        corners += [points.min(axis=0), points.max(axis=0)]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    if (low == high).all() or page is None:
+        return float(np.hypot(*(high - low)))
+    x, y, width, height = page
+    clipped = np.clip((low, high), (x, y), (x + width, y + height))
+    return float(np.hypot(*np.ptp(clipped, axis=0))) or float(np.hypot(*(high - low)))
+
+
+def _covers(shape: Shape, page: Box) -> bool:
+    """Whether a shape is about a rectangle as large as the page."""
+    if shape.fill is None or len(shape.subpaths) != 1:
+        return False
+    points = flattened([moved(curve, shape.matrix) for curve in shape.subpaths[0].curves], max(page[2:]))
+    x, y, width, height = page
+    inside = np.clip(points, (x, y), (x + width, y + height))
+    ahead = np.roll(inside, -1, axis=0)
+    area = 0.5 * abs(float((inside[:, 0] * ahead[:, 1] - inside[:, 1] * ahead[:, 0]).sum()))
+    return area >= PAGE_COVERED * width * height
+
+
+def _on_page(areas: list[Area], page: Box, notes: list[str]) -> list[Area]:
+    """Areas cut off at the edge of the page, those wholly inside as they are."""
+    if not areas:
+        return areas
+    x, y, width, height = page
+    lower, upper = np.array((x, y)), np.array((x + width, y + height))
+    inside: list[Area] = []
+    outside: list[Area] = []
+    for area in areas:
+        low, high = bounds_of([area])
+        (inside if ((low >= lower) & (high <= upper)).all() else outside).append(area)
+    if not outside:
+        return areas
+    shapely = load_shapely("shapes that reach beyond the page")
+    cut = shapely.intersection(shapely.union_all(regions(shapely, outside)), shapely.box(*lower, *upper))
+    notes.append("Cut off: what lies outside the page; crop=False keeps it.")
+    return [*inside, cut]

@@ -1,0 +1,398 @@
+"""A document as a tree of painted shapes: styles, references and transforms resolved, nothing flattened yet."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
+from .document import Document
+from .lengths import Viewport, attribute, fitted, link_of, measure, name_of, numbers, quoted, share, view_box_of
+from .markers import MARKED, PLACES, Vertex, vertices
+from .options import SvgOptions
+from .outlines import OUTLINED, outline
+from .paints import Paint, Paints, link_in
+from .path_data import Subpath
+from .strokes import Stroke
+from .style import Style, Styles
+from .transforms import read_transform, scaling, translation, turned
+
+GROUPS = frozenset(("svg", "g", "a", "switch"))
+"""Elements that draw what is in them."""
+
+LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
+"""Elements that are seen but not read."""
+
+MAX_DEPTH = 64
+"""Elements within elements."""
+
+PAINT, CLIP, MASK = "paint", "clip", "mask"
+"""What shapes are read for: to be seen, to clip by their outlines, to mask by their luminance."""
+
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One element with an outline."""
+
+    name: str
+    """As sentences call it."""
+    subpaths: list[Subpath]
+    """In its own units."""
+    matrix: FloatArray
+    """From its units to those of the document, or of the clip that it is part of."""
+    evenodd: bool = False
+    fill: Paint | None = None
+    stroke: Stroke | None = None
+    stroke_paint: Paint | None = None
+    scales: bool = True
+    """Whether the width of its stroke follows its transforms."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Shapes that are clipped together."""
+
+    children: list[Shape | Group] = field(default_factory=list)
+    clips: list[Clip] = field(default_factory=list)
+
+    def shapes(self) -> Iterator[Shape]:
+        """All shapes, the lowest first."""
+        for child in self.children:
+            if isinstance(child, Shape):
+                yield child
+            else:
+                yield from child.shapes()
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """What is kept of a group."""
+
+    content: Group
+    matrix: FloatArray
+    """From the units of the group to those of the document."""
+    of_box: bool = False
+    """Whether the content's units are shares of the group's box."""
+    is_mask: bool = False
+
+
+@dataclass(frozen=True)
+class _Context:
+    """What an element has from those around it."""
+
+    matrix: FloatArray
+    viewport: Viewport
+    style: Style = field(default_factory=dict)
+    opacity: float = 1.0
+    purpose: str = PAINT
+    in_element: bool = True
+    in_layer: bool = True
+    users: tuple[ET.Element, ...] = ()
+    """References that are being followed."""
+    depth: int = 0
+
+
+class Scene:
+    """Walks through a document; `root` is what it draws."""
+
+    def __init__(self, document: Document, options: SvgOptions) -> None:
+        self.document = document
+        self.options = options
+        self.styles = Styles(document)
+        self.paints = Paints(document, self.styles)
+        self.left_out: Counter[str] = Counter()
+        self.drawn = 0
+        self._check_names()
+        whole = _Context(
+            np.eye(3),
+            document.viewport,
+            in_element=options.element is None,
+            in_layer=not options.layers,
+        )
+        self.root = Group()
+        self._add(document.root, whole, self.root)
+
+    def _check_names(self) -> None:
+        element = self.options.element
+        if element is not None and element not in self.document.by_id:
+            known = ", ".join(sorted(filter(None, self.document.by_id))[:12]) or "none"
+            raise NestedCagesError(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
+        labels = [name for item in self.document.root if name_of(item) == "g" for name in _layer_names(item)]
+        for layer in self.options.layers:
+            if layer not in labels:
+                known = ", ".join(labels[:12]) or "none"
+                raise NestedCagesError(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
+
+    def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
+        """Add what an element draws to a group."""
+        self.drawn += 1
+        self.options.limits.check("elements", self.drawn)
+        name = name_of(item)
+        if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
+            return
+        if around.depth > MAX_DEPTH:
+            raise NestedCagesError("The drawing nests its elements too deeply; simplify its groups and references.")
+        style = self.styles.computed(item, around.style)
+        opacity = around.opacity * share(style.get("opacity"))
+        if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
+            return
+        matrix = around.matrix
+        if around.depth or name != "svg":
+            matrix = matrix @ read_transform(style.get("transform") or "")
+        context = replace(
+            around,
+            matrix=matrix,
+            style=style,
+            opacity=opacity,
+            in_element=around.in_element or item.get("id") == self.options.element,
+            in_layer=around.in_layer or (around.depth == 1 and bool({*_layer_names(item)} & {*self.options.layers})),
+            depth=around.depth + 1,
+        )
+        if name in LEFT_OUT:
+            if style.get("visibility", "visible") == "visible" and context.in_element and context.in_layer:
+                self.left_out[LEFT_OUT[name]] += 1
+            return
+        group = Group(clips=self._clips(style, context))
+        if style.get("filter", "none") != "none" and around.purpose == PAINT:
+            self.left_out["filter"] += 1
+        if name == "use":
+            self._add_used(item, context, group)
+        elif name in OUTLINED:
+            self._add_shape(item, context, group)
+        elif name == "svg" and around.depth:
+            size = (item.get("width"), item.get("height"))
+            x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
+            self._add_framed(item, context, group, x, y, size)
+        else:
+            children = list(item) if name != "switch" else _chosen(item)
+            for child in children:
+                self._add(child, context, group)
+        _attach(group, to)
+
+    def _add_used(self, item: ET.Element, context: _Context, group: Group) -> None:
+        """Add what a `use` element draws."""
+        link = link_of(item)
+        target = self.document.linked(link)
+        if target is None:
+            raise NestedCagesError(
+                f"The drawing uses {quoted(link)}, which is not an element of it; embed it or remove it."
+            )
+        if any(target is user for user in context.users):
+            raise NestedCagesError(f"The element {quoted(link)} uses itself; remove one of the references.")
+        x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
+        context = replace(context, users=(*context.users, target))
+        if name_of(target) not in ("symbol", "svg"):
+            self._add(target, replace(context, matrix=context.matrix @ translation(x, y)), group)
+            return
+        size = tuple(item.get(key) or target.get(key) for key in ("width", "height"))
+        style = self.styles.computed(target, context.style)
+        if style.get("display") != "none" or name_of(target) == "symbol":
+            framed = Group()
+            self._add_framed(target, replace(context, style=style), framed, x, y, (size[0], size[1]))
+            _attach(framed, group)
+
+    def _add_framed(
+        self,
+        item: ET.Element,
+        context: _Context,
+        group: Group,
+        x: float,
+        y: float,
+        size: tuple[str | None, str | None],
+    ) -> None:
+        """Add what is in a nested `svg` or `symbol`, its view box fitted into its size."""
+        box, around = view_box_of(item), context.viewport
+        whole = (around.width, around.height) if around.width is not None else (box[2:] if box else (None, None))
+        if box is None and None in whole and None in size:
+            width = height = None
+        else:
+            width, height = (
+                measure(given or "", key, f"{key} of the {name_of(item)}", around, missing=missing or 0.0)
+                for given, key, missing in zip(size, ("width", "height"), whole, strict=True)
+            )
+            if not (width > 0.0 and height > 0.0):
+                return
+        inside = fitted(box, x, y, width or 0.0, height or 0.0, item.get("preserveAspectRatio", ""))
+        viewport = Viewport(box[2], box[3]) if box else Viewport(width, height)
+        if width is not None and height is not None and context.style.get("overflow", "hidden") in ("hidden", "scroll"):
+            group.clips.append(_rectangular_clip(x, y, width, height, context.matrix))
+        context = replace(context, matrix=context.matrix @ inside, viewport=viewport)
+        for child in item:
+            self._add(child, context, group)
+
+    def _add_shape(self, item: ET.Element, context: _Context, group: Group) -> None:
+        """Add an element with an outline, and its markers."""
+        style, purpose = context.style, context.purpose
+        if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
+            return
+        subpaths = outline(item, context.viewport)
+        if not subpaths:
+            return
+        name = f"{name_of(item)} {quoted(item.get('id', ''))}" if item.get("id") else f"{name_of(item)} without an id"
+        if purpose == CLIP:
+            rule = style.get("clip-rule", "nonzero")
+            group.children.append(Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0)))
+            return
+        stroke = self._stroke(style, context.viewport)
+        group.children.append(
+            Shape(
+                name,
+                subpaths,
+                context.matrix,
+                style.get("fill-rule", "nonzero") == "evenodd",
+                self._paint("fill", "black", context),
+                stroke,
+                self._paint("stroke", "none", context) if stroke else None,
+                style.get("vector-effect") != "non-scaling-stroke",
+            )
+        )
+        marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)
+        if marked and name_of(item) in MARKED:
+            width = stroke.width if stroke else measure(style.get("stroke-width", "1"), "r", "stroke-width", Viewport())
+            for vertex in vertices(subpaths):
+                self._add_marker(vertex, width, context, group)
+
+    def _paint(self, key: str, default: str, context: _Context) -> Paint | None:
+        style = context.style
+        opacity = context.opacity * share(style.get(f"{key}-opacity"))
+        return self.paints.paint(style.get(key, default), opacity, style, bright=context.purpose == MASK)
+
+    def _stroke(self, style: Style, viewport: Viewport) -> Stroke | None:
+        """The stroke of an element, None if it has none."""
+        if style.get("stroke", "none") == "none":
+            return None
+
+        def length(text: str, what: str) -> float:
+            return measure(text, "r", what, viewport)
+
+        width = length(style.get("stroke-width", "1"), "stroke-width")
+        if not width > 0.0:
+            return None
+        dashes: tuple[float, ...] = ()
+        text = style.get("stroke-dasharray", "none")
+        if text != "none":
+            dashes = tuple(length(part, "stroke-dasharray") for part in text.replace(",", " ").split())
+            if min(dashes, default=0.0) < 0.0:
+                dashes = ()
+        limit = numbers(style.get("stroke-miterlimit", "4"))
+        return Stroke(
+            width,
+            style.get("stroke-linecap", "butt"),
+            style.get("stroke-linejoin", "miter"),
+            limit[0] if limit and limit[0] >= 1.0 else 4.0,
+            dashes,
+            length(style.get("stroke-dashoffset", "0"), "stroke-dashoffset"),
+        )
+
+    def _add_marker(self, vertex: Vertex, width: float, context: _Context, group: Group) -> None:
+        """Add the marker at a vertex of a path (SVG 1.1, section 11.6)."""
+        link, _ = link_in(context.style.get(f"marker-{vertex.place}", "none"))
+        marker = self.document.linked(link)
+        if marker is None or name_of(marker) != "marker" or any(marker is user for user in context.users):
+            return
+        scale = 1.0 if marker.get("markerUnits") == "userSpaceOnUse" else width
+        across, down = (attribute(marker, key, context.viewport, 3.0) for key in ("markerWidth", "markerHeight"))
+        box = view_box_of(marker)
+        inside = fitted(box, 0.0, 0.0, across, down, marker.get("preserveAspectRatio", ""))
+        reference = inside @ (*(attribute(marker, key, context.viewport) for key in ("refX", "refY")), 1.0)
+        orient = marker.get("orient", "0").strip()
+        angle = vertex.angle(orient) if orient.startswith("auto") else (numbers(orient) or [0.0])[0]
+        matrix = context.matrix @ translation(*vertex.point) @ turned(angle) @ scaling(scale, scale)
+        matrix = matrix @ translation(-reference[0], -reference[1])
+        style = self.styles.computed(marker, {})
+        clips = []
+        if style.get("overflow", "hidden") in ("hidden", "scroll"):
+            clips.append(_rectangular_clip(0.0, 0.0, across, down, matrix))
+        marked = Group(clips=clips)
+        inner = replace(
+            context,
+            matrix=matrix @ inside,
+            style=style,
+            viewport=Viewport(*box[2:]) if box else Viewport(across, down),
+            users=(*context.users, marker),
+        )
+        for child in marker:
+            self._add(child, inner, marked)
+        _attach(marked, group)
+
+    def _clips(self, style: Style, context: _Context) -> list[Clip]:
+        """The clip path and the mask of an element."""
+        found = []
+        for key, tag, purpose in (("clip-path", "clipPath", CLIP), ("mask", "mask", MASK)):
+            link, _ = link_in(style.get(key, "none"))
+            item = self.document.linked(link)
+            if item is None or name_of(item) != tag or any(item is user for user in context.users):
+                continue
+            of_box = item.get(f"{tag}Units" if purpose == CLIP else "maskContentUnits", "") == "objectBoundingBox"
+            own = self.styles.computed(item, {})
+            inner = replace(
+                context,
+                matrix=read_transform(own.get("transform") or "") if purpose == CLIP else np.eye(3),
+                style=own,
+                opacity=1.0,
+                purpose=purpose,
+                in_element=True,
+                in_layer=True,
+                users=(*context.users, item),
+                viewport=Viewport(1.0, 1.0) if of_box else context.viewport,
+            )
+            if purpose == MASK and own.get("mask-type", "luminance") == "alpha":
+                inner = replace(inner, purpose=PAINT)
+            content = Group(clips=self._clips(own, replace(inner, matrix=np.eye(3))))
+            for child in item:
+                self._add(child, inner, content)
+            found.append(Clip(content, context.matrix, of_box, is_mask=purpose == MASK))
+            if purpose == MASK:
+                found.append(self._mask_region(item, context))
+        return found
+
+    def _mask_region(self, item: ET.Element, context: _Context) -> Clip:
+        """The rectangle outside which a mask hides everything."""
+        of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
+        viewport = Viewport(1.0, 1.0) if of_box else context.viewport
+        keys = ("x", "y", "width", "height")
+        defaults = ("-10%", "-10%", "120%", "120%")
+        size = [
+            measure(item.get(key) or default, key, f"{key} of the mask", viewport)
+            for key, default in zip(keys, defaults, strict=True)
+        ]
+        clip = _rectangular_clip(size[0], size[1], size[2], size[3], context.matrix)
+        return replace(clip, of_box=of_box)
+
+
+def _attach(group: Group, to: Group) -> None:
+    """Add a group to another one; without clips its shapes themselves."""
+    if not group.clips:
+        to.children.extend(group.children)
+    elif group.children:
+        to.children.append(group)
+
+
+def _rectangular_clip(x: float, y: float, width: float, height: float, matrix: FloatArray) -> Clip:
+    rect = ET.Element("rect", {"x": repr(x), "y": repr(y), "width": repr(width), "height": repr(height)})
+    shape = Shape("rect", outline(rect, Viewport()), np.eye(3), fill=Paint(1.0))
+    return Clip(Group([shape]), matrix)
+
+
+def _chosen(item: ET.Element) -> list[ET.Element]:
+    """What a `switch` draws: its first child without unknown requirements."""
+    for child in item:
+        languages = child.get("systemLanguage")
+        if (
+            name_of(child) not in ("", "foreignObject")
+            and not child.get("requiredExtensions")
+            and (languages is None or any(part.strip().startswith("en") for part in languages.split(",")))
+        ):
+            return [child]
+    return []
+
+
+def _layer_names(item: ET.Element) -> list[str]:
+    return [name for name in (item.get(LABEL), item.get("id")) if name]

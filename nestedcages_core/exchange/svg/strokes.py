@@ -1,0 +1,155 @@
+"""Outlines of strokes: width, caps, joins and dashes (SVG 1.1, section 11.4)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray
+from ..limits import Limits
+
+MAX_ARC_SEGMENTS = 64
+"""Chords of a quarter circle at a cap or join."""
+
+BOX, FLAT, ROUND = "square", "flat", "round"
+CAPS = {"butt": FLAT, "round": ROUND, "square": BOX}
+"""GEOS's names of caps."""
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """How a line is drawn, in the units of the line."""
+
+    width: float
+    cap: str = "butt"
+    join: str = "miter"
+    miter_limit: float = 4.0
+    dashes: tuple[float, ...] = ()
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "dashes", self.dashes * (1 + len(self.dashes) % 2))
+
+    def scaled(self, factor: float) -> Stroke:
+        """The same stroke in other units."""
+        dashes = tuple(factor * dash for dash in self.dashes)
+        return replace(self, width=factor * self.width, dashes=dashes, offset=factor * self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class Polyline:
+    """Points (k, 2) of a line; a closed one does not repeat its first point."""
+
+    points: FloatArray
+    closed: bool
+
+
+def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, limits: Limits) -> list[Any]:
+    """Geometries that together are what a stroke covers.
+
+    tolerance: greatest distance of chords from caps and joins that are round. Raises NestedCagesError for too many
+    dashes.
+    """
+    if stroke.dashes:
+        lines = _dashed(lines, stroke, limits)
+    radius = 0.5 * stroke.width
+    ratio = min(max(tolerance / radius, 1e-9), 0.5)
+    segments = min(max(math.ceil(math.pi / 4.0 / math.acos(1.0 - ratio)), 2), MAX_ARC_SEGMENTS)
+    found = []
+    for line in lines:
+        points = _different(line)
+        if len(points) == 1:
+            found += _dot(shapely, points[0], radius, stroke.cap, segments)
+            continue
+        closed = line.closed and len(points) > 2
+        curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
+        tips = _tips(points, closed, radius, stroke.miter_limit) if stroke.join not in ("round", "bevel") else None
+        cap = CAPS.get(stroke.cap, FLAT)
+        join = stroke.join if stroke.join in ("round", "bevel") else "mitre" if tips is None else "bevel"
+        found.append(
+            shapely.buffer(
+                curve, radius, quad_segs=segments, cap_style=cap, join_style=join, mitre_limit=stroke.miter_limit
+            )
+        )
+        if tips is not None and len(tips):
+            found += list(shapely.polygons(tips))
+    return [geometry for geometry in found if not geometry.is_empty]
+
+
+def _different(line: Polyline) -> FloatArray:
+    """Points without those that repeat the one before, at least one."""
+    points = line.points
+    kept = np.ones(len(points), dtype=bool)
+    kept[1:] = (np.diff(points, axis=0) != 0.0).any(axis=1)
+    points = points[kept]
+    repeats = line.closed and len(points) > 1 and bool((points[0] == points[-1]).all())
+    return np.asarray(points[:-1] if repeats else points)
+
+
+def _dot(shapely: Any, at: FloatArray, radius: float, cap: str, segments: int) -> list[Any]:
+    """What a line without length shows: its caps."""
+    if cap == "round":
+        return [shapely.buffer(shapely.points(at), radius, quad_segs=segments)]
+    if cap == "square":
+        return [shapely.box(*(at - radius), *(at + radius))]
+    return []
+
+
+def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> FloatArray | None:
+    """(K, 4, 2) quadrilaterals that mitres add to bevels; None if no corner exceeds the limit, so that GEOS can.
+
+    SVG bevels corners beyond the limit, GEOS cuts their mitres off.
+    """
+    corner = points if closed else points[1:-1]
+    before = corner - (np.roll(points, 1, axis=0) if closed else points[:-2])
+    after = (np.roll(points, -1, axis=0) if closed else points[2:]) - corner
+    before, after = (step / np.hypot(*step.T)[:, None] for step in (before, after))
+    cosine = (before * after).sum(axis=1)
+    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    with np.errstate(divide="ignore"):
+        squared = np.where(cosine > -1.0, 2.0 / (1.0 + cosine), np.inf)  # square of mitre length by width
+    within = squared <= limit * limit
+    if within.all():
+        return None
+    bent = within & (turn != 0.0)
+    side = -np.sign(turn[bent])[:, None] * radius
+    first, second = (side * np.stack((-step[bent, 1], step[bent, 0]), axis=1) for step in (before, after))
+    tip = (first + second) / (1.0 + cosine[bent])[:, None]
+    centre = corner[bent]
+    return np.asarray(np.stack((centre, centre + first, centre + tip, centre + second), axis=1))
+
+
+def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits) -> list[Polyline]:
+    """The dashes of lines; all of a line whose dashes leave no gap."""
+    period = sum(stroke.dashes)
+    if not period > 0.0 or not math.isfinite(period):
+        return list(lines)
+    found: list[Polyline] = []
+    for line in lines:
+        points = np.concatenate((line.points, line.points[:1])) if line.closed else line.points
+        along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+        limits.check("points", len(found) + math.ceil(min(2.0 * along[-1] / period, 1e18)) * len(stroke.dashes))
+        found += [Polyline(_between(points, along, *ends), False) for ends in _dashes(stroke, period, along[-1])]
+    return found
+
+
+def _dashes(stroke: Stroke, period: float, length: float) -> Iterator[tuple[float, float]]:
+    """Where dashes begin and end along a line."""
+    at = -(stroke.offset % period)
+    while at < length:
+        for k, size in enumerate(stroke.dashes):
+            low, high = max(at, 0.0), min(at + size, length)
+            if k % 2 == 0 and low <= high and low < length:
+                yield low, high
+            at += size
+
+
+def _between(points: FloatArray, along: FloatArray, low: float, high: float) -> FloatArray:
+    """The part of a line from one length to another."""
+    inner = points[(along > low) & (along < high)]
+    ends = [[np.interp(at, along, points[:, axis]) for axis in (0, 1)] for at in (low, high)]
+    return np.concatenate((ends[:1], inner, ends[1:]))

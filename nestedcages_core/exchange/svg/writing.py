@@ -1,0 +1,110 @@
+"""SVG out: meshes become paths with holes."""
+
+from __future__ import annotations
+
+import html
+import math
+import os
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...errors import NestedCagesError
+from ...geometry.mesh import Mesh
+from ..files import write_whole
+from .document import DECORATION, OUTLINES, Frame
+
+MARGIN = 0.02
+"""Empty space around the shapes of a written document, as a share of their diagonal."""
+
+STROKE = 0.004
+"""Width of written outlines, as a share of the diagonal of all shapes; narrower where there are several drawings."""
+
+COLOURS = ("#27364b", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9")
+"""Colours of levels, in turn: dark for drawings, then those of Okabe and Ito, also for the colour-blind."""
+
+DRAWING_OPACITY, CAGE_OPACITY = 0.9, 0.15
+
+NOT_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+"""Characters that no XML document may hold."""
+
+Shapes = Mesh | Sequence[Mesh] | Mapping[str, Mesh]
+
+
+def to_svg(
+    shapes: Shapes,
+    *,
+    view_box: Sequence[float] | None = None,
+    frame: Frame | None = None,
+    levels: Sequence[int] | None = None,
+    y_up: bool = False,
+) -> str:
+    """An SVG document with one path per mesh, holes cut out, coordinates to the last bit as they are.
+
+    shapes: one mesh, several, or by the id that each path gets.
+    view_box: x, y, width and height of what is seen; all shapes unless given.
+    frame: of a document that was read; what is written then lies on it.
+    levels: of each shape, 0 for a drawing, 1 for its innermost cage; as counted unless given. Levels differ in colour
+    and in class, "level-0" and so on; the highest is drawn first, so that cages lie below what they enclose.
+    y_up: whether y points up, as in maps.
+    """
+    named = _named(shapes)
+    if not named:
+        raise NestedCagesError("There is nothing to write; give at least one mesh.")
+    level_of = list(range(len(named)) if levels is None else levels)
+    if len(level_of) != len(named):
+        raise NestedCagesError(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
+    points = np.concatenate([mesh.vertices for mesh in named.values()]) * (1.0, -1.0 if y_up else 1.0)
+    low, high = points.min(axis=0), points.max(axis=0)
+    diagonal = float(np.hypot(*(high - low)))
+    if view_box is None and (frame is None or frame.page is None):
+        frame = None
+        view_box = (*(low - MARGIN * diagonal), *(high - low + 2.0 * MARGIN * diagonal))
+    page = _page(view_box, frame)
+    width = STROKE * diagonal / math.sqrt(max(Counter(level_of).values()))
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" {page} overflow="visible" {OUTLINES}="{DECORATION}">']
+    if y_up:
+        lines.append('<g transform="scale(1 -1)">')
+    for level, (name, mesh) in sorted(zip(level_of, named.items(), strict=True), key=lambda each: -each[0]):
+        colour = COLOURS[level % len(COLOURS)]
+        lines.append(
+            f'  <path id="{html.escape(NOT_XML.sub("_", name))}" class="level-{level}" fill="{colour}" '
+            f'fill-opacity="{CAGE_OPACITY if level else DRAWING_OPACITY}" fill-rule="evenodd" stroke="{colour}" '
+            f'stroke-width="{width:.3g}" stroke-linejoin="round"\n    d="{path_data(mesh)}"/>'
+        )
+    return "\n".join([*lines, *(["</g>"] if y_up else []), "</svg>", ""])
+
+
+def write_svg(path: str | os.PathLike[str], shapes: Shapes, **options: Any) -> None:
+    """Write an SVG file, whole or not at all; shapes and options as of `to_svg`."""
+    write_whole(path, to_svg(shapes, **options))
+
+
+def _page(view_box: Sequence[float] | None, frame: Frame | None) -> str:
+    """Attributes that say what is seen."""
+    seen = view_box if view_box is not None else frame.view_box if frame else None
+    found = {"viewBox": " ".join(f"{float(number):.9g}" for number in seen)} if seen is not None else {}
+    if frame is not None:
+        given = {"width": frame.width, "height": frame.height, "preserveAspectRatio": frame.preserve_aspect_ratio}
+        found.update({key: html.escape(value) for key, value in given.items() if value})
+    return " ".join(f'{key}="{value}"' for key, value in found.items())
+
+
+def path_data(mesh: Mesh) -> str:
+    """The loops of a mesh as SVG path data; outer loops and holes turn opposite ways, so any fill rule is right."""
+    loops = []
+    for loop in mesh.loops:
+        points = " L ".join(f"{x!r} {y!r}" for x, y in mesh.vertices[loop].tolist())
+        loops.append(f"M {points} Z")
+    return " ".join(loops)
+
+
+def _named(shapes: Shapes) -> dict[str, Mesh]:
+    if isinstance(shapes, Mesh):
+        return {"shape": shapes}
+    if isinstance(shapes, Mapping):
+        return dict(shapes)
+    return {"shape" if k == 0 else f"cage-{k}": mesh for k, mesh in enumerate(shapes)}
