@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ..fill import Area, Painted, bounds_of, regions
 from ..libraries import load_shapely
 from .curves import flattened
+from .filters import Filter, Layer, filtered
 from .gradients import visible
 from .options import SvgOptions
 from .paints import Paint
@@ -21,6 +24,12 @@ from .transforms import moved, scaling, translation
 
 STROKE_FINENESS = 0.25
 """Tolerance of the middle line of a stroke, by that of its outline."""
+
+MAX_COORDINATE = 1e150
+"""Coordinates beyond this cannot be multiplied with each other."""
+
+THIN, MAX_FINER = 0.02, 32.0
+"""Default tolerance of thin shapes by their thickness, and by how much it is finer than that of others at most."""
 
 
 class Areas:
@@ -41,6 +50,9 @@ class Areas:
         if isinstance(node, Shape):
             return self._of_shape(node, outer)
         areas = [area for child in node.children for area in self.of(child, outer)]
+        for each in node.filters:
+            if areas:
+                areas = [self._filtered(areas, node, each, outer)]
         for clip in node.clips:
             if not areas:
                 break
@@ -57,10 +69,20 @@ class Areas:
         return found
 
     def _filled(self, shape: Shape, matrix: FloatArray) -> Painted:
-        return Painted([self._flat(path, matrix, self.tolerance) for path in shape.subpaths], shape.evenodd)
+        """The inside of a shape; curves of thin shapes have finer chords, unless the tolerance is given."""
+        tolerance = self.tolerance
+        loops = [self._flat(path, matrix, tolerance) for path in shape.subpaths]
+        if self.options.tolerance is None:
+            finer = max(THIN * _thickness(loops), tolerance / MAX_FINER)
+            if finer < tolerance:
+                loops = [self._flat(path, matrix, finer) for path in shape.subpaths]
+        return Painted(loops, shape.evenodd)
 
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
-        points = flattened([moved(curve, matrix) for curve in path.curves], tolerance)
+        curves = [moved(curve, matrix) for curve in path.curves]
+        if not np.abs(np.concatenate(curves)).max() < MAX_COORDINATE:
+            raise NestedCagesError("The drawing has coordinates that are not finite, or too large; correct them.")
+        points = flattened(curves, tolerance)
         self._count(len(points))
         return points
 
@@ -82,7 +104,7 @@ class Areas:
         shapely = load_shapely("gradients that fade away")
         whole = shapely.union_all(regions(shapely, areas))
         matrix = outer @ shape.matrix
-        box = _box(self._outline(shape, np.eye(3)))
+        box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
         seen = visible(shapely, paint.gradient, alphas, self.options.faintest, box, matrix, shapely.bounds(whole))
         return [shapely.intersection(whole, seen)]
 
@@ -96,6 +118,8 @@ class Areas:
         if not scale > 0.0 or np.linalg.det(after[:2, :2]) == 0.0:
             return []
         tolerance = self.tolerance / scale
+        if self.options.tolerance is None:
+            tolerance = min(tolerance, max(THIN * stroke.width, tolerance / MAX_FINER))
         lines = [
             Polyline(self._flat(path, before, STROKE_FINENESS * tolerance), path.closed) for path in shape.subpaths
         ]
@@ -126,6 +150,15 @@ class Areas:
             return areas
         return [shapely.intersection(shapely.union_all(regions(shapely, areas)), kept)]
 
+    def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
+        """What a filter makes of the areas of a group."""
+        shapely = load_shapely("filters")
+        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
+        region = shapely.union_all(regions(shapely, areas))
+        fades = all(paint.fades(self.options.faintest) for paint in paints)
+        source = Layer(region, max(paint.opacity for paint in paints), fades=fades)
+        return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
+
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
         """Where a mask lets through more than the faintest share: shapes painted over each other by luminance."""
         shapely = load_shapely("masks")
@@ -152,6 +185,17 @@ class Areas:
         if shape.stroke is not None and shape.stroke_paint is not None:
             found.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
         return found
+
+
+def _thickness(loops: Sequence[FloatArray]) -> float:
+    """Twice the area by the length of the boundary: that of a thin strip."""
+    areas, lengths = 0.0, 0.0
+    for loop in loops:
+        ahead = np.roll(loop, -1, axis=0)
+        centred = loop - loop[0]
+        areas += float((centred[:, 0] * (ahead - loop)[:, 1] - centred[:, 1] * (ahead - loop)[:, 0]).sum()) / 2.0
+        lengths += float(np.hypot(*(ahead - loop).T).sum())
+    return 2.0 * abs(areas) / lengths if lengths > 0.0 else 0.0
 
 
 def _luminance(paint: Paint) -> float:

@@ -10,6 +10,9 @@ from ..limits import Limits
 FAINTEST = 0.5 / 255.0
 """Opacity that pictures of 8 bits per channel round to nothing."""
 
+MAX_ELEMENTS = 100_000
+"""Elements that are drawn unless `limits` says otherwise, each copy by `use` counted."""
+
 
 @dataclass(frozen=True)
 class SvgOptions:
@@ -29,7 +32,7 @@ class SvgOptions:
     """Whether what lies outside the page, which no viewer shows, is cut off."""
     opacity: float = 0.0
     """Opacity from 0 to 1 above which paint counts."""
-    limits: Limits = field(default_factory=Limits)
+    limits: Limits = field(default_factory=lambda: Limits(elements=MAX_ELEMENTS))
 
     def __post_init__(self) -> None:
         if self.tolerance is not None and not 0.0 < self.tolerance < float("inf"):

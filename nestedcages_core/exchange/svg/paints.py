@@ -61,6 +61,11 @@ class Paint:
     colour: Colour = Colour()
     gradient: Gradient | None = None
 
+    def fades(self, faintest: float) -> bool:
+        """Whether a part of it cannot be seen."""
+        stops = self.gradient.stops if self.gradient else ()
+        return any(not self.opacity * stop.colour.alpha > faintest for stop in stops)
+
 
 def link_in(value: str) -> tuple[str, str]:
     """The `#id` in a value such as "url(#id) none", and what comes after it; empty if there is none."""

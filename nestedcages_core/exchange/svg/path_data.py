@@ -73,7 +73,7 @@ class PathReader:
             self.subpaths.append(Subpath())
         path = self.subpaths[-1]
         if kind == "Z":
-            if (self.at != self.begin).any():
+            if (self.at != self.begin).any() or not path.curves:
                 path.curves.append(line(self.at, self.begin))
             self.at, path.closed = self.begin, True
             return

@@ -15,7 +15,7 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ..fill import Area, bounds_of, regions, solid
 from ..libraries import load_shapely
-from .areas import Areas
+from .areas import MAX_COORDINATE, Areas
 from .curves import flattened
 from .document import Document, Frame
 from .options import SvgOptions
@@ -25,9 +25,6 @@ from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4
 """Greatest distance of chords from curves when none is given, as a share of the drawing's diagonal."""
-
-MAX_COORDINATE = 1e150
-"""Coordinates beyond this cannot be multiplied with each other."""
 
 PAGE_COVERED = 0.95
 """Share of the page that a background covers at least; rounded corners count as covered."""
@@ -83,13 +80,18 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     tolerance = chosen.tolerance or DEFAULT_TOLERANCE * _size(root, page)
     if not tolerance > 0.0:
         raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
-    areas = Areas(chosen, tolerance, document.pixel).of(root, np.eye(3))
-    if page is not None:
-        areas = _on_page(areas, page, notes)
     try:
+        areas = Areas(chosen, tolerance, document.pixel).of(root, np.eye(3))
+        if page is not None:
+            areas = _on_page(areas, page, notes)
         return SvgDrawing(solid(areas), document.frame, tuple(notes))
     except InvalidMeshError as error:
         raise InvalidMeshError(" ".join((str(error), *notes))) from error
+    except Exception as error:
+        if type(error).__module__.partition(".")[0] != "shapely":
+            raise
+        problem = "The drawing's coordinates are too large or too close together to unite its shapes"
+        raise NestedCagesError(f"{problem} ({error}); scale the drawing, or simplify it.") from error
 
 
 def _what_counts(scene: Scene, notes: list[str]) -> Group:
@@ -128,7 +130,7 @@ def _only(group: Group, chosen: Callable[[Shape], Shape | None]) -> Group:
         kept = _only(child, chosen) if isinstance(child, Group) else chosen(child)
         if isinstance(kept, Shape) or (kept is not None and kept.children):
             children.append(kept)
-    return Group(children, group.clips)
+    return replace(group, children=children)
 
 
 def _counts(shape: Shape, options: SvgOptions) -> Shape | None:

@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from .document import Document
+from .filters import Filter, is_known
 from .lengths import Viewport, attribute, fitted, link_of, measure, name_of, numbers, quoted, share, view_box_of
 from .markers import MARKED, PLACES, Vertex, vertices
 from .options import SvgOptions
@@ -57,10 +58,11 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Shapes that are clipped together."""
+    """Shapes that are filtered and clipped together."""
 
     children: list[Shape | Group] = field(default_factory=list)
     clips: list[Clip] = field(default_factory=list)
+    filters: list[Filter] = field(default_factory=list)
 
     def shapes(self) -> Iterator[Shape]:
         """All shapes, the lowest first."""
@@ -109,6 +111,7 @@ class Scene:
         self.paints = Paints(document, self.styles)
         self.left_out: Counter[str] = Counter()
         self.drawn = 0
+        self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
         self._check_names()
         whole = _Context(
             np.eye(3),
@@ -159,9 +162,7 @@ class Scene:
             if style.get("visibility", "visible") == "visible" and context.in_element and context.in_layer:
                 self.left_out[LEFT_OUT[name]] += 1
             return
-        group = Group(clips=self._clips(style, context))
-        if style.get("filter", "none") != "none" and around.purpose == PAINT:
-            self.left_out["filter"] += 1
+        group = Group(clips=self._clips(style, context), filters=self._filters(style, context))
         if name == "use":
             self._add_used(item, context, group)
         elif name in OUTLINED:
@@ -232,7 +233,10 @@ class Scene:
         style, purpose = context.style, context.purpose
         if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
             return
-        subpaths = outline(item, context.viewport)
+        key = (item, context.viewport)
+        if key not in self.outlines:
+            self.outlines[key] = outline(*key)
+        subpaths = self.outlines[key]
         if not subpaths:
             return
         name = f"{name_of(item)} {quoted(item.get('id', ''))}" if item.get("id") else f"{name_of(item)} without an id"
@@ -348,10 +352,21 @@ class Scene:
             content = Group(clips=self._clips(own, replace(inner, matrix=np.eye(3))))
             for child in item:
                 self._add(child, inner, content)
-            found.append(Clip(content, context.matrix, of_box, is_mask=purpose == MASK))
+            found.append(Clip(content, context.matrix, of_box, is_mask=inner.purpose == MASK))
             if purpose == MASK:
                 found.append(self._mask_region(item, context))
         return found
+
+    def _filters(self, style: Style, context: _Context) -> list[Filter]:
+        """The filter of an element, as far as it is followed."""
+        if style.get("filter", "none") == "none" or context.purpose == CLIP:
+            return []
+        link, _ = link_in(style["filter"])
+        item = self.document.linked(link)
+        if item is not None and name_of(item) == "filter" and is_known(item):
+            return [Filter(item, self.styles, context.matrix, context.viewport)]
+        self.left_out["filter"] += 1
+        return []
 
     def _mask_region(self, item: ET.Element, context: _Context) -> Clip:
         """The rectangle outside which a mask hides everything."""
@@ -369,7 +384,7 @@ class Scene:
 
 def _attach(group: Group, to: Group) -> None:
     """Add a group to another one; without clips its shapes themselves."""
-    if not group.clips:
+    if not group.clips and not group.filters:
         to.children.extend(group.children)
     elif group.children:
         to.children.append(group)

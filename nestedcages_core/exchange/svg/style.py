@@ -37,6 +37,9 @@ FALLBACK = re.compile(r"var\(\s*--[\w-]+\s*(?:,([^()]*))?\)")
 MEDIA = ("", "all", "screen")
 """Conditions of @media that hold."""
 
+MAX_LOOKED_THROUGH = 20_000_000
+"""Elements that selectors look through at most; some seconds."""
+
 Style = Mapping[str, str]
 
 Declaration = tuple[str, str, bool]
@@ -48,6 +51,7 @@ class Styles:
 
     def __init__(self, document: Document) -> None:
         self.sheets: dict[ET.Element, list[Declaration]] = {}
+        self.known: dict[ET.Element, dict[str, str]] = {}
         texts = ["".join(item.itertext()) for item in document.root.iter() if name_of(item) == "style"]
         if any(text.strip() for text in texts):
             try:
@@ -56,7 +60,13 @@ class Styles:
                 raise NestedCagesError("The style sheets nest blocks too deeply; simplify them.") from error
 
     def own(self, item: ET.Element) -> dict[str, str]:
-        """What is said of an element itself, in the order of CSS: attributes, sheets, style; important last."""
+        """What is said of an element itself, not of those around it."""
+        if item not in self.known:
+            self.known[item] = self._own(item)
+        return self.known[item]
+
+    def _own(self, item: ET.Element) -> dict[str, str]:
+        """In the order of CSS: attributes, sheets, style; important last."""
         found = {key: value.strip() for key, value in item.attrib.items() if key in KNOWN}
         given = [*self.sheets.get(item, ()), *declarations(item.get("style", ""))]
         for important in (False, True):
@@ -99,6 +109,38 @@ def _without_comments(text: str) -> str:
     return first + "".join(part.partition("*/")[2] for part in others)
 
 
+def _element_class(cssselect2: ModuleType) -> Any:
+    """Elements that selectors look at, which count how many they look through."""
+
+    class Element(cssselect2.ElementWrapper):  # type: ignore[name-defined,misc]
+        looked_through = 0
+
+        @property
+        def ancestors(self) -> tuple[Any, ...]:
+            return self._along("_ancestors", "parent")
+
+        @property
+        def previous_siblings(self) -> tuple[Any, ...]:
+            return self._along("_previous_siblings", "previous")
+
+        def _along(self, cache: str, step: str) -> tuple[Any, ...]:
+            found: tuple[Any, ...] | None = getattr(self, cache)
+            if found is None:
+                chain = []
+                other = getattr(self, step)
+                while other is not None:
+                    chain.append(other)
+                    other = getattr(other, step)
+                found = tuple(reversed(chain))
+                setattr(self, cache, found)
+            Element.looked_through += len(found) + 1
+            if Element.looked_through > MAX_LOOKED_THROUGH:
+                raise NestedCagesError("The selectors of the style sheets take too long to match; simplify them.")
+            return found
+
+    return Element
+
+
 def _matched(root: ET.Element, text: str) -> dict[ET.Element, list[Declaration]]:
     """Declarations of style sheets for each element that they select, the most specific last."""
     tinycss2, cssselect2 = load_css()
@@ -117,7 +159,7 @@ def _matched(root: ET.Element, text: str) -> dict[ET.Element, list[Declaration]]
             if selector.pseudo_element is None:
                 matcher.add_selector(selector, payload)
     found = {}
-    for wrapper in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
+    for wrapper in _element_class(cssselect2).from_xml_root(root).iter_subtree():
         matches = matcher.match(wrapper)
         if matches:
             found[wrapper.etree_element] = [each for match in matches for each in match[3]]

@@ -1,0 +1,278 @@
+"""Filters that blur, move and fade: as far as they change what is painted (Filter Effects 1, section 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from scipy.special import ndtri
+
+from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
+from .lengths import Viewport, measure, name_of, numbers, share
+from .style import Styles
+from .transforms import moved
+
+BOX = 3.0 * np.sqrt(2.0 * np.pi) / 4.0
+"""Width of each of the three boxes in a row that stand for a blur, in standard deviations."""
+
+QUARTER_SEGMENTS = 16
+"""Chords of a quarter circle around a blurred corner."""
+
+MAX_LAYERS = 256
+"""Layers that a filter may merge; each merge can double them."""
+
+LEAST_RATIO = 1e-3
+"""Smaller by larger standard deviation of a blur; one that is zero counts as this."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A region in the units of the filtered element, as opaque as `alpha` inside and blurred at its edge."""
+
+    region: Any
+    alpha: float
+    blur: FloatArray = field(default_factory=lambda: np.zeros(2))
+    """(2,) standard deviations along x and y."""
+    fades: bool = False
+    """Whether it fades away towards its edge, so that blurring hardly widens what is seen of it."""
+    within: Any = None
+    """What is kept of it after blurring; all if None."""
+
+    def seen(self, shapely: Any, faintest: float) -> Any:
+        """Where it is more opaque than `faintest`; exact for straight edges."""
+        if not self.alpha > faintest:
+            return shapely.Polygon()
+        region = self.region
+        largest = float(self.blur.max())
+        if largest > 0.0 and not self.fades:
+            unit = np.maximum(self.blur, LEAST_RATIO * largest)
+            region = shapely.transform(region, lambda xy: xy / unit)
+            region = shapely.buffer(region, _reach(faintest / self.alpha), quad_segs=QUARTER_SEGMENTS)
+            region = shapely.transform(region, lambda xy: xy * unit)
+        return region if self.within is None else shapely.intersection(region, self.within)
+
+    def kept(self, shapely: Any, within: Any, alpha: float) -> Layer:
+        """The part of it that lies within a region, faded."""
+        both = within if self.within is None else shapely.intersection(within, self.within)
+        return replace(self, within=both, alpha=self.alpha * alpha)
+
+
+def _reach(share: float) -> float:
+    """Distance from a straight edge at which a blur has fallen to a share, in standard deviations."""
+    if share < 1.0 / 6.0:  # in the tail of the third box
+        return float(BOX * (1.5 - np.cbrt(6.0 * share)))
+    return float(ndtri(1.0 - share))
+
+
+Layers = list[Layer]
+
+
+@dataclass(frozen=True, eq=False)
+class Filter:
+    """A filter on a group."""
+
+    item: ET.Element
+    styles: Styles
+    matrix: FloatArray
+    """From the units of the group to those of the document."""
+    viewport: Viewport
+
+
+def is_known(item: ET.Element) -> bool:
+    """Whether all parts of a filter are followed."""
+    return all(name_of(child) in KNOWN or not name_of(child).startswith("fe") for child in item)
+
+
+def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, faintest: float) -> Any:
+    """What a filter paints of a source in the document; matrix: from the units of the filtered group to it."""
+    if np.linalg.det(matrix[:2, :2]) == 0.0 or source.region.is_empty:
+        return source.region
+    inverse = np.linalg.inv(matrix)
+    region = shapely.transform(source.region, lambda xy: moved(xy, inverse))
+    x0, y0, x1, y1 = shapely.bounds(region)
+    whole = shapely.box(*_region(by, (x0, y0, x1 - x0, y1 - y0)))
+    step = _Step(shapely, by.styles, whole, faintest, {"SourceGraphic": [replace(source, region=region)]})
+    step.results["SourceAlpha"] = step.results["SourceGraphic"]
+    step.last = step.results["SourceGraphic"]
+    children = [child for child in by.item if name_of(child) in KNOWN]
+    for child in children:
+        step.last = KNOWN[name_of(child)](step, child)
+        if len(step.last) > MAX_LAYERS:
+            raise NestedCagesError(f"A filter merges more than {MAX_LAYERS} layers; simplify it.")
+        if child.get("result"):
+            step.results[child.get("result", "")] = step.last
+    seen = shapely.union_all([layer.seen(shapely, faintest) for layer in step.last] if children else [])
+    return shapely.transform(shapely.intersection(seen, whole), lambda xy: moved(xy, matrix))
+
+
+def _region(by: Filter, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    """Corners of what a filter may paint, given the box of its source."""
+    of_box = by.item.get("filterUnits", "objectBoundingBox") == "objectBoundingBox"
+    viewport = Viewport(1.0, 1.0) if of_box else by.viewport
+    default = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
+    x, y, width, height = (
+        measure(by.item.get(key) or default[key], key, f"{key} of the filter", viewport) for key in default
+    )
+    if of_box:
+        x, y, width, height = box[0] + x * box[2], box[1] + y * box[3], width * box[2], height * box[3]
+    return x, y, x + width, y + height
+
+
+@dataclass(eq=False)
+class _Step:
+    """Between two parts of a filter."""
+
+    shapely: Any
+    styles: Styles
+    whole: Any
+    faintest: float
+    results: dict[str, Layers]
+    last: Layers = ()  # type: ignore[assignment]
+
+    @property
+    def size(self) -> float:
+        """The longer side of the whole; what is blurred more or moved farther is not seen."""
+        x0, y0, x1, y1 = self.shapely.bounds(self.whole)
+        return float(max(x1 - x0, y1 - y0))
+
+    def input(self, item: ET.Element, key: str = "in") -> Layers:
+        name = item.get(key, "")
+        if name in ("BackgroundImage", "BackgroundAlpha"):
+            return []
+        return self.results.get(name, self.last)
+
+    def seen(self, layers: Layers) -> Any:
+        return self.shapely.union_all([layer.seen(self.shapely, self.faintest) for layer in layers])
+
+
+def _pair(item: ET.Element, key: str) -> FloatArray:
+    given = np.nan_to_num(numbers(item.get(key, "0"))[:2] or [0.0])
+    return np.array([given[0], given[-1]])
+
+
+def _number(item: ET.Element, key: str, missing: float) -> float:
+    found = (numbers(item.get(key, "")) or [missing])[0]
+    return found if np.isfinite(found) else missing
+
+
+def _blur(step: _Step, item: ET.Element) -> Layers:
+    added = np.clip(_pair(item, "stdDeviation"), 0.0, step.size)
+    return [replace(layer, blur=np.hypot(layer.blur, added)) for layer in step.input(item)]
+
+
+def _offset(step: _Step, item: ET.Element) -> Layers:
+    by = np.array([_number(item, key, 0.0) for key in ("dx", "dy")])
+    return [
+        replace(
+            layer,
+            region=step.shapely.transform(layer.region, lambda xy: xy + by),
+            within=_moved(step, layer.within, by),
+        )
+        for layer in step.input(item)
+    ]
+
+
+def _moved(step: _Step, region: Any, by: FloatArray) -> Any:
+    return None if region is None else step.shapely.transform(region, lambda xy: xy + by)
+
+
+def _shadow(step: _Step, item: ET.Element) -> Layers:
+    own = step.styles.own(item)
+    opacity = share(own.get("flood-opacity"))
+    source = step.input(item)
+    blur = np.clip(_pair(item, "stdDeviation") if item.get("stdDeviation") else np.full(2, 2.0), 0.0, step.size)
+    by = np.array([_number(item, key, 2.0) for key in ("dx", "dy")])
+    shadows = [
+        Layer(
+            step.shapely.transform(layer.region, lambda xy: xy + by), layer.alpha * opacity, np.hypot(layer.blur, blur)
+        )
+        for layer in source
+    ]
+    return [*shadows, *source]
+
+
+def _flood(step: _Step, item: ET.Element) -> Layers:
+    return [Layer(step.whole, share(step.styles.own(item).get("flood-opacity")))]
+
+
+def _faded(layers: Layers, step: _Step, alpha: Callable[[float], float]) -> Layers:
+    """Layers whose opacity is changed by a function; what it makes of nothing covers the whole."""
+    found = [replace(layer, alpha=min(max(alpha(layer.alpha), 0.0), 1.0)) for layer in layers]
+    nothing = min(max(alpha(0.0), 0.0), 1.0)
+    return [Layer(step.whole, nothing), *found] if nothing > step.faintest else found
+
+
+def _colour_matrix(step: _Step, item: ET.Element) -> Layers:
+    values = numbers(item.get("values", ""))
+    if item.get("type", "matrix") != "matrix" or len(values) != 20:
+        return step.input(item)
+    return _faded(step.input(item), step, lambda alpha: values[18] * alpha + values[19])
+
+
+def _transfer(step: _Step, item: ET.Element) -> Layers:
+    of_alpha = next((child for child in item if name_of(child) == "feFuncA"), None)
+    if of_alpha is None:
+        return step.input(item)
+    slope, intercept = _number(of_alpha, "slope", 1.0), _number(of_alpha, "intercept", 0.0)
+    table = numbers(of_alpha.get("tableValues", ""))
+    kind = of_alpha.get("type", "identity")
+    if kind == "linear":
+        return _faded(step.input(item), step, lambda alpha: slope * alpha + intercept)
+    if kind == "table" and table:
+        places = np.linspace(0.0, 1.0, len(table))
+        return _faded(step.input(item), step, lambda alpha: float(np.interp(alpha, places, table)))
+    return step.input(item)
+
+
+def _composite(step: _Step, item: ET.Element) -> Layers:
+    first, second = step.input(item), step.input(item, "in2")
+    operator = item.get("operator", "over")
+    if operator in ("in", "out"):
+        within, alpha = step.seen(second), 1.0
+        if operator == "in":
+            alpha = max((layer.alpha for layer in second), default=0.0)
+        else:
+            within = step.shapely.difference(step.whole, within)
+        return [layer.kept(step.shapely, within, alpha) for layer in first]
+    if operator == "atop":
+        return second
+    if operator == "arithmetic":
+        k1, k2, k3, k4 = (_number(item, f"k{n}", 0.0) for n in (1, 2, 3, 4))
+        both = _faded(first, step, lambda alpha: k2 * alpha + k4)
+        return [*both, *(replace(layer, alpha=min(max(k3 + k1, 0.0) * layer.alpha, 1.0)) for layer in second)]
+    return [*second, *first]
+
+
+def _merge(step: _Step, item: ET.Element) -> Layers:
+    return [layer for node in item if name_of(node) == "feMergeNode" for layer in step.input(node)]
+
+
+def _blend(step: _Step, item: ET.Element) -> Layers:
+    return [*step.input(item, "in2"), *step.input(item)]
+
+
+def _morphology(step: _Step, item: ET.Element) -> Layers:
+    radius = min(float(_pair(item, "radius").max()), step.size) * (1.0 if item.get("operator") == "dilate" else -1.0)
+    return [
+        replace(layer, region=step.shapely.buffer(layer.region, radius, join_style="mitre"))
+        for layer in step.input(item)
+    ]
+
+
+KNOWN: dict[str, Callable[[_Step, ET.Element], Layers]] = {
+    "feGaussianBlur": _blur,
+    "feOffset": _offset,
+    "feDropShadow": _shadow,
+    "feFlood": _flood,
+    "feColorMatrix": _colour_matrix,
+    "feComponentTransfer": _transfer,
+    "feComposite": _composite,
+    "feMerge": _merge,
+    "feBlend": _blend,
+    "feMorphology": _morphology,
+}
+"""Parts of filters that are followed."""

@@ -1,0 +1,428 @@
+"""SVG as it is painted: strokes, styles, clips, masks, gradients and filters against areas known beforehand."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, from_svg
+from nestedcages_core.exchange import Frame, Limits, Painted, read_svg_drawing, solid, svg_drawing, to_svg, write_svg
+from nestedcages_core.geometry.predicates import winding_number
+from shapes import letter_a, polygon, ring
+
+SQUARE = '<rect width="10" height="10"/>'
+
+
+def svg(body: str, attributes: str = "") -> str:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {attributes}>{body}</svg>'
+
+
+def area(body: str, attributes: str = "", **options: object) -> float:
+    return from_svg(svg(body, attributes), **options).area
+
+
+def line(style: str, data: str = "M0 0H10") -> str:
+    return f'<path fill="none" stroke="red" d="{data}" {style}/>'
+
+
+# Strokes
+
+
+@pytest.mark.parametrize(
+    ("style", "data", "expected"),
+    [
+        ("", "M0 0H10", 10.0),
+        ('stroke-width="2"', "M0 0H10", 20.0),
+        ('stroke-width="2" stroke-linecap="square"', "M0 0H10", 24.0),
+        ('stroke-width="2" stroke-linecap="round"', "M0 0H10", 20.0 + math.pi),
+        ('stroke-width="2"', "M0 0H10V10", 40.0),  # the mitre fills the corner
+        ('stroke-width="2" stroke-linejoin="bevel"', "M0 0H10V10", 39.5),
+        ('stroke-width="2" stroke-linejoin="round"', "M0 0H10V10", 39.0 + math.pi / 4.0),
+        ('stroke-width="2" stroke-miterlimit="1.4"', "M0 0H10V10", 39.5),  # beyond the limit: a bevel
+        ('stroke-width="2" stroke-miterlimit="1.42"', "M0 0H10V10", 40.0),
+        ('stroke-width="2"', "M0 0H10V10H0Z", 80.0),
+        ('stroke-width="2" stroke-dasharray="2 1"', "M0 0H10", 14.0),
+        ('stroke-width="2" stroke-dasharray="2,1" stroke-dashoffset="1"', "M0 0H10", 14.0),
+        ('stroke-width="2" stroke-dasharray="3"', "M0 0H10", 12.0),
+        ('stroke-width="2" stroke-dasharray="0"', "M0 0H10", 20.0),
+        ('stroke-width="2" stroke-dasharray="-1 2"', "M0 0H10", 20.0),
+        ('stroke-width="2" stroke-linecap="square"', "M3 3h0", 4.0),
+        ('stroke-width="2" stroke-linecap="round"', "M3 3z", math.pi),
+        ('stroke-width="2" transform="scale(2 3)"', "M0 0H10", 120.0),
+        ('transform="scale(2)" vector-effect="non-scaling-stroke"', "M0 0H10", 20.0),
+    ],
+)
+def test_strokes_have_their_areas(style: str, data: str, expected: float) -> None:
+    assert area(line(style, data), tolerance=1e-4) == pytest.approx(expected, rel=2e-4)
+
+
+def test_corners_beyond_the_mitre_limit_are_bevelled_beside_corners_within_it() -> None:
+    found = shapely.geometry.shape(from_svg(svg(line('stroke-width="2"', "M0 0H20V-20L19 0"))))
+    assert found.covers(shapely.Point(20.99, 0.99))  # the right angle has its mitre
+    assert found.bounds[1] > -21.1  # the sharp one has none
+
+
+def test_fill_and_stroke_are_united() -> None:
+    assert area('<rect width="10" height="10" stroke="red" stroke-width="2"/>') == pytest.approx(144.0)
+    assert area('<rect width="10" height="10" stroke="red" stroke-width="2"/>', strokes=False) == 100.0
+    assert area('<rect width="10" height="10" fill="none" stroke="red" stroke-width="2"/>') == pytest.approx(80.0)
+
+
+def test_a_stroke_that_does_not_scale_is_measured_on_the_page() -> None:
+    body = line('vector-effect="non-scaling-stroke" stroke-width="3"', "M10 50H90")
+    assert area(body, 'viewBox="0 0 100 100" width="200" height="200"') == pytest.approx(80.0 * 1.5)
+
+
+def test_markers_stand_at_vertices_and_turn_with_the_path() -> None:
+    marker = (
+        '<marker id="m" markerUnits="userSpaceOnUse" markerWidth="4" markerHeight="4" refX="2" refY="1" orient="auto">'
+        '<rect width="4" height="2"/></marker>'
+    )
+    path = '<path d="M10 10V20H30" fill="none" marker-{}="url(#m)"/>'
+    start = from_svg(svg(marker + path.format("start"))).vertices
+    assert [*start.min(axis=0), *start.max(axis=0)] == pytest.approx([9.0, 8.0, 11.0, 12.0])
+    end = from_svg(svg(marker + path.format("end"))).vertices
+    assert [*end.min(axis=0), *end.max(axis=0)] == pytest.approx([28.0, 19.0, 32.0, 21.0])
+    assert area(marker + path.format("mid")) == pytest.approx(8.0)
+
+
+# Styles
+
+
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        ".off{fill:none}",
+        "g .off{fill:none}",
+        "g > rect.off{fill:none}",
+        "rect.off.off{fill:none} .off{fill:red}",
+        ".off{fill:none!important} #b{fill:red}",
+        "@media screen{.off{fill:none}} @media print{.off{fill:red}}",
+        '[class~="off"]{fill:none;fill:none} /* a } comment { */',
+        "broken { { } } .off{fill:none}",
+        ".off{display:none}",
+        ".off{visibility:hidden}",
+        ".off{fill-opacity:0}",
+        ".off{opacity:0%}",
+        ".off{fill:#f000}",
+        ".off{fill:rgba(1,2,3,0)}",
+        ".off{fill:hsl(10 20% 30% / 0)}",
+        ".off{color:transparent;fill:currentColor}",
+    ],
+)
+def test_style_sheets_say_what_is_painted(sheet: str) -> None:
+    body = f'<style>{sheet.replace(">", "&gt;")}</style><g><rect id="b" class="on off" width="9" height="9"/></g>'
+    assert area(body + '<rect x="20" width="1" height="2"/>') == 2.0
+
+
+def test_the_style_attribute_is_stronger_than_sheets_unless_they_are_important() -> None:
+    rect = '<rect width="3" height="1" style="fill:red"/><rect x="5" width="1" height="1"/>'
+    assert area(f"<style>rect{{fill:none}}</style>{rect}") == 3.0
+    with pytest.raises(NestedCagesError, match="no filled"):
+        from_svg(svg(f"<style>rect{{fill:none!important;visibility:hidden}}</style>{rect}"))
+
+
+def test_transforms_of_style_sheets_have_units() -> None:
+    body = '<style>rect{transform:translate(10px,5px) rotate(.25turn)}</style><rect width="4" height="2"/>'
+    points = from_svg(svg(body)).vertices
+    assert [*points.min(axis=0), *points.max(axis=0)] == pytest.approx([8.0, 5.0, 10.0, 9.0])
+
+
+def test_opacity_counts_from_a_threshold() -> None:
+    body = '<g opacity="0.5"><rect width="2" height="1" fill-opacity="0.5"/></g><rect x="5" width="1" height="1"/>'
+    assert area(body) == 3.0
+    assert area(body, opacity=0.3) == 1.0
+    with pytest.raises(NestedCagesError, match="from 0 to 1"):
+        from_svg(svg(body), opacity=2.0)
+
+
+# Gradients
+
+
+def test_a_linear_gradient_ends_where_it_fades() -> None:
+    stops = '<stop stop-color="red"/><stop offset="1" stop-opacity="0"/>'
+    linear = f'<linearGradient id="g">{stops}</linearGradient><rect width="10" height="4" fill="url(#g)"/>'
+    assert area(linear, opacity=0.25) == pytest.approx(30.0)
+    assert area(linear) == pytest.approx(40.0, rel=3e-3)
+    turned = linear.replace('id="g"', 'id="g" gradientTransform="rotate(90)"')
+    assert area(turned, opacity=0.25) == pytest.approx(30.0)
+
+
+def test_a_radial_gradient_ends_in_a_circle() -> None:
+    radial = (
+        '<linearGradient id="s"><stop/><stop offset="1" stop-opacity="0"/></linearGradient>'
+        '<radialGradient id="g" href="#s" gradientUnits="userSpaceOnUse" cx="5" cy="5" r="4"/>'
+        '<rect width="10" height="10" fill="url(#g)"/>'
+    )
+    assert area(radial, opacity=0.5) == pytest.approx(math.pi * 4.0, rel=2e-3)
+    ring_of = radial.replace("<stop/>", '<stop stop-opacity="0"/><stop offset="0.5"/>')
+    assert area(ring_of, opacity=0.5) == pytest.approx(math.pi * (9.0 - 1.0), rel=2e-3)
+
+
+def test_paint_that_is_missing_has_a_substitute() -> None:
+    assert area(f'<g fill="url(#none) red">{SQUARE}</g>') == 100.0
+    with pytest.raises(NestedCagesError):
+        from_svg(svg('<path fill="url(#none)" d="M0 0H1V1"/>'))
+    assert area(f'<pattern id="p"/><g fill="url(#p)">{SQUARE}</g>') == 100.0
+
+
+# Clips, masks and filters
+
+
+@pytest.mark.parametrize(
+    ("clip", "expected"),
+    [
+        ('<clipPath id="c"><rect x="5" width="10" height="10"/></clipPath>', 50.0),
+        ('<clipPath id="c"><rect x="5" width="9" height="9" transform="translate(0 5)"/></clipPath>', 25.0),
+        ('<clipPath id="c"><rect width="2" height="9"/><rect x="5" width="3" height="9"/></clipPath>', 45.0),
+        ('<clipPath id="c" clipPathUnits="objectBoundingBox"><rect width=".5" height=".5"/></clipPath>', 25.0),
+        ('<clipPath id="c"><path clip-rule="evenodd" d="M0 0H10V10H0zM2 2H8V8H2z"/></clipPath>', 64.0),
+        ('<clipPath id="d"><rect width="2" height="9"/></clipPath><clipPath id="c" clip-path="url(#d)">'
+         '<rect width="9" height="3"/></clipPath>', 6.0),
+        ('<clipPath id="c"><rect x="-5" y="-5" width="99" height="99"/></clipPath>', 100.0),
+    ],
+)  # fmt: skip
+def test_clip_paths(clip: str, expected: float) -> None:
+    assert area(f'{clip}<g clip-path="url(#c)">{SQUARE}</g>') == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("mask", "expected"),
+    [
+        ('<mask id="c"><rect fill="white" width="5" height="10"/></mask>', 50.0),
+        ('<mask id="c"><rect fill="#fff" width="10" height="10"/><rect width="5" height="5"/></mask>', 75.0),
+        ('<mask id="c"><rect fill="black" width="9" height="9"/><rect fill="red" width="5" height="5"/></mask>', 25.0),
+        ('<mask id="c" mask-type="alpha"><rect width="5" height="5"/></mask>', 25.0),
+        ('<mask id="c" x="0" y="0" width=".5" height="1"><rect fill="white" width="99" height="99"/></mask>', 50.0),
+        ('<mask id="c" maskContentUnits="objectBoundingBox"><rect fill="white" width=".5" height="1"/></mask>', 50.0),
+        ('<mask id="c"><path stroke="white" stroke-width="2" d="M0 5H10"/></mask>', 20.0),
+    ],
+)
+def test_masks_by_luminance_and_alpha(mask: str, expected: float) -> None:
+    assert area(f'{mask}<g mask="url(#c)">{SQUARE}</g>') == pytest.approx(expected)
+
+
+def test_nested_documents_are_clipped_to_their_viewport() -> None:
+    nested = '<svg x="1" y="1" width="4" height="2" viewBox="0 0 2 2" preserveAspectRatio="{}">' + SQUARE + "</svg>"
+    assert area(nested.format("xMidYMid")) == pytest.approx(6.0)  # two by two in the middle, and what reaches the right
+    assert area(nested.format("none")) == pytest.approx(8.0)
+    assert area(nested.format("xMaxYMid")) == pytest.approx(4.0)
+    assert area(nested.replace("<svg ", '<svg overflow="visible" ').format("none")) == pytest.approx(200.0)
+
+
+def test_blurred_shadows_widen_what_is_painted() -> None:
+    shadow = '<filter id="f" x="-1" y="-1" width="3" height="3"><feGaussianBlur stdDeviation="1"/>{}</filter>'
+    rect = '<g filter="url(#f)"><rect x="0" y="0" width="100" height="100"/></g>'
+    wide = from_svg(svg(shadow.format("") + rect))
+    assert 104.0 < np.ptp(wide.vertices[:, 0]) < 106.0
+    assert np.ptp(from_svg(svg(shadow.format("") + rect), opacity=0.5).vertices[:, 0]) == pytest.approx(100.0)
+    both = shadow.format('<feOffset dx="50"/><feMerge><feMergeNode/><feMergeNode in="SourceGraphic"/></feMerge>')
+    assert np.ptp(from_svg(svg(both + rect), opacity=0.5).vertices[:, 0]) == pytest.approx(150.0)
+    unknown = svg_drawing(svg('<filter id="f"><feTurbulence/></filter>' + rect))
+    assert unknown.notes == ("Left out: 1 filter.",)
+    assert unknown.mesh.area == 10_000.0
+
+
+# What is read, and what is said of the rest
+
+
+def test_layers_and_elements_can_be_read_alone() -> None:
+    label = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+    body = f'<g inkscape:label="Ink">{SQUARE}</g><g id="two"><rect id="r" x="20" width="2" height="3"/></g>'
+    assert area(body, label, layers=("Ink",)) == 100.0
+    assert area(body, label, layers=("Ink", "two")) == 106.0
+    assert area(body, label, layers=("two",), element="r") == 6.0
+    with pytest.raises(NestedCagesError, match="no layer 'Pencil'; its layers: Ink, two"):
+        from_svg(svg(body, label), layers=("Pencil",))
+
+
+def test_what_is_left_out_is_counted() -> None:
+    body = f'{SQUARE}<text>A</text><text>B</text><image/><g display="none"><text>C</text></g>'
+    assert svg_drawing(svg(body)).notes == ("Left out: 2 texts, 1 image.",)
+    stroked = svg_drawing(svg(f'<g stroke="red">{SQUARE}</g>'), strokes=False)
+    assert stroked.notes == ("Left out: 1 stroke, since strokes are turned off.",)
+    with pytest.raises(NestedCagesError, match=r"Left out: 1 text\.$"):
+        from_svg(svg("<text>A</text>"))
+
+
+def test_a_background_is_named_and_can_be_left_out() -> None:
+    body = '<rect id="paper" width="100%" height="100%"/><circle cx="5" cy="5" r="2"/>'
+    page = svg(body, 'viewBox="0 0 20 10"')
+    whole = svg_drawing(page)
+    assert whole.notes == ("The rect 'paper' covers the whole page; background=False leaves it out.",)
+    assert whole.mesh.area == 200.0
+    alone = svg_drawing(page, background=False)
+    assert alone.mesh.area == pytest.approx(4.0 * math.pi, rel=1e-2)
+    assert alone.notes == ("Left out: the rect 'paper', which covers the whole page.",)
+
+
+def test_what_lies_outside_the_page_is_cut_off() -> None:
+    page = svg('<rect x="-5" y="2" width="10" height="4"/>', 'viewBox="0 0 20 10"')
+    found = svg_drawing(page)
+    assert found.mesh.area == pytest.approx(20.0)
+    assert found.notes == ("Cut off: what lies outside the page; crop=False keeps it.",)
+    assert from_svg(page, crop=False).area == 40.0
+
+
+def test_a_switch_draws_its_first_usable_child() -> None:
+    body = (
+        f'<switch><foreignObject/><g requiredExtensions="x">{SQUARE}</g><rect width="2" height="1"/>{SQUARE}</switch>'
+    )
+    assert area(body) == 2.0
+
+
+# Output lies on its source
+
+
+def test_output_has_the_frame_of_its_source(tmp_path: Path) -> None:
+    attributes = 'viewBox="3 4 50 20" width="5cm" height="20mm" preserveAspectRatio="xMinYMin"'
+    (tmp_path / "a.svg").write_text(svg('<rect x="5" y="5" width="30" height="10"/>', attributes))
+    drawing = read_svg_drawing(tmp_path / "a.svg")
+    write_svg(tmp_path / "b.svg", drawing.mesh, frame=drawing.frame)
+    again = read_svg_drawing(tmp_path / "b.svg")
+    assert again.frame == drawing.frame == Frame((3.0, 4.0, 50.0, 20.0), "5cm", "20mm", "xMinYMin")
+    assert sorted(again.mesh.vertices.tolist()) == sorted(drawing.mesh.vertices.tolist())
+    sized = svg_drawing(svg(SQUARE, 'width="40" height="30"'))
+    assert svg_drawing(to_svg(sized.mesh, frame=sized.frame)).frame == sized.frame
+
+
+def test_a_cage_beyond_the_page_is_read_back_whole() -> None:
+    page = Frame((0.0, 0.0, 1.0, 1.0))
+    mesh = letter_a(1)
+    assert from_svg(to_svg(mesh, frame=page)).area == mesh.area
+
+
+def test_levels_are_styled_apart_and_cages_lie_below() -> None:
+    meshes = {name: Mesh.from_loops([ring(8, r)]) for name, r in (("a", 1.0), ("a-1", 2.0), ("b", 1.5), ("b-1", 3.0))}
+    text = to_svg(meshes, levels=[0, 1, 0, 1])
+    colours = {name: text.split(f'id="{name}"')[1].split('fill="')[1].split('"')[0] for name in meshes}
+    assert colours["a"] == colours["b"] != colours["a-1"] == colours["b-1"]
+    assert text.index('id="b-1"') < text.index('id="a"')
+    with pytest.raises(NestedCagesError, match="2 levels for 4 shapes"):
+        to_svg(meshes, levels=[0, 1])
+
+
+def test_maps_are_written_with_y_pointing_up() -> None:
+    text = to_svg(Mesh.from_loops([[(0, 0), (4, 0), (0, 3)]]), y_up=True)
+    assert from_svg(text).vertices.min(axis=0).tolist() == [0.0, -3.0]
+
+
+def test_names_that_xml_cannot_hold_are_mended() -> None:
+    mesh = Mesh.from_loops([ring(3)])
+    assert from_svg(to_svg({'a\x00"<b>': mesh}), element='a_"<b>').area == mesh.area
+
+
+# Unions
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000), st.booleans())
+def test_unions_agree_with_exact_winding_numbers(seed: int, evenodd: bool) -> None:
+    rng = np.random.default_rng(seed)
+    loops = [rng.integers(-8, 9, (int(rng.integers(3, 9)), 2)).astype(float) for _ in range(int(rng.integers(1, 4)))]
+    area_of_all = Painted(loops, evenodd)
+    points = rng.uniform(-9.0, 9.0, (200, 2))
+    starts, ends = np.concatenate(loops), np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+    expected = area_of_all.painted(winding_number(points, starts, ends))
+    try:
+        mesh = solid([area_of_all])
+    except InvalidMeshError:
+        assert not expected.any()
+        return
+    found = winding_number(points, mesh.vertices[mesh.edges[:, 0]], mesh.vertices[mesh.edges[:, 1]]) != 0
+    distance = shapely.distance(shapely.points(points), polygon(mesh).boundary)
+    assert ((found == expected) | (distance < 1e-4)).all()  # touching corners are joined by necks
+
+
+def test_nested_loops_keep_their_points_whoever_paints_them() -> None:
+    rings = [ring(40, radius) * math.pi for radius in (5.0, 4.0, 3.0, 2.0)]
+    both = solid([Painted(rings[:2], evenodd=True), Painted(rings[2:], evenodd=True)])
+    assert both.loop_signs.tolist() == [1, -1, 1, -1]
+    assert np.array_equal(both.vertices, np.concatenate(rings))
+    covered = solid([Painted(rings[:2], evenodd=True), Painted([rings[1] * 1.1]), Painted([rings[3]])])
+    assert len(covered.loops) == 1
+
+
+# Without the libraries
+
+
+def test_without_shapely_plain_drawings_are_read_and_others_get_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("shapely", "tinycss2", "cssselect2"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert area(f'{SQUARE}<circle cx="30" cy="5" r="3" fill="#f00"/>') == pytest.approx(100.0 + 9.0 * math.pi, rel=1e-2)
+    for body in (line(""), SQUARE + '<rect x="5" width="10" height="9"/>', f"<style>rect{{fill:red}}</style>{SQUARE}"):
+        with pytest.raises(NestedCagesError, match=r"needs .*pip install nested-cages\[formats\]"):
+            from_svg(svg(body))
+
+
+# Hostile documents
+
+BOMB = "".join(f'<g id="a{k}">' + f'<use href="#a{k - 1}"/>' * 10 + "</g>" for k in range(1, 20))
+HOSTILE = {
+    "turn": svg(f'<g transform="rotate(1e999)">{SQUARE}</g>'),
+    "arc radius": svg('<path d="M0 0 A1e999 5 0 0 1 9 9 L0 9Z"/>'),
+    "large arc": svg('<path d="M0 0 A1e308 1e308 0 0 1 9 9 L0 9Z"/>'),
+    "arc axis": svg('<path d="M0 0 A5 9 1e999 0 1 9 9 L0 9Z"/>'),
+    "arc end": svg('<path d="M0 0 A5 9 0 0 1 1e308 9 L0 9Z"/>'),
+    "encoding": b'<?xml version="1.0" encoding="nonsense"?><svg/>',
+    "two bytes": b'<?xml version="1.0" encoding="gbk"?><svg/>',
+    "codec": b'<?xml version="1.0" encoding="rot13"?><svg/>',
+    "bomb": svg(f'<defs><rect id="a0" width="1" height="1"/>{BOMB}</defs><use href="#a19"/>'),
+    "digits": svg(f'<rect width="{"9" * 5000}" height="1"/>'),
+    "digits of the page": svg(SQUARE, f'width="{"9" * 5000}" height="{"9" * 5000}"'),
+    "no number": svg(f'<rect width="{"9" * 200_000}x!" height="1"/>'),
+    "sheet without braces": svg(f"<style>{'a' * 200_000}</style>{SQUARE}"),
+    "sheet of commas": svg(f"<style>{'a,' * 100_000}</style>{SQUARE}"),
+    "sheet of braces": svg(f"<style>{'@media all{' * 3000}</style>{SQUARE}"),
+    "selectors": svg(f"<style>{':not(' * 3000}a{')' * 3000}{{fill:red}}</style>{SQUARE}"),
+    "descendants": svg(f"<style>{'g ' * 50}rect.x{{fill:red}}</style>{'<g>' * 55}{SQUARE}{'</g>' * 55}"),
+    "comments": svg(f'<rect width="9" height="9" style="{"/*" * 100_000}"/>'),
+    "deep": f"<svg>{'<g>' * 50_000}{'</g>' * 50_000}</svg>",
+    "dashes": svg(line('stroke-dasharray="1e-9"', "M0 0H1e6")),
+    "wide stroke": svg(line('stroke-width="1e140"')),
+    "no width": svg(line('stroke-width="1e-300"')),
+    "mitre": svg(line('stroke-miterlimit="1e308"', "M0 0L10 0L0 1e-9")),
+    "flat": svg(f'<g transform="scale(0 1)" stroke="red">{SQUARE}</g>'),
+    "layers": svg(f'<filter id="f">{"<feMerge><feMergeNode/><feMergeNode/></feMerge>" * 60}</filter>'
+                  f'<g filter="url(#f)">{SQUARE}</g>'),
+    "blur": svg(f'<filter id="f"><feGaussianBlur stdDeviation="1e999"/></filter><g filter="url(#f)">{SQUARE}</g>'),
+    "gradient": svg('<radialGradient id="g" r="1e300" fx="1e300"><stop stop-opacity="0"/><stop offset="1"/>'
+                    '</radialGradient><rect fill="url(#g)" width="5" height="5"/>'),
+    "gradients": svg(f'<linearGradient id="g" href="#g"/><g fill="url(#g)">{SQUARE}</g>'),
+    "mask of itself": svg(f'<mask id="m"><g mask="url(#m)">{SQUARE}</g></mask><g mask="url(#m)">{SQUARE}</g>'),
+    "entities": "<!DOCTYPE svg [<!ENTITY a0 'aaaaaaaaaa'>"
+                + "".join(f"<!ENTITY a{k} '{f'&a{k - 1};' * 10}'>" for k in range(1, 12)) + "]><svg>&a11;</svg>",
+    "file": '<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///dev/zero">]><svg>&a;</svg>',
+    "nothing": b"",
+    "transforms": svg(f'<g transform="{"translate(1)" * 20_000}">{SQUARE}</g>'),
+    "symbol": svg('<symbol id="s" viewBox="0 0 1e-300 1e-300"><rect width="1" height="1"/></symbol>'
+                  '<use href="#s" width="1e300" height="1e300"/>'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+@pytest.mark.parametrize("tolerance", [None, 1e-320])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_hostile_documents_end_in_a_mesh_or_a_sentence(name: str, tolerance: float | None) -> None:
+    start = time.process_time()
+    try:
+        assert svg_drawing(HOSTILE[name], tolerance=tolerance, limits=Limits(elements=20_000)).mesh.area > 0.0
+    except NestedCagesError as error:
+        assert str(error).endswith(".")
+    assert time.process_time() - start < 30.0
+
+
+def test_limits_are_options() -> None:
+    many = svg("".join(f'<circle cx="{3 * k}" r="1"/>' for k in range(20)))
+    assert len(from_svg(many).loops) == 20
+    for limits in (Limits(elements=10), Limits(points=100), Limits(bytes=100)):
+        with pytest.raises(NestedCagesError, match="raise the limit"):
+            from_svg(many, limits=limits)
