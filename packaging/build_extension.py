@@ -2,9 +2,9 @@
 
     python packaging/build_extension.py [--output dist]
 
-Blender brings numpy, but not scipy and the libraries of file formats; its extension system installs the wheels in a zip that match its
-Python. Needs Blender as a Python module (``pip install bpy``) for Blender's own build and validate commands, pip for
-the wheels, which are never committed, and markdown-it-py for the manual.
+Blender brings numpy, but not scipy and the libraries of file formats; its extension system installs the wheels in a zip
+that match its Python. Needs Blender as a Python module (``pip install bpy``) for Blender's own build and validate
+commands, pip for the wheels, which are never committed, and markdown-it-py for the manual.
 """
 
 from __future__ import annotations
