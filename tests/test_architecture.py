@@ -221,6 +221,7 @@ def room_violations(sources: Mapping[str, str], rooms: tuple[str, ...] = ROOMS) 
     """What the core's files (path below the core -> source) import against the rules, one sentence each."""
     found = arrow_violations(sources, rooms)
     for path, source in sources.items():
+        own = (module_of(path) or ("__init__",))[0]
         for item in imports(path, ast.parse(source)):
             if isinstance(item, str):
                 found.append(item)
