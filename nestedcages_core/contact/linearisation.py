@@ -64,7 +64,12 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
 
 def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]:
     """Gradients of the distances with respect to the cage vertices, family by family."""
-    t, normal = contacts.parameter, contacts.normal.T
+    return distance_rows(pairs, contacts.parameter, contacts.normal)
+
+
+def distance_rows(pairs: Pairs, t: FloatArray, normals: FloatArray) -> tuple[Rows, Rows, Rows]:
+    """The same for points at the parameters t (K,) of their edges, with distances along ``normals`` (K, 2)."""
+    normal = normals.T
     fc, cf, cc = pairs.fine_cage, pairs.cage_fine, pairs.cage_cage
     return (
         Rows(np.stack([pairs.start[fc], pairs.end[fc]]), np.stack([t[fc] - 1.0, -t[fc]]), normal[:, fc]),

@@ -1,7 +1,7 @@
-"""Derivatives without deriving: numpy's functions on jets, numbers that carry their gradient and Hessian along.
+"""Automatic differentiation: second-order forward mode with numpy functions (Griewank & Walther 2008, chapter 3).
 
-A jet stands for one number per element, as a function of the k coordinates of the element's corners (second-order
-forward mode; Griewank & Walther 2008, chapter 3). Any formula of the functions below works on jets as on arrays:
+A jet is one number per element, with its gradient and Hessian with respect to the k coordinates of the element's
+corners. Formulas of the functions below work on jets as on arrays:
 
 >>> a, b = points_of(np.array([[[0.0, 0.0], [3.0, 4.0]]]))    # one element with two corners
 >>> length = (b - a).length()
@@ -25,7 +25,7 @@ Number: TypeAlias = "Jet | FloatArray"
 
 
 class Jet(NDArrayOperatorsMixin):
-    """E numbers with first and second derivatives with respect to k coordinates, each element with its own."""
+    """E numbers with first and second derivatives with respect to the k coordinates of their element."""
 
     def __init__(self, value: FloatArray, gradient: FloatArray, hessian: FloatArray) -> None:
         """value: (E,). gradient: (E, k). hessian: (E, k, k), symmetric."""
@@ -35,14 +35,14 @@ class Jet(NDArrayOperatorsMixin):
 
     @classmethod
     def unknowns(cls, coordinates: FloatArray) -> list[Jet]:
-        """The k coordinates (E, k) themselves, as jets."""
+        """The k coordinates (E, k) as jets: the independent variables."""
         count, k = coordinates.shape
         zero = np.zeros((count, k, k))
         unit = np.eye(k)
         return [cls(coordinates[:, i], np.broadcast_to(unit[i], (count, k)), zero) for i in range(k)]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **keywords: Any) -> Jet:
-        """Apply one of numpy's functions; TypeError for those without a rule here."""
+        """Apply a numpy function; TypeError without a derivative rule."""
         rule = RULES.get(ufunc)
         if rule is None or method != "__call__" or keywords:
             raise TypeError(
@@ -105,11 +105,11 @@ def points_of(corners: FloatArray) -> tuple[Point, ...]:
 
 
 def plain_points_of(corners: FloatArray) -> tuple[Point, ...]:
-    """The same as k points of plain numbers, without derivatives."""
+    """The corners (E, k, 2) of elements as k points of plain arrays, without derivatives."""
     return tuple(Point(corners[:, i, 0], corners[:, i, 1]) for i in range(corners.shape[1]))
 
 
-# Rules: what each function of numpy does to jets
+# Derivative rules of the numpy functions
 
 
 def _add(u: Any, v: Any) -> Jet:
@@ -199,7 +199,7 @@ def _arctan(u: Jet) -> Jet:
 
 
 def _arctan2(y: Any, x: Any) -> Jet:
-    """The angle of (x, y), by the derivatives of arctan(y / x) or of arctan(-x / y), whichever divides by more."""
+    """The angle of (x, y), with the derivatives of arctan(y / x) or arctan(-x / y), by the larger divisor."""
     y, x = _lifted(y, x), _lifted(x, y)
     flat = np.abs(x.value) >= np.abs(y.value)
     part = _arctan(_divide(_choose(flat, y, _negative(x)), _choose(flat, x, y)))
@@ -234,7 +234,7 @@ def _choose(first: Any, u: Any, v: Any) -> Jet:
 
 
 def _lifted(u: Any, like: Any) -> Jet:
-    """u as a jet: a number is one without derivatives, of the size of the other jet."""
+    """u as a jet: a number becomes a constant of the size of the other jet."""
     if isinstance(u, Jet):
         return u
     value = np.broadcast_to(np.asarray(u, np.float64), like.value.shape)
@@ -268,6 +268,6 @@ RULES: dict[np.ufunc, Callable[..., Jet]] = {
     np.maximum: _maximum,
     np.minimum: _minimum,
 }
-"""Functions of numpy that jets understand."""
+"""Derivative rules by numpy function."""
 
 NAMES = frozenset(f"np.{ufunc.__name__}" for ufunc in RULES)

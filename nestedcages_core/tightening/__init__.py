@@ -1,7 +1,10 @@
-"""Tightening: the fine mesh is home, and the cage goes to a local optimum of its energy at the wanted clearance."""
+"""Tightening: bring the cage to a local optimum of its energy at the wanted clearance; the fine mesh rests."""
 
 from __future__ import annotations
 
 from .tightening import Tightening, TighteningOutcome
 
-__all__ = ["Tightening", "TighteningOutcome"]
+__all__ = [
+    "Tightening",  # trust-region sequential quadratic programming
+    "TighteningOutcome",  # where it ended
+]

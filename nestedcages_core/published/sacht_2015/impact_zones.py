@@ -18,12 +18,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...contact.ccd import impacts
-from ...contact.linearisation import Contacts, local_axes, measure
+from ...contact.linearisation import Contacts, distance_rows, local_axes, measure
 from ...contact.pairs import Bodies, Pairs
 from ...energies import Blocks
 from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.vectors import rotated_left
-from ...solver.banded import Rows
 from ...solver.quadratic_program import InteriorPoint, QuadraticProgram
 
 MAX_PROGRAMS = 12
@@ -124,20 +123,11 @@ class ImpactZones:
     def _project(self, rows: Impacts, wished: FloatArray, axes: FloatArray) -> tuple[FloatArray, int]:
         """The nearest velocity that satisfies the rows."""
         m = self.bodies.m
-        order = np.argsort(2 * (rows.point < m) + (rows.start < m), kind="stable")  # C-F is 2, F-C 1, C-C 3
-        rows = rows.where(order)
-        family = 2 * (rows.point < m) + (rows.start < m)
-        fc, cf, cc = (np.flatnonzero(family == kind) for kind in (1, 2, 3))
-        t, normal = rows.parameter, rows.normal.T
-        groups = [
-            Rows(np.stack([rows.start[fc], rows.end[fc]]), np.stack([t[fc] - 1.0, -t[fc]]), normal[:, fc]),
-            Rows(rows.point[None, cf], np.ones((1, len(cf))), normal[:, cf]),
-            Rows(
-                np.stack([rows.point[cc], rows.start[cc], rows.end[cc]]),
-                np.stack([np.ones(len(cc)), t[cc] - 1.0, -t[cc]]),
-                normal[:, cc],
-            ),
-        ]
+        family = 2 * (rows.point < m) + (rows.start < m)  # F-C is 1, C-F 2, C-C 3
+        rows = rows.where(np.argsort(family, kind="stable"))
+        first, second, third = np.cumsum(np.bincount(family, minlength=4)[1:]).tolist()
+        families = slice(0, first), slice(first, second), slice(second, third)
+        t = rows.parameter
         prescribed = wished.copy()
         prescribed[:m] = 0.0
         edge = (1.0 - t)[:, None] * prescribed[rows.start] + t[:, None] * prescribed[rows.end]
@@ -148,7 +138,7 @@ class ImpactZones:
         program = QuadraticProgram(
             -wished[:m],
             Blocks(still, still, np.broadcast_to(np.eye(2), (m, 2, 2))),
-            groups,
+            distance_rows(Pairs(rows.point, rows.start, rows.end, *families), t, rows.normal),
             room,
             np.full(m, LARGEST_VELOCITY * largest),
             axes,
