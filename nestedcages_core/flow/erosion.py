@@ -14,7 +14,7 @@ from .samples import local_margins
 LARGEST_OFFSET_PER_EDGE = 0.1
 """Largest offset of a vertex, as a fraction of its shorter edge."""
 
-MITRE_LIMIT = 2.0
+EROSION_MITRE_LIMIT = 2.0
 """Largest motion of a vertex, as a multiple of the offset of its edges."""
 
 SPIKE = 1e-9
@@ -52,7 +52,7 @@ def _inward_mitres(mesh: Mesh) -> FloatArray:
     squared = (both * both).sum(axis=1)
     mitre = 2.0 * both / np.maximum(squared, SPIKE)[:, None]
     length = np.hypot(*mitre.T)
-    mitre *= (np.minimum(length, MITRE_LIMIT) / np.maximum(length, SMALLEST_LENGTH))[:, None]
+    mitre *= (np.minimum(length, EROSION_MITRE_LIMIT) / np.maximum(length, SMALLEST_LENGTH))[:, None]
     axis = tangent - tangent[before]
     convex = cross(tangent[before], tangent) > 0.0
     return np.where((squared > SPIKE)[:, None], mitre, np.where(convex, 1.0, -1.0)[:, None] * axis)

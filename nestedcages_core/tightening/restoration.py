@@ -27,7 +27,7 @@ SMALLEST_OVERSHOOT = 1e-6
 NEARLY_STRAIGHT = 0.98
 """Cosine of the angle between neighbouring edges above which both get the larger of their shifts."""
 
-REGULARISATION = 1e-9
+CORNER_REGULARISATION = 1e-9
 """Added to the diagonal of the 2 × 2 normal equations of a vertex, which are singular at straight angles."""
 
 
@@ -83,9 +83,9 @@ def _shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatAr
     larger = np.maximum(shift, before_shift)
     own, other = np.where(straight, larger, shift), np.where(straight, larger, before_shift)
     # normal equations of n · e = own, p · e = other
-    xx = n_x * n_x + p_x * p_x + REGULARISATION
+    xx = n_x * n_x + p_x * p_x + CORNER_REGULARISATION
     xy = n_x * n_y + p_x * p_y
-    yy = n_y * n_y + p_y * p_y + REGULARISATION
+    yy = n_y * n_y + p_y * p_y + CORNER_REGULARISATION
     right_x, right_y = n_x * own + p_x * other, n_y * own + p_y * other
     determinant = xx * yy - xy * xy
     motion = np.stack([yy * right_x - xy * right_y, xx * right_y - xy * right_x], axis=1)
