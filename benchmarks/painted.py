@@ -22,10 +22,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 import numpy as np
 
+import clone  # noqa: F401
 from nestedcages_core import NestedCagesError
 from nestedcages_core.exchange import Frame, svg_drawing, to_svg
 from nestedcages_core.exchange.pictures import decode_png

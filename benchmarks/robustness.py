@@ -20,6 +20,7 @@ from typing import Any
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+import clone  # noqa: F401
 from hostile.attacks import ATTACKS
 from hostile.outcome import MEGABYTES, SECONDS, Outcome, outcome
 from hostile.readers import READERS

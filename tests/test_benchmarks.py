@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS = ROOT / "benchmarks"
 PARTS = ("bent.py", "clone.py", "peers.py", "random_shapes.py")  # imported by the others
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.name not in PARTS)
-NEEDS = {"bpy", "ipctk", "matplotlib", "nestedcages_core", "numpy", "scipy", "shapely"}
+NEEDS = {"bpy", "hypothesis", "ipctk", "matplotlib", "nestedcages_core", "numpy", "scipy", "shapely"}
 
 
 @pytest.fixture

@@ -185,7 +185,6 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "-o", "no/out.svg"], 2, "there is no folder"),
         (["none.svg", "--levels", "24"], 1, "none.svg: No such file"),
         (["letter.svg", "--levels", "5"], 1, "need at least 6"),
-        (["letter.svg", "--levels", "24", "30"], 1, "from fine to coarse"),
         (["letter.svg", "--levels", "24", "--element", "x"], 1, "no element with the id 'x'"),
         (["empty.geojson", "--levels", "24"], 1, "no polygons"),
         (["fake.png", "--levels", "24"], 1, "not a PNG"),

@@ -14,7 +14,7 @@ from nestedcages_core import Hierarchy, Mesh, OuterHull, Settings, nested_cages,
 from shapes import disc, islands, letter_a, letter_a_coarse, ring, square_with_hole
 
 SQUARE = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], float)
-FAST = Settings(starts=1, decimation=OuterHull(restarts=0), fallback=OuterHull(restarts=0))
+FAST = Settings(starts=1, decimation=OuterHull(restarts=1), fallback=OuterHull(restarts=1))
 
 
 def mesh(*loops: object) -> Mesh:
