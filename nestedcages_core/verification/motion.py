@@ -180,10 +180,13 @@ def _bernstein(
     (one, one_size), (other, other_size) = products(u0, w1), products(u1, w0)
     values = np.stack([low, 0.5 * (one + other), high])
     sizes = np.stack([low_size, 0.5 * (one_size + other_size), high_size])
+    errors = COEFFICIENT_ROUNDING * sizes + UNDERFLOW
+    if not margin.any():
+        return values, errors
     # (u + δ)(w + δ) - u w for both terms of each product, the larger end of each vector taken for both
     reach = np.max([np.abs(vector).sum(axis=1) for vector in (u0, u1)], axis=0)
     reach = reach + np.max([np.abs(vector).sum(axis=1) for vector in (w0, w1)], axis=0)
-    return values, COEFFICIENT_ROUNDING * sizes + margin * (reach + 2.0 * margin) + UNDERFLOW
+    return values, errors + margin * (reach + 2.0 * margin)
 
 
 def _sure(bounds: tuple[FloatArray, FloatArray], sign: float) -> BoolArray:
