@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from .batch import BatchProgress as BatchProgress
 from .batch import Outcome as Outcome
+from .batch import OutcomeFolder as OutcomeFolder
 from .batch import nested_cages_many
 from .contact import IPC as IPC
 from .contact import AllPairs as AllPairs
@@ -43,7 +44,9 @@ from .energies import ShapeKeeping as ShapeKeeping
 from .energies import StepDisplacement as StepDisplacement
 from .energies import WeightedSum as WeightedSum
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
+from .exchange import Cut as Cut
 from .exchange import Feature as Feature
+from .exchange import cut_at_borders as cut_at_borders
 from .exchange import (
     features_from_geojson,
     from_geojson,

@@ -37,3 +37,7 @@ class ReinflationError(NestedCagesError):
 
 class NestingError(NestedCagesError):
     """The wanted levels cannot be built or certified; the message says which level and what to change."""
+
+
+class NestedCagesWarning(UserWarning):
+    """Something was repaired or left out; the message says what and where."""

@@ -365,6 +365,7 @@ def test_good_sources_pass() -> None:
         ("flow.py", "from nestedcages_core.geometry.mesh import Mesh", "flow.py:1: the core is imported absolutely"),
         ("flow.py", "import nestedcages_core.geometry.mesh", "flow.py:1: the core is imported absolutely"),
         ("flow.py", "import os\nimport shapely.geometry", "flow.py:2: imports shapely"),
+        ("solver/newton.py", "import shapely", "solver/newton.py:1: imports shapely"),
         ("flow.py", "try:\n    import bpy\nexcept ImportError:\n    pass", "flow.py:2: imports bpy"),
         ("flow.py", "from bpy.types import Mesh", "flow.py:1: imports bpy"),
         ("flow.py", "from ..addon import convert", "flow.py:1: a relative import that leaves the core"),

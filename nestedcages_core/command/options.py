@@ -3,74 +3,117 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-MAPS = (".geojson", ".json")
-INPUTS = (".svg", *MAPS, ".png")
-OUTPUTS = (".svg", ".geojson", ".json")
+from ..exchange import Limits
+from .levels import Wanted
+from .outputs import STEM, WRITTEN
+from .sources import KINDS, STREAM, kind_of
 
 DESCRIPTION = """\
-Wraps a drawing, a map or a sprite in nested cages: coarse outlines that strictly enclose it, never cross themselves,
-and hug it as tightly as their vertices allow. Every cage is certified by exact predicates before it is written."""
+Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly enclose them, never cross themselves,
+and hug them as tightly as their vertices allow. Every cage is certified by exact predicates before it is written."""
 
 EPILOG = """\
-input files:
-  .svg            filled areas; curves become chords within --tolerance, overlapping shapes are united
-  .geojson .json  polygons; every feature gets its own cages. A collision outline written by this command too
+input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
+  .svg            what is painted; curves become chords within --tolerance, overlapping shapes are united
+  .geojson .json  polygons; every feature gets its own cages. Faults are repaired as map programs do, and each repair
+                  is named. A collision outline written by this command too
   .png            opaque pixels, in pixels with y downwards
 
 output files (by extension, all lengths and places in the units of the input):
-  .svg            the drawing and its cages, as paths with the ids "drawing", "cage-1", "cage-2", ...
+  .svg            the drawing and its cages, as paths with the ids "drawing", "cage-1", "cage-2", ...; a picture's lie
+                  on its pixels, a map has the north up
   .geojson        one feature per cage, with its level, vertices, excess and clearance
   .json           a collision outline for game engines: the coarsest cage as outer loops and holes
+  Files are written whole or not at all. For several input files name outputs with {stem}, such as cages/{stem}.svg
 
 exit status:
   0  all cages were made, certified and written
-  1  a cage could not be made or a file not be read; the message says why. Of several features those that worked are
-     written
+  1  a cage could not be made or a file not be read; the message says why. What worked is written
   2  wrong use of the options
   130  interrupted
 
 examples:
-  python -m nestedcages_core logo.svg --levels 64 24 -o cages.svg
-  python -m nestedcages_core sprite.png --levels 16 --padding 2 -o outline.json --flip-y
-  python -m nestedcages_core regions.geojson --levels 200 50 --jobs 4 -o simple.geojson
+  nested-cages logo.svg --levels 64 24 -o cages.svg
+  nested-cages "icons/*.svg" --levels 20% 8% -o "cages/{stem}.svg" --report report.json
+  nested-cages sprite.png --levels 16 --padding 2 -o outline.json --flip-y
+  nested-cages regions.geojson --levels 200 50 --jobs 4 -o simple.geojson
+  curl ... | nested-cages - --levels 50% -o - > simple.geojson
 """
+
+BELONGING = {
+    "tolerance": ("drawing",),
+    "element": ("drawing",),
+    "layers": ("drawing",),
+    "no_strokes": ("drawing",),
+    "no_background": ("drawing",),
+    "no_crop": ("drawing",),
+    "opacity": ("drawing",),
+    "jobs": ("map",),
+    "borders": ("map",),
+    "padding": ("picture",),
+    "threshold": ("picture",),
+    "holes": ("picture",),
+}
+"""Options, and the kinds of files that they are for."""
+
+OUTLINES = ("flip_y", "triangles")
+"""Options for collision outlines."""
 
 
 def parser() -> argparse.ArgumentParser:
     """The options, with a complete --help."""
     options = argparse.ArgumentParser(
-        prog="python -m nestedcages_core",
+        prog="nested-cages",
         description=DESCRIPTION,
-        epilog=EPILOG,
+        epilog=EPILOG.replace("%", "%%"),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    options.add_argument("input", type=Path, help="the file to read: .svg, .geojson or .png")
+    options.add_argument("input", nargs="+", metavar="INPUT", help="files to read: .svg, .geojson, .json or .png; or -")
     options.add_argument(
         "--levels",
-        type=_count,
+        type=Wanted.parsed,
         nargs="+",
         required=True,
         metavar="N",
-        help="vertices of each cage, from the finest to the coarsest",
+        help="vertices of each cage, from the finest to the coarsest: numbers, or parts of the shape's own such as "
+        "20%%",
     )
     options.add_argument(
         "-o",
         "--output",
-        type=Path,
         action="append",
         default=[],
         metavar="FILE",
-        help="file to write: .svg, .geojson or .json; may be given several times; without it the cages are only made "
-        "and certified",
+        help="file to write: .svg, .geojson or .json, or - for the standard output; may be given several times; "
+        "without it the cages are only made and certified",
     )
+    options.add_argument(
+        "--format",
+        choices=sorted(WRITTEN.values()),
+        help="what to write to the standard output (default: geojson for maps, json for collision outlines, else svg)",
+    )
+    options.add_argument("--report", metavar="FILE", help="write all measures and messages as JSON, - for the output")
     options.add_argument(
         "--clearance",
         type=_length,
         metavar="LENGTH",
         help="smallest distance between a cage and what it encloses (default: 1e-5 of the drawing's diagonal)",
+    )
+    options.add_argument(
+        "--limit",
+        dest="limits",
+        type=_limit,
+        action="append",
+        default=[],
+        metavar="WHAT=N",
+        help="read more or less at most: bytes, elements, points or pixels "
+        f"(default: {', '.join(f'{name}={value}' for name, value in vars(Limits()).items())})",
     )
     options.add_argument("--quiet", action="store_true", help="no progress")
     drawings = options.add_argument_group("drawings (.svg)")
@@ -81,15 +124,26 @@ def parser() -> argparse.ArgumentParser:
         help="greatest distance between a curve and its chords (default: 1/2000 of the drawing's diagonal); a "
         "clearance of at least as much encloses the curves themselves",
     )
-    drawings.add_argument("--element", metavar="ID", help="read only the element with this id")
+    drawings.add_argument("--element", "--only", metavar="ID", help="read only the element with this id")
+    drawings.add_argument("--layers", nargs="+", metavar="NAME", help="read only these layers, by label or id")
+    drawings.add_argument("--no-strokes", action="store_true", help="leave strokes out")
+    drawings.add_argument("--no-background", action="store_true", help="leave out a shape that covers the whole page")
+    drawings.add_argument("--no-crop", action="store_true", help="keep what lies outside the page")
+    drawings.add_argument(
+        "--opacity", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which paint counts (default: 0)"
+    )
     maps = options.add_argument_group("maps (.geojson)")
-    maps.add_argument("--jobs", type=_count, default=1, metavar="N", help="processes for the features (default: 1)")
+    maps.add_argument("--jobs", type=_count, metavar="N", help="processes for the features (default: 1)")
+    maps.add_argument(
+        "--borders",
+        action="store_true",
+        help="cut cages at the borders that features share, so that they overlap as little as cages can",
+    )
     sprites = options.add_argument_group("pictures (.png)")
     sprites.add_argument("--padding", type=_length, metavar="PIXELS", help="the clearance; parts closer are joined")
     sprites.add_argument(
         "--threshold",
         type=_share,
-        default=0.0,
         metavar="ALPHA",
         help="opacity from 0 to 1 above which a pixel counts as opaque (default: 0)",
     )
@@ -100,6 +154,61 @@ def parser() -> argparse.ArgumentParser:
     )
     engines.add_argument("--triangles", action="store_true", help="add the triangles of the outline")
     return options
+
+
+def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
+    """The options of drawings, as `SvgOptions` has them."""
+    return {
+        "tolerance": given.tolerance,
+        "element": given.element,
+        "layers": tuple(given.layers or ()),
+        "strokes": not given.no_strokes,
+        "background": not given.no_background,
+        "crop": not given.no_crop,
+        "opacity": given.opacity or 0.0,
+        "limits": given.limits,
+    }
+
+
+def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
+    """End with a sentence where options do not fit each other or the files; afterwards they are complete."""
+    kinds = {kind_of(path) for path in paths}
+    for path in paths:
+        if kind_of(path) is None:
+            options.error(f"{Path(path).name}: a file is read if it ends in {', '.join(KINDS)}")
+    for name, owners in BELONGING.items():
+        if getattr(given, name) and not kinds & {*owners, "stream"}:
+            options.error(f"--{name.replace('_', '-')} is for a {owners[0]}, and there is none among the input")
+    if given.padding is not None and given.clearance is not None:
+        options.error("--padding is the clearance of pictures; give only one of them")
+    if given.format and STREAM not in given.output:
+        options.error("--format is for the standard output (-o -); files are written by their extension")
+    if [*given.output, given.report].count(STREAM) > 1:
+        options.error("the standard output takes one of the outputs and the report")
+    if STREAM in given.output and len(paths) > 1:
+        options.error("the standard output takes the cages of one file")
+    _check_files(options, given, paths)
+    outlines = any(Path(path).suffix.lower() == ".json" or path == STREAM for path in given.output)
+    for name in OUTLINES:
+        if getattr(given, name) and not outlines:
+            options.error(f"--{name.replace('_', '-')} is for collision outlines; write one with -o FILE.json")
+    given.jobs = given.jobs or 1
+    given.limits = replace(Limits(), **dict(given.limits))
+
+
+def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
+    """The same for the files to write."""
+    for path in given.output:
+        if path != STREAM and Path(path).suffix.lower() not in WRITTEN:
+            options.error(f"{Path(path).name}: a file is written if it ends in {', '.join(WRITTEN)}")
+        if path != STREAM and len(paths) > 1 and STEM not in path:
+            options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
+    stems = Counter(Path(path).stem for path in paths)
+    if given.output and len(paths) > 1 and max(stems.values()) > 1:
+        options.error(f"two input files are called {max(stems, key=lambda stem: stems[stem])}; run them one by one")
+    for path in [*given.output, given.report]:
+        if path is not None and path != STREAM and not Path(path).parent.is_dir():
+            options.error(f"{path}: there is no folder {Path(path).parent}")
 
 
 def _number(text: str, what: str, holds: Callable[[float], bool]) -> float:
@@ -118,6 +227,15 @@ def _count(text: str) -> int:
 
 def _length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
+
+
+def _limit(text: str) -> tuple[str, int]:
+    name, _, number = text.partition("=")
+    if name not in vars(Limits()):
+        raise argparse.ArgumentTypeError(
+            f"{', '.join(vars(Limits()))} can be limited, as in pixels=1000000, not {text!r}"
+        )
+    return name, _count(number)
 
 
 def _share(text: str) -> float:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from .engine_json import from_engine_json, is_engine_json, to_engine_json, write_engine_json
+from .files import read_whole, write_whole
 from .fill import Painted, solid
 from .geojson import (
     Feature,
-    Record,
+    Map,
     features_from_geojson,
     from_geojson,
     read_geojson,
-    records_from_geojson,
+    read_map,
     to_geojson,
     write_geojson,
 )
 from .limits import Limits
+from .neighbours import Cut, cut_at_borders
 from .svg import (
     Frame,
     SvgDrawing,
@@ -28,22 +30,25 @@ from .svg import (
 )
 
 __all__ = [
+    "Cut",
     "Feature",
     "Frame",
     "Limits",
+    "Map",
     "Painted",
-    "Record",
     "SvgDrawing",
     "SvgOptions",
+    "cut_at_borders",
     "features_from_geojson",
     "from_engine_json",
     "from_geojson",
     "from_svg",
     "is_engine_json",
     "read_geojson",
+    "read_map",
     "read_svg",
     "read_svg_drawing",
-    "records_from_geojson",
+    "read_whole",
     "solid",
     "svg_drawing",
     "to_engine_json",
@@ -52,4 +57,5 @@ __all__ = [
     "write_engine_json",
     "write_geojson",
     "write_svg",
+    "write_whole",
 ]

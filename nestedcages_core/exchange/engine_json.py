@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, NestedCagesError
+from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import triangulate
+from .files import write_whole
+from .geojson import loaded_json
+from .limits import Limits
+from .rings import polygons_of, shown
 
 FORMAT = "nested-cages outline"
 VERSION = 1
@@ -48,8 +52,8 @@ def to_engine_json(
 def write_engine_json(
     path: str | os.PathLike[str], mesh: Mesh, *, flip_y: float | None = None, triangles: bool = False
 ) -> None:
-    """Write the outline to a file; see `to_engine_json`."""
-    Path(path).write_text(to_engine_json(mesh, flip_y=flip_y, triangles=triangles), encoding="utf-8")
+    """Write the outline to a file, whole or not at all; see `to_engine_json`."""
+    write_whole(path, to_engine_json(mesh, flip_y=flip_y, triangles=triangles))
 
 
 def is_engine_json(text: str | bytes) -> bool:
@@ -61,17 +65,34 @@ def is_engine_json(text: str | bytes) -> bool:
     return isinstance(document, dict) and document.get("format") == FORMAT
 
 
-def from_engine_json(text: str | bytes, *, flip_y: float | None = None) -> Mesh:
-    """The mesh of an outline written by `to_engine_json` with the same `flip_y`. Raises NestedCagesError."""
-    try:
-        document = json.loads(text)
-        polygons = document["polygons"]
-        loops = [np.asarray(loop, dtype=np.float64) for part in polygons for loop in (part["outer"], *part["holes"])]
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
-        raise NestedCagesError(f"This is not a collision outline: {error!r}.") from error
-    if any(loop.ndim != 2 or loop.shape[1] != 2 for loop in loops):
-        raise InvalidMeshError("The loops of a collision outline are lists of [x, y]; these are something else.")
-    return Mesh.from_loops([_flipped(loop, flip_y) for loop in loops])
+def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: Limits | None = None) -> Mesh:
+    """The mesh of an outline written by `to_engine_json` with the same `flip_y`.
+
+    Raises NestedCagesError for another format or version, and for what is no number, with its place; InvalidMeshError
+    where loops cross or touch, or a hole is not in its polygon.
+    """
+    limits = limits or Limits()
+    document, _ = loaded_json(text, "a collision outline", limits)
+    if not isinstance(document, Mapping) or document.get("format") != FORMAT:
+        raise NestedCagesError(f'This is not a collision outline: its format is not "{FORMAT}".')
+    version = document.get("version")
+    if type(version) is not int or version != VERSION:
+        raise NestedCagesError(
+            f"The collision outline is of version {shown(version)}, but version {VERSION} is read; export it anew."
+        )
+    parts = document.get("polygons")
+    if not isinstance(parts, list):
+        raise NestedCagesError(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
+    limits.check("elements", len(parts))
+    rings = []
+    for k, part in enumerate(parts):
+        if not isinstance(part, Mapping) or not isinstance(part.get("holes", []), list) or "outer" not in part:
+            raise NestedCagesError(f"Polygon {k} of the collision outline is not an object with outer and holes.")
+        rings.append([part["outer"], *part.get("holes", [])])
+    polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
+    limits.check("points", sum(len(ring) for polygon in polygons for ring in polygon))
+    flipped = [[_flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
+    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": flipped})
 
 
 def _flipped(points: FloatArray, flip_y: float | None) -> FloatArray:

@@ -1,27 +1,30 @@
-"""GeoJSON in and out (RFC 7946)."""
+"""GeoJSON in and out (RFC 7946), as it is published: faults are repaired as map programs do, and each is named."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, NestedCagesError
-from ..geometry.arrays import FloatArray
+from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.geo_interface import rings_of
-from .fill import Painted, solid
+from .antimeridian import across
+from .files import read_whole, write_whole
+from .limits import Limits
+from .repair import mesh_of
+from .rings import polygons_of, shown
 
-POLYGONAL = ("Polygon", "MultiPolygon", "GeometryCollection")
-"""Types of geometries that may have an inside."""
+NAMES = ("name", "NAME", "Name")
+"""Properties that name a feature."""
 
-TOUCHING = 1e-4
-"""Share of the area by which polygons that only touch in points may differ once they are joined there."""
+LONGEST_NAME = 60
+"""Characters of a feature's name in a message."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +33,11 @@ class Feature:
 
     mesh: Mesh
     properties: Mapping[str, Any] = field(default_factory=dict)
-    id: str | int | None = None
+    id: str | int | float | None = None
+    name: str = "feature"
+    """What a message calls it: its number in the file, and its name if it has one."""
+    repairs: tuple[str, ...] = ()
+    """What was repaired when it was read, each with its place."""
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -43,119 +50,206 @@ class Feature:
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
-    """A feature as it stands in a file, its geometry not yet looked at."""
+class Map:
+    """The features of a document that have polygons."""
 
-    geometry: Mapping[str, Any]
-    properties: Mapping[str, Any]
-    id: str | int | None
-    number: int
-    """Its place in the file, from 0."""
+    features: tuple[Feature, ...]
+    refused: tuple[str, ...] = ()
+    """A sentence for each feature that could not be read."""
+    without_polygons: int = 0
+    """Features that have no polygons."""
+    crs: Any = None
+    """The document's `crs` member, as older documents have it; None for longitude and latitude, or not said."""
 
     @property
-    def name(self) -> str:
-        """What a message calls it."""
-        known = self.properties.get("name") or self.properties.get("NAME") or self.id
-        return f"feature {self.number}" + (f" ({known})" if known is not None else "")
-
-    def mesh(self) -> Mesh:
-        """Its polygons; where they touch in points they become one there. Raises InvalidMeshError."""
-        try:
-            return Mesh.from_geometry(self.geometry)
-        except InvalidMeshError:
-            try:
-                return _joined(self.geometry)
-            except InvalidMeshError:
-                pass
-            raise
+    def notes(self) -> list[str]:
+        """A sentence for each repair, with its feature and place."""
+        return [f"{feature.name}: {repair}." for feature in self.features for repair in feature.repairs]
 
 
-def records_from_geojson(text: str | bytes) -> list[Record]:
-    """The features of a GeoJSON text that may have polygons; others are left out. Raises NestedCagesError."""
-    document = _loaded(text)
-    members = document.get("features") if document.get("type") == "FeatureCollection" else [document]
-    if not isinstance(members, list):
-        raise NestedCagesError("The FeatureCollection has no list of features; give one.")
-    records = []
-    for k, member in enumerate(members):
-        if not isinstance(member, dict):
-            raise NestedCagesError(f"Feature {k} is not an object with a type; correct the document.")
-        is_feature = member.get("type") == "Feature"
-        geometry = member.get("geometry") if is_feature else member
-        if not isinstance(geometry, dict) or geometry.get("type") not in POLYGONAL:
-            continue
-        known = member.get("properties") if is_feature else None
-        properties = known if isinstance(known, dict) else {}
-        records.append(Record(geometry, properties, member.get("id") if is_feature else None, k))
-    return records
+def read_map(source: Any, limits: Limits | None = None) -> Map:
+    """Every feature of a GeoJSON document that has polygons; nothing is raised for single features.
 
+    source: GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a reader of shapefiles or
+    a GeoDataFrame. Repeated points, spikes, rings of zero area, touching and crossing rings are repaired as GEOS does,
+    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else passes bit by bit.
 
-def from_geojson(text: str | bytes) -> Mesh:
-    """All polygons of a GeoJSON text as one mesh; heights and properties are left out.
-
-    Raises NestedCagesError for what is not GeoJSON, InvalidMeshError where polygons touch or overlap: read those as
-    single features.
+    Raises NestedCagesError for what is no GeoJSON, or beyond the limits.
     """
-    return Mesh.from_geometry(_loaded(text))
-
-
-def features_from_geojson(text: str | bytes) -> list[Feature]:
-    """One mesh for each feature of a GeoJSON text, with its properties; features without polygons are left out.
-
-    Polygons of one feature that touch in points, as the standard allows, become one by necks as thin as a hair.
-    Raises NestedCagesError, which names the feature.
-    """
-    features = []
-    for record in records_from_geojson(text):
+    limits = limits or Limits()
+    document, has_nan = _loaded(source, limits)
+    members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
+    if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
+        raise NestedCagesError(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
+    degrees = _may_be_degrees(document)
+    features, refused, without, points = [], [], 0, 0
+    for number, member in enumerate(members):
+        limits.check("elements", number + 1)
+        name = f"feature {number}"
         try:
-            features.append(Feature(record.mesh(), record.properties, record.id))
+            geometry, properties, identity, lost = _parts(member, has_nan)
+            name = _name(number, properties, identity)
+            polygons = [] if geometry is None else polygons_of(geometry)
         except InvalidMeshError as error:
-            raise InvalidMeshError(f"{record.name.capitalize()}: {error}") from error
-    return features
+            refused.append(f"{name}: {error}")
+            continue
+        points += sum(len(ring) for polygon in polygons for ring in polygon)
+        limits.check("points", points)
+        if not polygons:
+            without += 1
+            continue
+        try:
+            polygons, shifted = across(polygons) if degrees else (polygons, [])
+            mesh, repairs = mesh_of(polygons)
+            features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
+        except NestedCagesError as error:
+            refused.append(f"{name}: {error}")
+    return Map(tuple(features), tuple(refused), without, document.get("crs"))
 
 
-def _joined(geometry: Mapping[str, Any]) -> Mesh:
-    """Polygons whose rings touch in points and nowhere else. Raises InvalidMeshError for others."""
-    polygons = [[np.asarray(ring, dtype=np.float64) for ring in polygon] for polygon in rings_of(geometry)]
-    wanted = sum(_area(ring) if k == 0 else -_area(ring) for polygon in polygons for k, ring in enumerate(polygon))
-    mesh = solid([Painted(polygon, evenodd=True) for polygon in polygons])
-    if not abs(mesh.area - wanted) <= TOUCHING * wanted:
-        raise InvalidMeshError("The polygons overlap.")
-    return mesh
+def features_from_geojson(source: Any, *, limits: Limits | None = None) -> list[Feature]:
+    """One mesh for each feature of a GeoJSON document, with its properties; features without polygons are left out.
+
+    source and repairs: as in `read_map`. A NestedCagesWarning names all repairs, and the features that cannot be read.
+    Raises NestedCagesError for what is no GeoJSON, and if no feature with polygons can be read.
+    """
+    return list(_said(read_map(source, limits)).features)
 
 
-def _area(ring: FloatArray) -> float:
-    """Of a ring (k, 2), in whatever sense it turns."""
-    x, y = (ring - ring.mean(axis=0)).T
-    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
+def from_geojson(source: Any, *, limits: Limits | None = None) -> Mesh:
+    """All polygons of a GeoJSON document as one mesh, properties left out; features that touch or overlap are united.
+
+    What is read and what is said: as in `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
+    """
+    features = _said(read_map(source, limits)).features
+    if not features:
+        raise NestedCagesError("The document has no polygons; give Polygon or MultiPolygon geometries.")
+    if len(features) == 1:
+        return features[0].mesh
+    polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
+    return mesh_of(polygons)[0]
 
 
-def read_geojson(path: str | os.PathLike[str]) -> Mesh:
+def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None) -> Mesh:
     """All polygons of a GeoJSON file as one mesh; see `from_geojson`."""
-    return from_geojson(Path(path).read_bytes())
+    limits = limits or Limits()
+    return from_geojson(read_whole(path, limits), limits=limits)
 
 
-def to_geojson(shapes: Mesh | Feature | Sequence[Mesh | Feature], *, indent: int | None = None) -> str:
-    """A FeatureCollection with one feature per shape; coordinates are written to the last bit."""
-    given = [shapes] if isinstance(shapes, Mesh | Feature) else list(shapes)
+def to_geojson(
+    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature], *, indent: int | None = None, crs: Any = None
+) -> str:
+    """A FeatureCollection with one feature per shape; coordinates are written to the last bit.
+
+    crs: a `crs` member to write along, as `Map.crs` has it. Raises NestedCagesError for what JSON cannot hold.
+    """
+    if isinstance(shapes, Map):
+        return to_geojson(shapes.features, indent=indent, crs=shapes.crs if crs is None else crs)
+    given: Any = [shapes] if isinstance(shapes, Mesh | Feature) else shapes
+    if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
+        raise NestedCagesError("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
-    collection = {"type": "FeatureCollection", "features": [item.__geo_interface__ for item in features]}
+    collection: dict[str, Any] = (
+        {"type": "FeatureCollection"}
+        if crs is None
+        else {
+            "type": "FeatureCollection",
+            "crs": crs,
+        }
+    )
+    collection["features"] = [item.__geo_interface__ for item in features]
     try:
-        return json.dumps(collection, indent=indent, allow_nan=False)
-    except (TypeError, ValueError) as error:
+        return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
+    except (TypeError, ValueError, RecursionError) as error:
         raise NestedCagesError(f"The properties cannot be written as JSON: {error}.") from error
 
 
-def write_geojson(path: str | os.PathLike[str], shapes: Mesh | Feature | Sequence[Mesh | Feature]) -> None:
-    """Write a GeoJSON file; see `to_geojson`."""
-    Path(path).write_text(to_geojson(shapes), encoding="utf-8")
+def write_geojson(
+    path: str | os.PathLike[str], shapes: Mesh | Feature | Map | Sequence[Mesh | Feature], *, crs: Any = None
+) -> None:
+    """Write a GeoJSON file, whole or not at all; see `to_geojson`."""
+    write_whole(path, to_geojson(shapes, crs=crs))
 
 
-def _loaded(text: str | bytes) -> dict[str, Any]:
+def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
+    """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
+    if not isinstance(text, str | bytes | bytearray):
+        raise NestedCagesError(f"{what} is read from text or bytes, not from a {type(text).__name__}.")
+    limits.check("bytes", len(text))
+    constants: list[str] = []
+
+    def constant(name: str) -> float:
+        constants.append(name)
+        return float(name)
+
     try:
-        document = json.loads(text)
+        document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise NestedCagesError(f"This is not GeoJSON: {error}.") from error
-    if not isinstance(document, dict) or "type" not in document:
+        raise NestedCagesError(f"This is not {what}: {error}.") from error
+    return document, bool(constants)
+
+
+def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
+    """The document, and whether its numbers may be NaN."""
+    document, has_nan = getattr(source, "__geo_interface__", source), True
+    if not isinstance(document, Mapping):
+        document, has_nan = loaded_json(source, "GeoJSON", limits)
+    if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
         raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.")
-    return document
+    if document["type"] == "Topology":
+        raise NestedCagesError(
+            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo."
+        )
+    return document, has_nan
+
+
+def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
+    """Geometry, properties and id of a feature or a bare geometry, and a note on what JSON cannot hold."""
+    mapping = getattr(member, "__geo_interface__", member)
+    if not isinstance(mapping, Mapping):
+        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.")
+    if mapping.get("type") != "Feature":
+        return mapping, {}, None, ()
+    properties, identity = mapping.get("properties"), mapping.get("id")
+    properties = properties if isinstance(properties, Mapping) else {}
+    properties, lost = _finite(properties) if has_nan else (properties, ())
+    return mapping.get("geometry"), properties, identity if isinstance(identity, str | int | float) else None, lost
+
+
+def _may_be_degrees(document: Mapping[str, Any]) -> bool:
+    """Whether coordinates can be longitudes and latitudes: no `crs` says otherwise."""
+    crs = document.get("crs")
+    return crs is None or any(known in str(crs) for known in ("CRS84", "4326", "4269", "4258"))
+
+
+def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
+    known = next((properties[key] for key in NAMES if properties.get(key) not in (None, "")), identity)
+    words = " ".join(str(known).split()) if known is not None else ""
+    words = words if len(words) <= LONGEST_NAME else f"{words[:LONGEST_NAME]}…"
+    return f"feature {number}" + (f" ({words})" if words else "")
+
+
+def _finite(properties: Mapping[str, Any]) -> tuple[Mapping[str, Any], tuple[str, ...]]:
+    """Properties with None for numbers that JSON cannot hold, and a note that says which."""
+    bad = [key for key, value in properties.items() if isinstance(value, float) and not math.isfinite(value)]
+    if not bad:
+        return properties, ()
+    kept = {key: None if key in bad else value for key, value in properties.items()}
+    return kept, (f"properties that are not finite: {', '.join(map(shown, bad))}; set to null",)
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of numpy as JSON knows them."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"a {type(value).__name__} has no form in JSON")
+
+
+def _said(found: Map) -> Map:
+    """Warn of what was repaired or refused. Raises NestedCagesError if all was refused."""
+    sentences = [*found.refused, *found.notes]
+    if found.refused and not found.features:
+        raise InvalidMeshError("\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences))
+    if sentences:
+        warnings.warn("\n".join(sentences), NestedCagesWarning, stacklevel=3)
+    return found

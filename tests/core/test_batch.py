@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import pickle
-import shelve
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
@@ -23,11 +23,13 @@ from nestedcages_core import (
     NestedCagesError,
     NestingError,
     Outcome,
+    OutcomeFolder,
     ReinflationError,
     Settings,
     nested_cages,
     nested_cages_many,
 )
+from nestedcages_core.errors import NestedCagesWarning
 from shapes import annulus, assert_nested, islands, ring, star
 
 BOW_TIE = shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])
@@ -126,20 +128,140 @@ def test_cancelled_and_gone_on_with(executor: Executor | None) -> None:
 
 
 def test_failed_shapes_are_tried_again_when_going_on() -> None:
-    finished = {0: Outcome(0, error=NestingError("no")), 1: Outcome(1, result="kept")}
-    first, second = nested_cages_many(glyphs(2), [12], finished=finished)
-    assert isinstance(first.result, Hierarchy)
-    assert second.result == "kept"
+    finished: dict[int, Outcome] = {}
+    nested_cages_many(glyphs(2), [12], finished=finished, keep=outermost)
+    finished[0] = Outcome(0, error=NestingError("no"), made_of=finished[0].made_of)
+    made: list[object] = []
+    nested_cages_many(
+        glyphs(2), [12], finished=finished, keep=outermost, progress=lambda each: made.append(each.outcome.key)
+    )
+    assert made == [0]
+    assert isinstance(finished[0].result, Mesh)
 
 
-def test_a_shelf_keeps_what_is_finished(tmp_path: Path) -> None:
+def made_again(folder: object, shapes: object, levels: object, *rest: object, **options: object) -> list[object]:
+    """The keys of what is not taken from a store."""
+    made: list[object] = []
+    nested_cages_many(
+        shapes, levels, *rest, finished=folder, progress=lambda each: made.append(each.outcome.key), **options
+    )
+    return made
+
+
+@pytest.mark.parametrize("kind", [dict, OutcomeFolder])
+def test_a_result_is_used_again_for_the_same_shape_levels_and_settings_only(kind: type, tmp_path: Path) -> None:
+    store = OutcomeFolder(tmp_path / "cages") if kind is OutcomeFolder else {}
+    shapes = {"a": star(5, 50), "b": star(4, 60)}
+    assert made_again(store, shapes, [12]) == ["a", "b"]
+    assert made_again(store, shapes, [12]) == []
+    assert made_again(store, shapes, (level for level in [12])) == []
+    moved = {**shapes, "b": Mesh(shapes["b"].vertices + 1e-9, shapes["b"].edges)}
+    assert made_again(store, moved, [12]) == ["b"]
+    assert made_again(store, moved, [12, 8]) == ["a", "b"]
+    assert made_again(store, moved, [12, 8], Settings(clearance=1e-3)) == ["a", "b"]
+    assert made_again(store, moved, [12, 8], Settings(clearance=1e-3), keep=outermost) == ["a", "b"]
+    assert made_again(store, moved, half, Settings(clearance=1e-3), keep=outermost) == ["a", "b"]
+    assert made_again(store, moved, half, Settings(clearance=1e-3), keep=outermost) == []
+
+
+def test_a_folder_keeps_what_is_finished(tmp_path: Path) -> None:
     shapes = {f"glyph {k}": shape for k, shape in enumerate(glyphs(3))}
-    with shelve.open(str(tmp_path / "cages")) as shelf:
-        first = nested_cages_many(shapes, [12], finished=shelf)
-    with shelve.open(str(tmp_path / "cages")) as shelf:
-        again = nested_cages_many(shapes, [12], finished=shelf, progress=lambda _: pytest.fail("made again"))
+    first = nested_cages_many(shapes, [20, 12], finished=OutcomeFolder(tmp_path))
+    folder = OutcomeFolder(tmp_path)
+    assert sorted(folder) == list(shapes)
+    assert len(folder) == 3
+    again = nested_cages_many(shapes, [20, 12], finished=folder, progress=lambda _: pytest.fail("made again"))
     for one, other in zip(first, again, strict=True):
-        assert (one.result.cages[0].vertices == other.result.cages[0].vertices).all()
+        for mine, theirs in zip(one.result.levels, other.result.levels, strict=True):
+            assert (mine.cage.vertices == theirs.cage.vertices).all()
+            assert (mine.cage.edges == theirs.cage.edges).all()
+            assert (mine.flow.steps == theirs.flow.steps).all()
+            assert (mine.reinflation.cage_steps == theirs.reinflation.cage_steps).all()
+            assert mine.report == theirs.report
+    del folder["glyph 1"]
+    assert "glyph 1" not in folder
+    with pytest.raises(KeyError):
+        del folder["glyph 1"]
+    with pytest.raises(NestedCagesError, match="give texts or whole numbers"):
+        folder[(1, 2)] = first[0]
+
+
+@pytest.mark.parametrize("content", [b"", b"PK", b"not an outcome", None])
+def test_truncated_and_foreign_entries_are_made_again(tmp_path: Path, content: bytes | None) -> None:
+    shapes, folder = {"a": star(5, 50), "b": star(4, 60)}, OutcomeFolder(tmp_path)
+    nested_cages_many(shapes, [12], finished=folder, keep=outermost)
+    for path in tmp_path.iterdir():
+        path.write_bytes(path.read_bytes()[:-200] if content is None else content)
+    assert list(folder) == []
+    assert made_again(folder, shapes, [12], keep=outermost) == ["a", "b"]
+    assert sorted(folder) == ["a", "b"]
+
+
+def test_nothing_in_a_folder_is_ever_run(tmp_path: Path) -> None:
+    folder = OutcomeFolder(tmp_path)
+    nested_cages_many({"a": star(5, 50)}, [12], finished=folder, keep=outermost)
+    (path,) = tmp_path.iterdir()
+    np.savez(path.open("wb"), outcome=np.array([print], dtype=object))
+    assert "a" not in folder
+
+
+def test_any_store_may_fail_without_ending_the_batch() -> None:
+    class Broken(dict):
+        def __getitem__(self, key: object) -> Outcome:
+            raise EOFError("ran out of input")
+
+        def __setitem__(self, key: object, value: Outcome) -> None:
+            raise OSError("disk full")
+
+    with pytest.warns(NestedCagesWarning, match="shape 0 cannot be kept: disk full"):
+        (outcome,) = nested_cages_many([star(5, 50)], [12], finished=Broken())
+    assert outcome.error is None
+
+
+def as_set(hierarchy: Hierarchy) -> object:
+    return {len(hierarchy.cages)}
+
+
+def test_results_without_a_form_on_the_disk_are_still_returned(tmp_path: Path) -> None:
+    kept = {"size": 3, "cages": [star(5, 50), None], "area": np.float64(2.5), "place": (1, 2.0), "rows": np.eye(2)}
+    folder = OutcomeFolder(tmp_path)
+    folder["a"] = Outcome("a", kept, None, 1.0, "x")
+    back = folder["a"].result
+    assert (back["size"], back["area"], back["place"]) == (3, 2.5, (1, 2.0))
+    assert (back["cages"][0].vertices == star(5, 50).vertices).all()
+    assert (back["rows"] == np.eye(2)).all()
+    with pytest.warns(NestedCagesWarning, match="a set has no form on the disk"):
+        (outcome,) = nested_cages_many([star(5, 50)], [12], finished=folder, keep=as_set)
+    assert outcome.result == {1}
+
+
+def test_a_generator_of_levels_serves_every_shape(executor: Executor | None) -> None:
+    outcomes = nested_cages_many(glyphs(3), (level for level in [20, 12]), executor=executor)
+    assert [[len(cage.vertices) for cage in outcome.unwrap().cages] for outcome in outcomes] == [[20, 12]] * 3
+
+
+class Bomb:
+    """A result that cannot be read back where it arrives."""
+
+    def __reduce__(self) -> object:
+        return int, ("not a number",)
+
+
+def bomb(hierarchy: Hierarchy) -> object:
+    return Bomb()
+
+
+def lock(hierarchy: Hierarchy) -> object:
+    return threading.Lock()
+
+
+def test_results_that_do_not_travel_are_told_as_such() -> None:
+    (read,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=bomb)
+    assert "The result of the shape 0 cannot be read back" in str(read.error)
+    assert "invalid literal for int" in str(read.error)
+    (written,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=lock)
+    assert "was lost on the way" in str(written.error)
+    assert "cannot pickle" in str(written.error)
 
 
 # Workers that die

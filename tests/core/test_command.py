@@ -14,8 +14,18 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import Mesh, from_engine_json, from_svg, read_geojson, to_engine_json, to_svg, verify
+from nestedcages_core import (
+    Mesh,
+    from_engine_json,
+    from_svg,
+    nested_cages,
+    read_geojson,
+    to_engine_json,
+    to_svg,
+    verify,
+)
 from nestedcages_core.command import main
+from nestedcages_core.errors import NestingError
 from nestedcages_core.exchange import features_from_geojson
 from shapes import letter_a, polygon, star
 
@@ -135,14 +145,150 @@ def test_features_that_fail_do_not_lose_the_others(tmp_path: Path, capsys: pytes
 
 
 def test_a_feature_that_is_no_shape_does_not_lose_the_others(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    crossed = region(0.0, "Crossed")
+    crossed, bad = region(0.0, "Crossed"), region(0.0, "Bad")
     crossed["geometry"]["coordinates"] = [[[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]]
-    members = [crossed, region(2.0, "East")]
+    bad["geometry"]["coordinates"] = [[["0", "0"], [1, 1], [1, 0]]]
+    members = [crossed, bad, region(2.0, "East")]
     (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
     out = tmp_path / "out.geojson"
     assert main([str(tmp_path / "map.geojson"), "--levels", "15", "-o", str(out), "--quiet"]) == 1
-    assert "error: feature 0 (Crossed): Loop 0 crosses itself" in capsys.readouterr().err
-    assert [feature.id for feature in features_from_geojson(out.read_bytes())] == ["East"]
+    said = capsys.readouterr().err
+    assert "error: feature 1 (Bad): Point 0 of ring 0" in said
+    assert "note: Feature 0 (Crossed): self-intersection at (0.5, 0.5): repaired." in said
+    assert "note: The map names no coordinate reference system" in said
+    assert [feature.id for feature in features_from_geojson(out.read_bytes())] == ["Crossed", "East"]
+
+
+def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    (drawing.parent / "star.svg").write_text(to_svg(star(5, 60)))
+    (drawing.parent / "broken.svg").write_text("<svg")
+    (tmp_path / "cages").mkdir()
+    options = [
+        "--levels",
+        "50%",
+        "20%",
+        "-o",
+        str(tmp_path / "cages" / "{stem}.svg"),
+        "--report",
+        str(tmp_path / "r.json"),
+    ]
+    assert main([str(tmp_path / "*.svg"), *options, "--quiet"]) == 1  # broken.svg loses none of the others
+    said = capsys.readouterr()
+    assert "broken.svg: This is not an SVG document" in said.err
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert (report["format"], report["version"]) == ("nested-cages report", 1)
+    broken, letter, spiky = report["inputs"]
+    assert "not an SVG" in broken["errors"][0]
+    assert [each["vertices"] for each in spiky["shapes"][0]["levels"]] == [30, 12]
+    assert letter["errors"] == []
+    measures = spiky["shapes"][0]["levels"][0]
+    assert measures["strict"]
+    assert measures["excess"] > 0.0
+    assert spiky["written"] == [str(tmp_path / "cages" / "star.svg")]
+    read = from_svg((tmp_path / "cages" / "star.svg").read_text(), element="cage-2")
+    assert verify(read, star(5, 60))
+
+
+def test_streams_in_and_out(drawing: Path, tmp_path: Path) -> None:
+    def piped(options: list[str], given: bytes) -> subprocess.CompletedProcess:
+        command = [sys.executable, "-m", "nestedcages_core", "-", "--quiet", *options]
+        return subprocess.run(
+            command,
+            cwd=tmp_path,
+            env={"PYTHONPATH": str(ROOT)},
+            input=given,
+            capture_output=True,
+            timeout=120,
+            check=False,
+        )
+
+    done = piped(["--levels", "24", "-o", "-"], drawing.read_bytes())
+    assert done.returncode == 0
+    assert b"Level 1: 24 vertices" in done.stderr
+    assert len(from_svg(done.stdout, element="cage-1").vertices) == 24
+    done = piped(["--levels", "8", "-o", "-"], json.dumps(region(0.0, "West")).encode())
+    assert features_from_geojson(done.stdout)[0].properties["name"] == "West"
+    done = piped(["--levels", "8", "-o", "-", "--format", "json", "--triangles"], json.dumps(region(0.0, "W")).encode())
+    assert len(from_engine_json(done.stdout).vertices) == 8
+    done = piped(["--levels", "8"], b"hello")
+    assert (done.returncode, done.stdout) == (1, b"")
+    assert b"error: The standard input is neither" in done.stderr
+
+
+@pytest.mark.parametrize("name", ["Łódź", "half \ud83d a character", "two\nlines"])
+def test_names_that_the_console_cannot_write(tmp_path: Path, name: str) -> None:
+    members = [region(0.0, name), region(3.0, "East")]
+    (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
+    command = [sys.executable, "-m", "nestedcages_core", "map.geojson", "--levels", "8", "-o", "out.geojson"]
+    command += ["-o", "out.svg", "--report", "report.json"]
+    environment = {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "cp1252"}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    assert b"Traceback" not in done.stderr
+    first, _ = features_from_geojson((tmp_path / "out.geojson").read_bytes())
+    assert first.properties["name"] == name
+    assert json.loads((tmp_path / "report.json").read_text())["inputs"][0]["shapes"][1]["name"] == "feature 1 (East)"
+
+
+def test_properties_that_json_cannot_hold_do_not_lose_the_work(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    member = region(0.0, "West")
+    member["properties"]["people"] = float("nan")
+    (tmp_path / "map.geojson").write_text(json.dumps(member))
+    out = tmp_path / "out.geojson"
+    assert main([str(tmp_path / "map.geojson"), "--levels", "8", "-o", str(out)]) == 0
+    assert "not finite: 'people'; set to null" in capsys.readouterr().err
+    assert features_from_geojson(out.read_bytes())[0].properties["people"] is None
+
+
+def test_the_crs_of_a_map_is_kept(tmp_path: Path) -> None:
+    crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3857"}}
+    document = {"type": "FeatureCollection", "crs": crs, "features": [region(0.0, "West")]}
+    (tmp_path / "map.geojson").write_text(json.dumps(document))
+    out = tmp_path / "out.geojson"
+    assert main([str(tmp_path / "map.geojson"), "--levels", "8", "-o", str(out), "--quiet"]) == 0
+    assert json.loads(out.read_text())["crs"] == crs
+
+
+def test_a_map_has_the_north_up_and_a_picture_its_frame(tmp_path: Path) -> None:
+    (tmp_path / "map.geojson").write_text(json.dumps(region(0.0, "West")))
+    out = tmp_path / "out.svg"
+    assert main([str(tmp_path / "map.geojson"), "--levels", "8", "-o", str(out), "--quiet"]) == 0
+    north = Mesh.from_geometry(region(0.0, "West"))
+    assert from_svg(out.read_text(), element="drawing").vertices[:, 1].max() == -north.vertices[:, 1].min()
+    (tmp_path / "full.png").write_bytes(png(np.pad(np.ones((5, 7), bool), 2)))
+    assert main([str(tmp_path / "full.png"), "--levels", "4", "-o", str(out), "--quiet"]) == 0
+    assert 'viewBox="0 0 11 9"' in out.read_text()
+
+
+def test_levels_before_one_that_fails_are_written(
+    drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    def second_fails(fine: Mesh, levels: list[int], *_: object, **__: object) -> None:
+        raise NestingError("Level 2 has no room.", partial=nested_cages(fine, levels[:1]))
+
+    monkeypatch.setattr("nestedcages_core.command.making.nested_cages", second_fails)
+    out = tmp_path / "out.geojson"
+    assert main([str(drawing), "--levels", "24", "8", "-o", str(out), "--quiet"]) == 1
+    assert "error: Level 2 has no room." in capsys.readouterr().err
+    assert [each.properties["vertices"] for each in features_from_geojson(out.read_bytes())] == [24]
+
+
+def test_a_full_disk_leaves_the_old_file(
+    drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    out = tmp_path / "out.svg"
+    out.write_text("before")
+    monkeypatch.setattr("os.fsync", full)
+    assert main([str(drawing), "--levels", "24", "-o", str(out), "--quiet"]) == 1
+    assert f"error: {out}: No space left on device" in capsys.readouterr().err
+    assert out.read_text() == "before"
+    assert not list(tmp_path.glob(".*"))
+    monkeypatch.setattr("os.fsync", lambda _: (_ for _ in ()).throw(OSError("odd")))
+    assert main([str(drawing), "--levels", "24", "-o", str(out), "--quiet"]) == 1
+    assert "None" not in capsys.readouterr().err
 
 
 def test_a_collision_outline_is_read_too(tmp_path: Path) -> None:
@@ -156,7 +302,7 @@ def test_a_collision_outline_is_read_too(tmp_path: Path) -> None:
 def test_a_picture_without_transparency_is_remarked(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     (tmp_path / "full.png").write_bytes(png(np.ones((5, 7), bool)))
     assert main([str(tmp_path / "full.png"), "--levels", "4", "--quiet"]) == 0
-    assert "note: no pixel is fully transparent" in capsys.readouterr().err
+    assert "note: No pixel is fully transparent" in capsys.readouterr().err
 
 
 def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> None:
@@ -164,8 +310,9 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         main(["--help"])
     assert end.value.code == 0
     text = capsys.readouterr().out
-    options = "levels output clearance quiet tolerance element jobs padding threshold holes flip-y triangles"
-    for option in options.split():
+    options = "levels output format report limit clearance quiet tolerance element jobs padding threshold holes flip-y"
+    options += " layers no-strokes no-background no-crop opacity borders"
+    for option in [*options.split(), "triangles"]:
         assert re.search(rf"--{option}\b.*\s+\w", text), option
     assert all(f"\n  {status} " in text for status in (0, 1, 2, 130))
 
@@ -179,7 +326,17 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "--clearance", "-1"], 2, "length above 0"),
         (["letter.svg", "--levels", "24", "--clearance", "inf"], 2, "length above 0"),
         (["letter.svg", "--levels", "24", "--threshold", "2"], 2, "from 0 to 1"),
-        (["letter.svg", "--levels", "24", "--padding", "1", "--clearance", "1"], 2, "only one of them"),
+        (["fake.png", "--levels", "24", "--padding", "1", "--clearance", "1"], 2, "only one of them"),
+        (["letter.svg", "--levels", "24", "--padding", "2"], 2, "--padding is for a picture"),
+        (["fake.png", "--levels", "24", "--element", "a"], 2, "--element is for a drawing"),
+        (["letter.svg", "--levels", "24", "--flip-y"], 2, "--flip-y is for collision outlines"),
+        (["letter.svg", "--levels", "24", "--format", "svg"], 2, "--format is for the standard output"),
+        (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2, "put {stem} into the name"),
+        (["letter.svg", "--levels", "120%"], 2, "percentage above 0"),
+        (["letter.svg", "--levels", "24", "--limit", "size=3"], 2, "can be limited"),
+        (["letter.svg", "--levels", "24", "-o", "-", "--report", "-"], 2, "takes one of"),
+        (["*.svgz", "--levels", "24"], 1, "no file that can be read"),
+        (["deep.geojson", "--levels", "24", "--limit", "bytes=10"], 1, "more than the 10 allowed"),
         (["letter.txt", "--levels", "24"], 2, "a file is read if it ends in"),
         (["letter.svg", "--levels", "24", "-o", "out.pdf"], 2, "a file is written if it ends in"),
         (["letter.svg", "--levels", "24", "-o", "no/out.svg"], 2, "there is no folder"),
@@ -220,7 +377,7 @@ def test_interrupting_ends_with_its_status(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("nestedcages_core.command.run.nested_cages", interrupted)
+    monkeypatch.setattr("nestedcages_core.command.making.nested_cages", interrupted)
     assert main([str(drawing), "--levels", "24"]) == 130
     assert "interrupted" in capsys.readouterr().err
 

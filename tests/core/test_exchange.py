@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
-from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, nested_cages, verify
+from nestedcages_core import Mesh, NestedCagesError, nested_cages, verify
 from nestedcages_core.exchange import (
     Feature,
     Painted,
@@ -36,6 +36,15 @@ from nestedcages_core.exchange.svg.path_data import read_path
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
+
+
+def outline_text(**changed: object) -> str:
+    """A collision outline, some members of it changed."""
+    sound = {"format": "nested-cages outline", "version": 1, "polygons": [{"outer": SQUARE, "holes": []}]}
+    return json.dumps({**sound, **changed})
 
 
 def svg(body: str, attributes: str = "") -> str:
@@ -452,8 +461,7 @@ def test_neighbouring_regions_are_read_as_features() -> None:
     text = json.dumps({"type": "FeatureCollection", "features": members})
     found = features_from_geojson(text)
     assert [(item.id, item.mesh.area, dict(item.properties)) for item in found] == [(0, 1.0, {}), (1, 1.0, {})]
-    with pytest.raises(InvalidMeshError):
-        from_geojson(text)
+    assert from_geojson(text).area == 2.0  # as one mesh they are united
     assert features_from_geojson(json.dumps({"type": "Polygon", "coordinates": [rings[0]]}))[0].mesh.area == 1.0
 
 
@@ -463,25 +471,6 @@ def test_neighbouring_regions_are_read_as_features() -> None:
 def test_bad_geojson_gets_a_sentence(text: str) -> None:
     with pytest.raises(NestedCagesError):
         from_geojson(text)
-
-
-def test_polygons_of_a_feature_may_touch_in_points_but_not_overlap() -> None:
-    def square(x: float, y: float, side: float = 1.0) -> list[list[float]]:
-        return [[x, y], [x + side, y], [x + side, y + side], [x, y + side], [x, y]]
-
-    def feature(*polygons: list[list[list[float]]]) -> str:
-        return json.dumps({"type": "MultiPolygon", "coordinates": polygons})
-
-    (corners,) = features_from_geojson(feature([square(0, 0)], [square(1, 1)]))
-    assert corners.mesh.area == pytest.approx(2.0, abs=1e-4)
-    (hole,) = features_from_geojson(feature([square(0, 0, 3), [[0, 0], [1, 2], [2, 1], [0, 0]]]))
-    assert hole.mesh.area == pytest.approx(9.0 - 1.5, abs=1e-4)
-    for bad in (feature([square(0, 0)], [square(0.5, 0.5)]), feature([[[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]])):
-        with pytest.raises(InvalidMeshError, match=r"Feature 0: .*cross"):
-            features_from_geojson(bad)
-    collection = {"type": "GeometryCollection", "geometries": [json.loads(feature([square(k, 0)])) for k in (0, 4)]}
-    (both,) = features_from_geojson(json.dumps(collection))
-    assert len(both.mesh.loops) == 2
 
 
 def test_collision_outlines_turn_as_engines_expect() -> None:
@@ -503,11 +492,37 @@ def test_collision_outlines_turn_as_engines_expect() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{}", "[" * 100_000, '{"polygons": [{"outer": [1, 2], "holes": []}]}', '{"polygons": 3}']
+    ("text", "sentence"),
+    [
+        ("", "not a collision outline"),
+        ("{}", "its format is not"),
+        ("[" * 100_000, "not a collision outline"),
+        ('{"polygons": [{"outer": [1, 2], "holes": []}]}', "its format is not"),
+        (outline_text(polygons=3), "has 3 where its list"),
+        (outline_text(version=999), "of version 999"),
+        (outline_text(version=True), "of version True"),
+        (outline_text(version="1"), "of version '1'"),
+        (outline_text(format="spine"), "its format is not"),
+        (outline_text(polygons=[5]), "Polygon 0 .* outer and holes"),
+        (outline_text(polygons=[{"outer": []}, {"holes": []}]), "Polygon 1 .* outer and holes"),
+        (outline_text(polygons=[{"outer": [1, 2], "holes": []}]), "Point 0 of ring 0 of polygon 0 is 1, not two"),
+        (outline_text(polygons=[{"outer": [[0, 0], ["1", 0], [1, 1]]}]), r"Point 1 of .* is \['1', 0\]"),
+        (outline_text(polygons=[{"outer": [[0, 0], [10**400, 0], [1, 1]]}]), "Point 1 of .* too far out"),
+        (outline_text(polygons=[{"outer": [[0, 0], [float("nan"), 0], [1, 1]]}]), r"Point 1 of .* is \(nan, 0\)"),
+        (outline_text(polygons=[{"outer": SQUARE, "holes": [[[5, 5], [6, 5], [6, 6]]]}]), "not directly inside it"),
+        (outline_text(polygons=[{"outer": SQUARE, "holes": [SQUARE]}]), "both lie at"),
+        (outline_text(polygons=[]), "is empty"),
+    ],
 )
-def test_bad_outlines_get_a_sentence(text: str) -> None:
-    with pytest.raises(NestedCagesError):
+def test_bad_outlines_get_a_sentence(text: str, sentence: str) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
         from_engine_json(text)
+
+
+@pytest.mark.parametrize("given", [None, 5, ["a"], {"format": "nested-cages outline"}, Path("a.json")])
+def test_outlines_are_read_from_text_alone(given: object) -> None:
+    with pytest.raises(NestedCagesError, match="read from text or bytes, not from a"):
+        from_engine_json(given)
 
 
 def test_the_drawing_of_the_demo_is_read() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import tracemalloc
 import zlib
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.ndimage import distance_transform_edt, label
 
 from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, Settings, collision_outline
+from nestedcages_core.exchange import Limits
 from nestedcages_core.exchange.pictures import alpha_channel, boundary_of_pixels, decode_png, read_png
 from shapes import polygon
 
@@ -138,13 +140,38 @@ def test_bad_pngs_get_a_sentence(tmp_path: Path) -> None:
     odd = struct.pack(">IIBBBBB", 9, 9, 3, 6, 0, 0, 0)
     cases[good[:8] + chunk(b"IHDR", odd) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")] = "standard does not know"
     huge = struct.pack(">IIBBBBB", 2**20, 2**20, 8, 6, 0, 0, 0)
-    cases[good[:8] + chunk(b"IHDR", huge) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")] = "scale it down"
+    cases[good[:8] + chunk(b"IHDR", huge) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")] = (
+        "more than the 67,108,864 allowed"
+    )
     cases[good[:33] + chunk(b"IDAT", b"junk") + chunk(b"IEND", b"")] = "cannot be unpacked"
     for data, sentence in cases.items():
         with pytest.raises(NestedCagesError, match=sentence):
             decode_png(data)
     (tmp_path / "a.png").write_bytes(good)
     assert not read_png(tmp_path / "a.png").any()
+
+
+def test_data_beyond_the_size_of_a_picture_are_never_unpacked() -> None:
+    packer = zlib.compressobj()
+    data = b"".join(packer.compress(bytes(10**7)) for _ in range(30)) + packer.flush()
+    header = struct.pack(">IIBBBBB", 1, 1, 8, 6, 0, 0, 0)
+    bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+    tracemalloc.start()
+    try:
+        picture = decode_png(bomb)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert picture.tolist() == [[[0, 0, 0, 0]]]
+    assert peak < 20 * len(bomb)
+
+
+@pytest.mark.parametrize("given", [None, 5, "text", ["a"]])
+def test_a_png_is_read_from_bytes(given: object) -> None:
+    with pytest.raises(NestedCagesError, match="read from bytes, not from a"):
+        decode_png(given)
+    with pytest.raises(NestedCagesError, match="16 pixels, more than the 15 allowed"):
+        decode_png(encoded(np.zeros((4, 4, 4), dtype=int), 8, 6, [0]), limits=Limits(pixels=15))
 
 
 def test_alpha_channels_of_every_type() -> None:

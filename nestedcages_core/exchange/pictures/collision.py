@@ -45,7 +45,7 @@ def collision_outline(
 
 def picture_cages(
     picture: AnyArray,
-    levels: Sequence[int],
+    levels: Sequence[int] | Callable[[Mesh], Sequence[int]],
     *,
     padding: float = 0.0,
     threshold: float = 0.0,
@@ -55,10 +55,10 @@ def picture_cages(
 ) -> Hierarchy:
     """Cages around all opaque pixels, with so many vertices each or fewer where the pixels have fewer corners.
 
-    picture: as `alpha_channel` reads it; unit: pixels, x to the right and y downwards, pixel (row, column) the square
-    from (column, row) on; padding: distance in pixels that the cages keep from them and from each other; threshold:
-    opacity above which a pixel counts as opaque; holes: whether holes are kept open. Parts and holes with no room for
-    the padding are joined and closed.
+    picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
+    them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
+    distance in pixels that the cages keep from them and from each other; threshold: opacity above which a pixel counts
+    as opaque; holes: whether holes are kept open. Parts and holes with no room for the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
     """
@@ -75,7 +75,7 @@ def picture_cages(
 
 def picture_cages_run(
     picture: AnyArray,
-    levels: Sequence[int],
+    levels: Sequence[int] | Callable[[Mesh], Sequence[int]],
     *,
     padding: float = 0.0,
     threshold: float = 0.0,
@@ -89,7 +89,8 @@ def picture_cages_run(
     chosen = settings if settings is not None else Settings()
 
     def around(fine: Mesh, with_settings: Settings) -> Generator[Progress, None, Hierarchy]:
-        run = NestedCagesRun(fine, [min(k, len(fine.vertices)) for k in levels], with_settings)
+        wanted = levels(fine) if callable(levels) else levels
+        run = NestedCagesRun(fine, [min(k, len(fine.vertices)) for k in wanted], with_settings)
         try:
             yield from run
         finally:

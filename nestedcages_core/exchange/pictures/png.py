@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from pathlib import Path
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import NestedCagesError
+from ..files import read_whole
+from ..limits import Limits
 from .filters import unfiltered
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -25,11 +27,9 @@ DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 1
 PALETTE = 3
 """The colour type whose samples are numbers of colours in a table."""
 
-GREATEST_PIXELS = 2**28
-"""Pixels of a picture, at the most: one gigabyte as 8-bit RGBA."""
-
 ADAM7 = ((0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1))
-"""First row and column, and steps between rows and columns, of the passes of an interlaced picture."""
+WHOLE = ((0, 0, 1, 1),)
+"""First row and column, and steps between rows and columns, of the passes of an interlaced picture, and of another."""
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -46,17 +46,24 @@ class Header(NamedTuple):
     interlaced: int
 
 
-def read_png(path: str | os.PathLike[str]) -> Pixels:
+def read_png(path: str | os.PathLike[str], *, limits: Limits | None = None) -> Pixels:
     """(H, W, 4) red, green, blue and alpha of a PNG file; uint16 if it has 16 bits per sample, else uint8."""
-    return decode_png(Path(path).read_bytes())
+    limits = limits or Limits()
+    return decode_png(read_whole(path, limits), limits=limits)
 
 
-def decode_png(data: bytes) -> Pixels:
-    """(H, W, 4) red, green, blue and alpha of a PNG, rows from the top. Raises NestedCagesError for what is not one."""
-    chunks = _chunks(data)
+def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
+    """(H, W, 4) red, green, blue and alpha of a PNG, rows from the top.
+
+    Raises NestedCagesError for what is not one, or has more pixels than the limits allow.
+    """
+    if not isinstance(data, bytes | bytearray | memoryview):
+        raise NestedCagesError(f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.")
+    chunks = _chunks(bytes(data))
     header = _header(chunks)
-    try:
-        raw = zlib.decompress(chunks.get(b"IDAT", b""))
+    (limits or Limits()).check("pixels", header.width * header.height)
+    try:  # data beyond the size of the picture are never unpacked
+        raw = zlib.decompressobj().decompress(chunks.get(b"IDAT", b""), _size(header))
     except zlib.error as error:
         raise NestedCagesError(f"The picture's data cannot be unpacked ({error}); save the PNG again.") from error
     samples = _samples(np.frombuffer(raw, dtype=np.uint8), header)
@@ -98,12 +105,21 @@ def _header(chunks: dict[bytes, bytes]) -> Header:
     right = header.depth in DEPTHS.get(header.colour, ()) and header.interlaced < 2
     if not right or header.compression or header.filtering or not header.width or not header.height:
         raise NestedCagesError("The header of the PNG has values that the standard does not know; save it again.")
-    if header.width * header.height > GREATEST_PIXELS:
-        raise NestedCagesError(
-            f"The picture has {header.width} x {header.height} pixels, more than the {GREATEST_PIXELS} that are read; "
-            "scale it down."
-        )
     return header
+
+
+def _passes(header: Header) -> Iterator[tuple[slice, slice, int, int]]:
+    """Rows and columns of each pass over the picture, its height, and its bytes per row without the filter."""
+    for row, column, down, across in ADAM7 if header.interlaced else WHOLE:
+        height, width = -(-(header.height - row) // down), -(-(header.width - column) // across)
+        if height > 0 and width > 0:
+            stride = (width * CHANNELS[header.colour] * header.depth + 7) // 8
+            yield slice(row, None, down), slice(column, None, across), height, stride
+
+
+def _size(header: Header) -> int:
+    """Bytes of the filtered rows of a picture."""
+    return sum(height * (stride + 1) for _, _, height, stride in _passes(header))
 
 
 def _samples(raw: NDArray[np.uint8], header: Header) -> Pixels:
@@ -111,23 +127,17 @@ def _samples(raw: NDArray[np.uint8], header: Header) -> Pixels:
     channels = CHANNELS[header.colour]
     shape = (header.height, header.width, channels)
     samples: Pixels = np.empty(shape, dtype=np.uint16) if header.depth == 16 else np.empty(shape, dtype=np.uint8)
-    whole = ((0, 0, 1, 1),)
     place = 0
-    for row, column, down, across in ADAM7 if header.interlaced else whole:
-        target = samples[row::down, column::across]
-        height, width = target.shape[:2]
-        if not height or not width:
-            continue
-        bits = width * channels * header.depth
-        stride = (bits + 7) // 8
+    for rows, columns, height, stride in _passes(header):
+        target = samples[rows, columns]
         if place + height * (stride + 1) > len(raw):
             raise NestedCagesError("The picture's data are shorter than its size; save the PNG again.")
         lines = raw[place : place + height * (stride + 1)].reshape(height, stride + 1)
         place += lines.size
         if lines[:, 0].max() > 4:
             raise NestedCagesError("The picture's data use a filter that the standard does not know; save it again.")
-        rows = unfiltered(lines, max(channels * header.depth // 8, 1))
-        target[...] = _unpacked(rows, header.depth, width * channels).reshape(target.shape)
+        content = unfiltered(lines, max(channels * header.depth // 8, 1))
+        target[...] = _unpacked(content, header.depth, target.shape[1] * channels).reshape(target.shape)
     return samples
 
 

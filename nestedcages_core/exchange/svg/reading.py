@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from ...errors import InvalidMeshError, NestedCagesError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
+from ..files import read_whole
 from ..fill import Area, bounds_of, regions, solid
 from ..libraries import load_shapely
 from .areas import MAX_COORDINATE, Areas
@@ -64,7 +64,7 @@ def from_svg(text: str | bytes, **options: Any) -> Mesh:
 
 def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing:
     """The painted area of an SVG file with its frame and what was left out; see `svg_drawing`."""
-    return svg_drawing(Path(path).read_bytes(), **options)
+    return svg_drawing(read_whole(path, SvgOptions(**options).limits), **options)
 
 
 def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:

@@ -1,0 +1,117 @@
+"""Cages for many shapes, over any executor of concurrent.futures: threads, processes, Dask, MPI."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, MutableMapping
+from concurrent.futures import Executor
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from ..errors import NestedCagesError, NestedCagesWarning
+from ..geometry.mesh import Mesh
+from ..hierarchy import Settings
+from .crew import Crew
+from .fingerprint import fingerprint
+from .tasks import Keep, Outcome, Task
+
+Level: TypeAlias = int | Mesh
+Levels: TypeAlias = Iterable[Level] | Mapping[Hashable, Iterable[Level]] | Callable[[Mesh], Iterable[Level]]
+Shapes: TypeAlias = Iterable[Any] | Mapping[Any, Any]
+
+
+@dataclass(frozen=True)
+class BatchProgress:
+    """How far a batch is."""
+
+    finished: int
+    total: int
+    outcome: Outcome
+    """The one that has just come in."""
+
+    @property
+    def fraction(self) -> float:
+        """Of the whole batch, from 0 to 1."""
+        return self.finished / self.total
+
+
+def nested_cages_many(
+    shapes: Shapes,
+    levels: Levels,
+    settings: Settings | None = None,
+    *,
+    executor: Executor | Callable[[], Executor] | None = None,
+    progress: Callable[[BatchProgress], None] | None = None,
+    finished: MutableMapping[Any, Outcome] | None = None,
+    keep: Keep | None = None,
+) -> list[Outcome]:
+    """Cages around many shapes, in the order of the input; a shape that fails has its error in its outcome.
+
+    shapes: meshes or anything with `__geo_interface__`, in a sequence or by key. levels: as in `nested_cages`, for all
+    shapes, by key, or a function of the mesh. executor: where the work is done, one shape after the other in this
+    process unless given; a function that makes an executor is called again should a worker die, and what it made is
+    shut down at the end. A ProcessPoolExecutor with a dead worker is replaced by one of its kind: nothing is lost.
+
+    progress: called for every outcome; it may raise to cancel, then nothing new is begun. finished: outcomes by key,
+    added to as they come in: a dict, or an OutcomeFolder on the disk. A shape is made again unless its outcome there
+    has no error and was made of the same shape, levels, settings and ``keep``. Entries that cannot be read count as
+    missing, and those that cannot be written are left out with a warning.
+    keep: what of a Hierarchy is kept, such as `lambda made: made.cages[-1]`; all of it unless given. For processes
+    this function and that of the levels are defined in a module.
+    """
+    tasks = list(_tasks(shapes, levels, settings if settings is not None else Settings(), keep))
+    outcomes: dict[Hashable, Outcome] = {}
+    if finished is not None:
+        tasks = [replace(task, made_of=fingerprint(task)) for task in tasks]
+        outcomes = {task.key: known for task in tasks if (known := _known(task, finished)) is not None}
+    open_ = [task for task in tasks if task.key not in outcomes]
+    with closing(_run_here(open_) if executor is None else Crew(executor).run(open_)) as incoming:
+        for outcome in incoming:
+            outcomes[outcome.key] = outcome
+            if finished is not None:
+                _keep(finished, outcome)
+            if progress is not None:
+                progress(BatchProgress(len(outcomes), len(tasks), outcome))
+    return [outcomes[task.key] for task in tasks]
+
+
+def _known(task: Task, finished: MutableMapping[Any, Outcome]) -> Outcome | None:
+    """The outcome of the same task, without an error, if there is one; whatever is wrong with an entry."""
+    with suppress(Exception):
+        known = finished[task.key]
+        if isinstance(known, Outcome) and known.error is None and known.made_of == task.made_of != "":
+            return known
+    return None
+
+
+def _keep(finished: MutableMapping[Any, Outcome], outcome: Outcome) -> None:
+    """Add an outcome; the batch goes on where it cannot be kept."""
+    try:
+        finished[outcome.key] = outcome
+    except Exception as error:
+        warnings.warn(
+            f"The outcome of the shape {outcome.key!r} cannot be kept: {error}", NestedCagesWarning, stacklevel=3
+        )
+
+
+def _tasks(shapes: Shapes, levels: Levels, settings: Settings, keep: Keep | None) -> Iterator[Task]:
+    shared = levels if callable(levels) or isinstance(levels, Mapping) else _reusable(levels)
+    keyed: Iterable[tuple[Hashable, Any]] = shapes.items() if isinstance(shapes, Mapping) else enumerate(shapes)
+    for key, shape in keyed:
+        if isinstance(levels, Mapping):
+            if key not in levels:
+                raise NestedCagesError(f"The levels name no entry for the shape {key!r}; add one.")
+            yield Task(key, shape, _reusable(levels[key]), settings, keep)
+        else:
+            yield Task(key, shape, shared, settings, keep)
+
+
+def _reusable(levels: Any) -> Any:
+    """Levels that can be read more than once; what is no list of levels is left for the door of `nested_cages`."""
+    return list(levels) if isinstance(levels, Iterator) else levels
+
+
+def _run_here(tasks: Iterable[Task]) -> Generator[Outcome, None, None]:
+    for task in tasks:
+        yield task.run()

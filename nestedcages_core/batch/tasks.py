@@ -1,0 +1,58 @@
+"""One shape of a batch on its way, and what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, TypeAlias
+
+from ..geometry.mesh import Mesh
+from ..hierarchy import Hierarchy, Settings, nested_cages
+
+Keep: TypeAlias = Callable[[Hierarchy], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What became of one shape."""
+
+    key: Hashable
+    """Its key, or its number in the input."""
+    result: Any = None
+    """Its Hierarchy, or what was kept of it; None after an error."""
+    error: Exception | None = None
+    seconds: float = 0.0
+    """Time that it took where it was made."""
+    made_of: str = ""
+    """Fingerprint of shape, levels, settings and what is kept; a result with the same one is used again."""
+
+    def unwrap(self) -> Any:
+        """The result; raises the error if there is one."""
+        if self.error is not None:
+            raise self.error
+        return self.result
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One shape on its way to a worker."""
+
+    key: Hashable
+    shape: Any
+    levels: Any
+    settings: Settings
+    keep: Keep | None
+    made_of: str = ""
+
+    def run(self) -> Outcome:
+        """The outcome; errors are part of it, so that none ends the batch."""
+        began = perf_counter()
+        try:
+            mesh = self.shape if isinstance(self.shape, Mesh) else Mesh.from_geometry(self.shape)
+            levels = self.levels(mesh) if callable(self.levels) else self.levels
+            hierarchy = nested_cages(mesh, levels, self.settings)
+            result = hierarchy if self.keep is None else self.keep(hierarchy)
+            return Outcome(self.key, result, None, perf_counter() - began, self.made_of)
+        except Exception as error:
+            return Outcome(self.key, None, error, perf_counter() - began)

@@ -1,0 +1,132 @@
+"""Cages around everything that a file holds."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from ..batch import nested_cages_many
+from ..errors import NestedCagesError
+from ..exchange import cut_at_borders
+from ..exchange.pictures import picture_cages
+from ..geometry.arrays import AnyArray
+from ..geometry.mesh import Mesh
+from ..hierarchy import Hierarchy, NestingReport, Settings, nested_cages
+from .levels import counts
+from .progress import ProgressLine
+from .sources import Shape, Source
+
+
+@dataclass(frozen=True, eq=False)
+class Cage:
+    """One cage of a shape, with its certificate."""
+
+    mesh: Mesh
+    report: NestingReport
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """The cages of one shape, from the finest to the coarsest."""
+
+    shape: Shape
+    fine: Mesh
+    cages: Sequence[Cage]
+    notes: Sequence[str] = ()
+
+    @classmethod
+    def of(cls, shape: Shape, hierarchy: Hierarchy, notes: Sequence[str]) -> Made:
+        return cls(shape, hierarchy.fine, [Cage(level.cage, level.report) for level in hierarchy.levels], notes)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What became of a file."""
+
+    source: Source
+    made: Sequence[Made] = ()
+    failures: Sequence[str] = field(default_factory=list)
+    """A sentence for each shape that has no cages, or not all of them."""
+
+
+def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
+    """The cages of a file; a shape that fails loses neither the others nor its own finished levels."""
+    settings = Settings(clearance=given.clearance)
+    failures = list(source.failures)
+    made: list[Made] = []
+    meshes: list[Shape] = []
+    for shape in source.shapes:
+        if isinstance(shape.content, Mesh):
+            meshes.append(shape)
+        else:
+            _add(made, failures, shape, (), partial(_picture, shape.content, given, line))
+    if len(meshes) == 1:
+        (shape,) = meshes
+        assert isinstance(shape.content, Mesh)
+        mesh, (levels, notes) = shape.content, counts(given.levels, shape.content)
+        _add(made, failures, shape, notes, lambda: nested_cages(mesh, levels, settings, progress=line.of_run))
+    elif meshes:
+        asked = [counts(given.levels, shape.content) for shape in meshes if isinstance(shape.content, Mesh)]
+        outcomes = nested_cages_many(
+            [shape.content for shape in meshes],
+            {k: levels for k, (levels, _) in enumerate(asked)},
+            settings,
+            executor=(lambda: ProcessPoolExecutor(given.jobs)) if given.jobs > 1 else None,
+            progress=line.of_batch,
+        )
+        for shape, (_, notes), outcome in zip(meshes, asked, outcomes, strict=True):
+            _add(made, failures, shape, notes, outcome.unwrap, several=True)
+    if given.borders:
+        made = _at_borders(made, given.clearance)
+    return Result(source, made, failures)
+
+
+def _add(
+    made: list[Made],
+    failures: list[str],
+    shape: Shape,
+    notes: Sequence[str],
+    work: Callable[[], Hierarchy],
+    *,
+    several: bool = False,
+) -> None:
+    """Do the work; of an error keep the sentence and the levels that were finished before it."""
+    try:
+        made.append(Made.of(shape, work(), notes))
+    except NestedCagesError as error:
+        failures.append(f"{shape.name}: {error}" if several else str(error))
+        finished = getattr(error, "partial", None)
+        if isinstance(finished, Hierarchy) and finished.levels:
+            made.append(Made.of(shape, finished, notes))
+
+
+def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
+    """The same with all cages cut at the borders between the regions, level by level."""
+    regions = inner = [each.fine for each in made]
+    cut_back: list[list[Cage]] = [[] for _ in made]
+    for number in range(max((len(each.cages) for each in made), default=0)):
+        given = [each.cages[number] if number < len(each.cages) else None for each in made]
+        meshes = [mesh if cage is None else cage.mesh for cage, mesh in zip(given, inner, strict=True)]
+        cuts = cut_at_borders(meshes, regions, clearance=clearance, inner=inner)
+        for k, (cage, cut) in enumerate(zip(given, cuts, strict=True)):
+            if cage is not None:
+                excess = cut.cage.area / inner[k].area - 1.0
+                notes = (*cage.report.notes, cut.note)
+                report = replace(cage.report, clearance=cut.clearance, excess=excess, notes=notes)
+                cut_back[k].append(Cage(cut.cage, report))
+        inner = [cut.cage for cut in cuts]
+    return [replace(each, cages=cages) for each, cages in zip(made, cut_back, strict=True)]
+
+
+def _picture(picture: AnyArray, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
+    return picture_cages(
+        picture,
+        lambda mesh: counts(given.levels, mesh)[0],
+        padding=given.padding or given.clearance or 0.0,
+        threshold=given.threshold or 0.0,
+        holes=given.holes,
+        progress=line.of_run,
+    )

@@ -1,0 +1,133 @@
+"""What is written: cages as SVG, GeoJSON and collision outlines, and the report as JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import NestedCagesError
+from ..exchange import Feature, to_engine_json, to_geojson, to_svg, write_whole
+from ..geometry.mesh import Mesh
+from .making import Cage, Made, Result
+from .sources import STREAM, Source
+
+WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
+"""Formats by the extension of the file to write."""
+
+STEM = "{stem}"
+"""What stands in an output's name for that of the input without its extension."""
+
+FORMAT, VERSION = "nested-cages report", 1
+"""What the reports call themselves."""
+
+
+def format_of(path: str, source: Source, chosen: str | None) -> str:
+    """The format of an output: by its extension; for the standard output as chosen, or as the input is."""
+    if path != STREAM:
+        return WRITTEN[Path(path).suffix.lower()]
+    return chosen or {"map": "geojson", "outline": "json"}.get(source.kind, "svg")
+
+
+def target(path: str, source: Source) -> str:
+    """The file to write for a source."""
+    return path.replace(STEM, "stdin" if source.path == STREAM else Path(source.path).stem)
+
+
+def check(path: str, source: Source, kind: str) -> None:
+    """Raise NestedCagesError where a source cannot be written in a format; asked before any cage is made."""
+    several = len(source.shapes) + len(source.failures)
+    if kind == "json" and several > 1:
+        raise NestedCagesError(
+            f"A collision outline is made of one feature, but {Path(source.path).name} has {several}; write "
+            ".geojson or .svg instead."
+        )
+
+
+def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool) -> str:
+    """The text of an output."""
+    if kind == "svg":
+        return _svg(result)
+    if kind == "geojson":
+        features = [_feature(each, k, cage) for each in result.made for k, cage in enumerate(each.cages)]
+        return to_geojson(features, indent=1, crs=result.source.crs)
+    flip = result.source.height if flip_y else None
+    return to_engine_json(result.made[0].cages[-1].mesh, flip_y=flip, triangles=triangles, indent=1)
+
+
+def put(path: str, text: str) -> None:
+    """Write a file whole or not at all, or the standard output."""
+    if path != STREAM:
+        write_whole(path, text)
+        return
+    sys.stdout.buffer.write(text.encode("utf-8"))
+    sys.stdout.buffer.flush()
+
+
+def report(results: Sequence[Mapping[str, Any]]) -> str:
+    """The report on all files as JSON."""
+    return json.dumps({"format": FORMAT, "version": VERSION, "inputs": list(results)}, indent=1)
+
+
+def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:
+    """What the report says about a file."""
+    source = result.source
+    return {
+        "file": source.path,
+        "kind": source.kind,
+        "notes": list(source.notes),
+        "errors": list(result.failures),
+        "shapes": [
+            {
+                "name": each.shape.name,
+                "id": each.shape.id,
+                "vertices": len(each.fine.vertices),
+                "loops": len(each.fine.loops),
+                "notes": list(each.notes),
+                "levels": [_measures(cage) for cage in each.cages],
+            }
+            for each in result.made
+        ],
+        "written": list(written),
+    }
+
+
+def _measures(cage: Cage) -> dict[str, Any]:
+    said = cage.report
+    return {
+        "vertices": len(cage.mesh.vertices),
+        "strict": bool(said.strict),
+        "simple": bool(said.simple),
+        "clearance": float(said.clearance),
+        "wanted_clearance": float(said.wanted_clearance),
+        "excess": float(said.excess),
+        "start": said.start,
+        "iterations": dict(said.iterations),
+        "seconds": sum(said.seconds.values()),
+        "notes": list(said.notes),
+    }
+
+
+def _svg(result: Result) -> str:
+    """The shapes and their cages, on what was read: a drawing's page, a picture's pixels, a map with the north up."""
+    several = len(result.made) > 1
+    meshes: dict[str, Mesh] = {}
+    levels: list[int] = []
+    for number, each in enumerate(result.made):
+        prefix = f"{number}-" if several else ""
+        meshes[f"{prefix}drawing"] = each.fine
+        meshes.update({f"{prefix}cage-{k + 1}": cage.mesh for k, cage in enumerate(each.cages)})
+        levels += range(1 + len(each.cages))
+    return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=result.source.kind == "map")
+
+
+def _feature(made: Made, number: int, cage: Cage) -> Feature:
+    known = {
+        "level": number + 1,
+        "vertices": len(cage.mesh.vertices),
+        "excess": cage.report.excess,
+        "clearance": cage.report.clearance,
+    }
+    return Feature(cage.mesh, {**made.shape.properties, **known}, made.shape.id if len(made.cages) == 1 else None)

@@ -1,0 +1,121 @@
+"""Files that come in, of every kind, as shapes with what was said about them."""
+
+from __future__ import annotations
+
+import glob
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..errors import NestedCagesError
+from ..exchange import Frame, Limits, from_engine_json, is_engine_json, read_map, read_whole, svg_drawing
+from ..exchange.pictures import decode_png
+from ..geometry.arrays import AnyArray
+from ..geometry.mesh import Mesh
+
+STREAM = "-"
+"""Standard input or output in place of a file."""
+
+KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture"}
+"""What a file holds, by its extension."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What cages are made around: a mesh, or a picture whose opaque pixels become one."""
+
+    name: str
+    content: Mesh | AnyArray
+    properties: Mapping[str, Any] = field(default_factory=dict)
+    id: str | int | float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A file that was read."""
+
+    path: str
+    kind: str
+    """One of `KINDS`, or "outline"."""
+    shapes: Sequence[Shape] = ()
+    notes: Sequence[str] = ()
+    """Sentences about repairs, and what was left out."""
+    failures: Sequence[str] = ()
+    """Sentences about shapes that could not be read."""
+    crs: Any = None
+    frame: Frame | None = None
+    """Of a drawing or a picture, on which written drawings lie."""
+    height: float = 0.0
+    """Of a picture in pixels: what its y is turned over in."""
+
+
+def expanded(patterns: Sequence[str]) -> list[str]:
+    """The files that names and patterns such as `icons/*.svg` stand for. Raises NestedCagesError where one has none."""
+    found: list[str] = []
+    for pattern in patterns:
+        if pattern == STREAM or not glob.has_magic(pattern) or Path(pattern).exists():
+            found.append(pattern)
+            continue
+        matches = sorted(path for path in glob.glob(pattern, recursive=True) if kind_of(path))
+        if not matches:
+            raise NestedCagesError(f"{pattern}: no file that can be read has such a name.")
+        found.extend(matches)
+    return list(dict.fromkeys(found))
+
+
+def kind_of(path: str) -> str | None:
+    """What a file holds by its name; None if that is nothing that can be read. Of a stream it is seen later."""
+    return "stream" if path == STREAM else KINDS.get(Path(path).suffix.lower())
+
+
+def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
+    """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
+    data = _streamed(limits) if path == STREAM else read_whole(path, limits)
+    kind = kind_of(path)
+    if kind == "stream":
+        kind = _guessed(data)
+    if kind == "picture":
+        picture = decode_png(data, limits=limits)
+        opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)
+        height, width = picture.shape[:2]
+        frame = Frame((0.0, 0.0, float(width), float(height)), str(width), str(height))
+        whole = picture[:, :, 3].min() > 0
+        return Source(path, kind, [Shape("drawing", picture)], opaque if whole else (), frame=frame, height=height)
+    if kind == "drawing":
+        drawing = svg_drawing(data, **options)
+        return Source(path, kind, [Shape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame)
+    if is_engine_json(data):
+        return Source(path, "outline", [Shape("drawing", from_engine_json(data, limits=limits))])
+    found = read_map(data, limits)
+    if not found.features and not found.refused:
+        raise NestedCagesError("There are no polygons; give a map with Polygon or MultiPolygon features.")
+    notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
+    if found.without_polygons:
+        notes.append(f"Features without polygons, left out: {found.without_polygons}.")
+    notes.append(
+        "The map names no coordinate reference system; coordinates are kept as they are."
+        if found.crs is None
+        else "The map's coordinate reference system is kept."
+    )
+    shapes = [Shape(each.name, each.mesh, each.properties, each.id) for each in found.features]
+    return Source(path, "map", shapes, notes, found.refused, found.crs)
+
+
+def _streamed(limits: Limits) -> bytes:
+    data = sys.stdin.buffer.read(limits.bytes + 1)
+    limits.check("bytes", len(data))
+    return data
+
+
+def _guessed(data: bytes) -> str:
+    """The kind of a stream by how it begins. Raises NestedCagesError."""
+    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    if start.startswith(b"\x89PNG"):
+        return "picture"
+    if start.startswith(b"<"):
+        return "drawing"
+    if start.startswith(b"{"):
+        return "map"
+    raise NestedCagesError("The standard input is neither SVG, GeoJSON, a collision outline nor PNG.")

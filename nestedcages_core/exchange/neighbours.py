@@ -1,0 +1,108 @@
+"""Cages of regions that share borders: cut back to the borders, so that they overlap as little as cages can."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidMeshError, NestedCagesError
+from ..geometry.mesh import Mesh
+from ..hierarchy.settings import DEFAULT_CLEARANCE
+from ..verification import verify
+from .libraries import load_shapely
+from .repair import polygons_in, shape_of, united
+from .rings import polygons_of
+
+NEEDED_FOR = "regions that share borders"
+
+STRIP = 1.0 + 1e-6
+"""Width of the strips beyond borders, in clearances, so that rounding leaves the clearance."""
+
+MITRE_LIMIT = 4.0
+"""Length of the strips' corners, in their widths, beyond which they are cut off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A cage and what became of it."""
+
+    cage: Mesh
+    certified: bool
+    """Whether it was cut back and certified; False for a cage that had to stay as it was."""
+    clearance: float
+    """Measured smallest distance between the cage and what it encloses."""
+    overlap_before: float
+    """Area of the neighbours that the cage covered."""
+    overlap: float
+    """Area of the neighbours that it covers now."""
+
+    @property
+    def note(self) -> str:
+        """A sentence for people."""
+        if not self.certified:
+            return "Not cut at its borders: the cut cage could not be certified."
+        size, before, now = len(self.cage.vertices), self.overlap_before, self.overlap
+        return f"Cut at its borders: {size} vertices, {now:.3g} of its neighbours covered instead of {before:.3g}."
+
+
+def cut_at_borders(
+    cages: Sequence[Mesh],
+    regions: Sequence[Mesh],
+    *,
+    clearance: float | None = None,
+    inner: Sequence[Mesh] | None = None,
+) -> list[Cut]:
+    """Cages without what they cover of the other regions, but for a strip as wide as the clearance.
+
+    cages: one for each region. regions: may share borders, but not overlap. clearance: distance to keep from the
+    region, 1e-5 of its diagonal unless given, and at most what the cage keeps. inner: what each cage has to enclose,
+    the regions unless given; for the levels of a hierarchy, the cages of the level before, cut as well.
+
+    Along a border a cage runs in parallel with it, with all its points. Elsewhere it stays as it was, to the last bit;
+    parts of it behind a neighbour are left out. Every cage is certified anew; one that cannot be is returned as it was.
+
+    Raises NestedCagesError for bad arguments, or where shapely is missing.
+    """
+    inside = regions if inner is None else inner
+    if not len(cages) == len(regions) == len(inside):
+        raise NestedCagesError(f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.")
+    if clearance is not None and not 0.0 < clearance < np.inf:
+        raise NestedCagesError(f"The clearance must be a positive length, not {clearance!r}.")
+    shapely = load_shapely(NEEDED_FOR)
+    shapes = [_shape(region) for region in regions]
+    tree = shapely.STRtree(shapes)
+    cuts = []
+    for k, cage in enumerate(cages):
+        others = [shapes[j] for j in tree.query(_shape(cage)) if j != k]
+        width = clearance if clearance is not None else DEFAULT_CLEARANCE * regions[k].diagonal
+        cuts.append(_cut(cage, inside[k], shapely.union_all(others), width))
+    return cuts
+
+
+def _cut(cage: Mesh, inner: Mesh, others: Any, width: float) -> Cut:
+    """The cage of one region; others: the land of its neighbours."""
+    shapely = load_shapely(NEEDED_FOR)
+    whole, core = _shape(cage), _shape(inner)
+    before = shapely.intersection(whole, others).area
+    measured = verify(cage, inner, same_loops=False).clearance
+    if not measured > 0.0:  # no cage at all
+        return Cut(cage, False, measured, before, before)
+    width = min(width, measured)
+    strip = shapely.buffer(core, STRIP * width, join_style="mitre", mitre_limit=MITRE_LIMIT)
+    rest = shapely.difference(whole, shapely.difference(others, strip))
+    parts = [part for part in shapely.get_parts(rest) if part.intersects(core)]
+    try:
+        found = united(polygons_in(shapely.multipolygons(parts)))
+    except InvalidMeshError:
+        return Cut(cage, False, measured, before, before)
+    certificate = verify(found, inner, width, same_loops=False)
+    if not certificate:
+        return Cut(cage, False, measured, before, before)
+    return Cut(found, True, certificate.clearance, before, shapely.intersection(_shape(found), others).area)
+
+
+def _shape(mesh: Mesh) -> Any:
+    return shape_of(polygons_of(mesh))

@@ -1,0 +1,180 @@
+"""Polygons as they are published made into meshes; every repair is named with its place."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidMeshError
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.validation import place
+from ..geometry.predicates import orientation
+from .fill import Painted, solid
+from .libraries import load_shapely
+from .rings import Polygon
+
+NEEDED_FOR = "polygons that touch or cross"
+
+NECK = 1e-6
+"""Half the width of the necks between parts that touch in points, by the square root of the area."""
+
+LEAST_NECK = 64.0 * float(np.finfo(float).eps)
+"""The same, at least, by the largest coordinate, so that rounding leaves something of it."""
+
+GREATEST_PASSES = 64
+"""Rounds in which spikes are taken off; what is left after them is left to GEOS."""
+
+
+def mesh_of(polygons: list[Polygon]) -> tuple[Mesh, list[str]]:
+    """The solid of polygons, each an outer ring (k, 2) and its holes, and what had to be repaired.
+
+    Simple rings, apart from each other, keep their coordinates to the last bit. Others are repaired as GEOS does
+    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a neck as thin as a hair.
+    Raises InvalidMeshError where no area is left.
+    """
+    kept, notes = _cleaned(polygons)
+    if not kept:
+        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.")
+    try:
+        return _strict(kept), notes
+    except InvalidMeshError as error:
+        failed = error
+    shapely = load_shapely(NEEDED_FOR)
+    shape = shape_of(kept)
+    faults = _faults(shape)
+    if not faults:
+        return united(kept), [*notes, f"parts that touch are joined: {_first(failed)}"]
+    try:
+        valid = shapely.make_valid(shape, method="structure", keep_collapsed=False)
+    except shapely.errors.GEOSException as error:
+        raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).") from error
+    return united(polygons_in(valid)), [*notes, *(f"{fault}: repaired" for fault in faults)]
+
+
+def united(polygons: list[Polygon]) -> Mesh:
+    """Polygons that may touch in points, each valid, as one mesh. Raises InvalidMeshError where no area is left."""
+    if not polygons:
+        raise InvalidMeshError("No polygon encloses an area.")
+    try:
+        return _strict(polygons)
+    except InvalidMeshError:
+        pass
+    shapely = load_shapely(NEEDED_FOR)
+    shape = shape_of(polygons)
+    reach = max(NECK * np.sqrt(shape.area), LEAST_NECK * float(np.abs(shape.bounds).max()))
+    necks = shapely.buffer(shapely.points(_touching(polygons)), reach, quad_segs=1)
+    try:
+        return _strict(polygons_in(shapely.union_all([shape, *necks])))
+    except InvalidMeshError:
+        return solid([Painted([ring for polygon in polygons for ring in polygon], evenodd=True)])
+
+
+def _touching(polygons: list[Polygon]) -> FloatArray:
+    """(k, 2) vertices that lie on an edge which is not their own."""
+    shapely = load_shapely(NEEDED_FOR)
+    rings = [ring for polygon in polygons for ring in polygon]
+    starts, ends = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    edges = shapely.linestrings(np.stack((starts, ends), axis=1))
+    vertex, _ = shapely.STRtree(edges).query(shapely.points(starts), predicate="intersects")
+    return np.asarray(np.unique(starts[np.bincount(vertex, minlength=len(starts)) > 2], axis=0))
+
+
+def _strict(polygons: list[Polygon]) -> Mesh:
+    """The mesh of rings that need no repair. Raises InvalidMeshError, also for holes that are no holes."""
+    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": polygons})
+
+
+def shape_of(polygons: list[Polygon]) -> Any:
+    """The same polygons for shapely, valid or not."""
+    shapely = load_shapely(NEEDED_FOR)
+    return shapely.multipolygons([shapely.Polygon(outer, holes) for outer, *holes in polygons])
+
+
+def polygons_in(shape: Any) -> list[Polygon]:
+    """The polygons of a geometry with their rings open."""
+    shapely = load_shapely(NEEDED_FOR)
+    parts = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon" and part.area > 0.0]
+    return [[np.array(ring.coords)[:-1, :2] for ring in (part.exterior, *part.interiors)] for part in parts]
+
+
+def _faults(shape: Any) -> list[str]:
+    """Every kind of fault once for each ring, polygon and the whole, innermost first, with its place."""
+    shapely = load_shapely(NEEDED_FOR)
+    found = []
+    whole = [part for part in shapely.get_parts(shape) if not shapely.is_valid(part)]
+    for part in whole:
+        rings = [shapely.polygons(ring) for ring in (part.exterior, *part.interiors)]
+        bad = [ring for ring in rings if not shapely.is_valid(ring)]
+        found += [_reason(ring) for ring in bad or [part]]
+    if not found and not shapely.is_valid(shape):
+        found.append(_reason(shape))
+    return found
+
+
+def _reason(shape: Any) -> str:
+    """What GEOS says: its reason, and the place as the user reads it."""
+    text = load_shapely(NEEDED_FOR).is_valid_reason(shape)
+    parts = re.fullmatch(r"(.*)\[(\S+) (\S+).*\]", text)
+    return f"{parts[1].lower()} at {place((float(parts[2]), float(parts[3])))}" if parts else text.lower()
+
+
+def _first(error: InvalidMeshError) -> str:
+    """What is wrong, without the advice."""
+    return str(error).split(";")[0].rstrip(".").lower()
+
+
+def _cleaned(polygons: list[Polygon]) -> tuple[list[Polygon], list[str]]:
+    """The polygons without repeated points, spikes and rings of zero area."""
+    kept: list[Polygon] = []
+    notes: list[str] = []
+    for polygon in polygons:
+        rings: Polygon = []
+        for k, ring in enumerate(polygon):
+            points, left_out = _without_spikes(ring)
+            if len(points) < 3:
+                where = f" at {place(ring[0])}" if len(ring) else ""
+                notes.append(f"{'a hole' if k else 'a polygon'} of zero area{where}: left out")
+                if k == 0:
+                    break
+                continue
+            rings.append(points)
+            notes += left_out
+        if rings:
+            kept.append(rings)
+    return kept, notes
+
+
+def _without_spikes(ring: FloatArray) -> tuple[FloatArray, list[str]]:
+    """A ring without the points where it stands still or turns back over itself, and what was left out."""
+    notes = []
+    points = ring[:-1] if len(ring) > 1 and (ring[0] == ring[-1]).all() else ring
+    still = (points == np.roll(points, -1, axis=0)).all(axis=1)
+    if still.any() and len(points) > 1:
+        notes.append(
+            f"{_counted(int(still.sum()), 'repeated point')}, the first at {place(points[still][0])}: left out"
+        )
+    points = points[~still] if len(points) > 1 else points
+    tips = []
+    for _ in range(GREATEST_PASSES):
+        if len(points) < 3:
+            break
+        before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
+        straight = orientation(before, points, after) == 0
+        tip = straight & (np.sign(points - before) != np.sign(after - points)).any(axis=1)
+        if not tip.any():
+            break
+        apart = tip & ~np.roll(tip, 1)  # of neighbours one at a time
+        tip = apart if apart.any() else np.arange(len(points)) == 0
+        tips.extend(points[tip])
+        points = points[~tip]
+        points = points[(points != np.roll(points, -1, axis=0)).any(axis=1)]
+    if tips:
+        notes.append(f"{_counted(len(tips), 'spike')}, the first to {place(tips[0])}: left out")
+    return points, notes
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

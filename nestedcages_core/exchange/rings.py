@@ -1,0 +1,105 @@
+"""Coordinates that strangers wrote as arrays of numbers; what is none is named with its place."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidMeshError
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh.validation import MAX_COORDINATE
+
+Polygon = list[FloatArray]
+"""An outer ring and its holes, each (k, 2)."""
+
+LONGEST_SHOWN = 40
+"""Characters of a value that is quoted in a message."""
+
+
+RINGLESS = ("Point", "MultiPoint", "LineString", "MultiLineString")
+"""Types of geometries without an inside."""
+
+GREATEST_DEPTH = 64
+"""Collections within collections that are followed; a deeper nest is taken for one that contains itself."""
+
+
+def polygons_of(geometry: Any, depth: int = 0) -> list[Polygon]:
+    """The polygons of a GeoJSON geometry as arrays; geometries without an inside are left out.
+
+    Raises InvalidMeshError for what is no geometry, with the place of what is no coordinate.
+    """
+    mapping = getattr(geometry, "__geo_interface__", geometry)
+    if not isinstance(mapping, Mapping):
+        raise InvalidMeshError(f"The geometry is {shown(geometry)}, not an object with a type.")
+    if depth > GREATEST_DEPTH:
+        raise InvalidMeshError(f"The geometry has collections within collections, more than {GREATEST_DEPTH} deep.")
+    kind = mapping.get("type")
+    if kind == "GeometryCollection":
+        members = _items(mapping.get("geometries"), "The list of geometries")
+        return [polygon for member in members for polygon in polygons_of(member, depth + 1)]
+    if kind in RINGLESS:
+        return []
+    if kind not in ("Polygon", "MultiPolygon"):
+        raise InvalidMeshError(f"A geometry of type {shown(kind)} is not known; give Polygon or MultiPolygon.")
+    given = mapping.get("coordinates")
+    polygons = [given] if kind == "Polygon" else _items(given, "The list of polygons")
+    return [
+        [ring_of(ring, f"ring {k} of polygon {number}") for k, ring in enumerate(rings)]
+        for number, rings in enumerate(_items(polygon, f"Polygon {m}") for m, polygon in enumerate(polygons))
+        if len(rings)
+    ]
+
+
+def _items(value: Any, what: str) -> Any:
+    """A list, tuple or array as it is. Raises InvalidMeshError for anything else."""
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray):
+        raise InvalidMeshError(f"{what} is {shown(value)}, not a list.")
+    return value
+
+
+def ring_of(points: Any, where: str) -> FloatArray:
+    """(k, 2) coordinates of a ring, heights left out. Raises InvalidMeshError for all but finite real numbers."""
+    if isinstance(points, np.ndarray) and points.ndim == 2 and points.shape[1] >= 2 and points.dtype.kind in "iuf":
+        ring = points[:, :2].astype(np.float64)
+    else:
+        rows = []
+        for k, point in enumerate(_items(points, where.capitalize())):
+            if not _is_point(point):
+                raise InvalidMeshError(f"Point {k} of {where} is {shown(point)}, not two numbers.")
+            rows.append((point[0], point[1]))
+        try:
+            ring = np.array(rows, dtype=np.float64).reshape(-1, 2)
+        except OverflowError:
+            k = next(k for k, row in enumerate(rows) if not _fits(row))
+            raise InvalidMeshError(f"Point {k} of {where} is too far out for floating-point numbers.") from None
+    far = np.flatnonzero(~(np.abs(ring) < MAX_COORDINATE).all(axis=1))
+    if len(far):
+        x, y = ring[far[0]].tolist()
+        raise InvalidMeshError(f"Point {far[0]} of {where} is ({x:.6g}, {y:.6g}); finite numbers below 1e150 are read.")
+    return ring
+
+
+def shown(value: Any) -> str:
+    """A value as a message quotes it."""
+    try:
+        text = reprlib.repr(value)
+    except Exception:  # of whole numbers with thousands of digits, or of an object of the user's
+        return f"a {type(value).__name__}"
+    text = ascii(text)[1:-1] if not text.isascii() else text
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+
+
+def _is_point(point: Any) -> bool:
+    if isinstance(point, str | bytes) or not isinstance(point, Sequence | np.ndarray) or len(point) < 2:
+        return False
+    return all(isinstance(value, float | int | np.number) and type(value) is not bool for value in point[:2])
+
+
+def _fits(row: Sequence[Any]) -> bool:
+    try:
+        return all(np.isfinite(float(value)) for value in row)
+    except OverflowError:
+        return False
