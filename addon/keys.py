@@ -78,6 +78,11 @@ def integer(owner: bpy.types.ID, key: str) -> int | None:
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
+def flag(owner: bpy.types.ID, key: str) -> bool:
+    """Whether a flag is set."""
+    return owner.get(key) is True
+
+
 def number(owner: bpy.types.ID, key: str) -> float | None:
     """A finite number."""
     value = owner.get(key)

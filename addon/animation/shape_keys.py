@@ -26,10 +26,10 @@ def add_basis(obj: bpy.types.Object) -> None:
 def add_steps(
     obj: bpy.types.Object,
     steps: NDArray[np.float32],
-    frames: NDArray[Any],
+    frames: NDArray[np.float64],
     name: str,
     *,
-    back: NDArray[Any] | None = None,
+    back: NDArray[np.float64] | None = None,
     from_rest: bool = False,
 ) -> None:
     """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
@@ -61,7 +61,7 @@ def add_steps(
     animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps")
 
 
-def _rise_and_fall(frames: NDArray[Any], first: int, last: int, count: int) -> list[tuple[float, float]]:
+def _rise_and_fall(frames: NDArray[np.float64], first: int, last: int, count: int) -> list[tuple[float, float]]:
     """Frames and values of the key that is seen from one step to another, both included, out of so many steps."""
     points = [(float(frames[first - 1]), 0.0)] if first > 0 else []
     points.append((float(frames[first]), 1.0))

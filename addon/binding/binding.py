@@ -215,7 +215,7 @@ def _connect(
     for obj in levels:
         _take_lines_out(obj, collection)
     sentence = originals.follow(context, collection, levels, links[0].method)
-    _remove_helpers([obj for obj in collection.objects if keys.has(obj, keys.HELPER) and not _used(obj)])
+    _remove_helpers([obj for obj in ownership.helpers(collection) if not _used(obj)])
     return Binding(tuple(links), sentence)
 
 
@@ -224,12 +224,12 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
         deform_modifiers.release(obj)
         keys.remove(obj, [keys.LINK])
     originals.release(collection)
-    for helper in [obj for obj in collection.objects if keys.has(obj, keys.HELPER)]:
+    for helper in ownership.helpers(collection):
         owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)
         if lines_back and owner is not None:
             thickness = keys.number(helper, keys.LINE_THICKNESS) or 0.0
             display.set_thickness(owner, ownership.level_of(owner) or 0, thickness)
-    _remove_helpers([obj for obj in collection.objects if keys.has(obj, keys.HELPER)])
+    _remove_helpers(ownership.helpers(collection))
 
 
 def _used(helper: bpy.types.Object) -> bool:

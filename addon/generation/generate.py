@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,8 +74,8 @@ class CageLevel:
     cage_steps: Steps
     flow_end: int
     tightening: int
-    certificate: Any
-    report: Any
+    certificate: core.Certificate
+    report: core.NestingReport
 
     @property
     def cage(self) -> NDArray[np.float32]:
@@ -117,7 +116,7 @@ def parse_levels(text: str) -> tuple[Level, ...]:
     return tuple(levels)
 
 
-def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, ...]:
+def counts(levels: Sequence[int | Percent], fine: core.Mesh, name: str) -> tuple[int, ...]:
     """Vertex counts for a drawing's ``Mesh``, at least three per loop. Raises: UserError unless they decrease."""
     total, least = len(fine.vertices), 3 * len(fine.loops)
     found: list[int] = []
@@ -142,7 +141,9 @@ def counts(levels: Sequence[int | Percent], fine: Any, name: str) -> tuple[int, 
     return tuple(found)
 
 
-def _wanted(levels: Sequence[Level], fine: Any, own: Sequence[Any], name: str) -> tuple[Any, ...]:
+def _wanted(
+    levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.Mesh], name: str
+) -> tuple[int | core.Mesh, ...]:
     """The vertex count or own ``Mesh`` of each level. Raises: UserError."""
     if not levels:
         return tuple(own)
@@ -167,7 +168,7 @@ class Generation:
         self.options = options
         options.methods.check()
         self.results: list[Result] = []
-        self._plans: list[tuple[Request, Any, tuple[Any, ...]]] = []
+        self._plans: list[tuple[Request, core.Mesh, tuple[int | core.Mesh, ...]]] = []
         for request in requests:
             fine = request.fine.mesh()
             own = tuple(drawing.mesh() for drawing in request.coarse)
@@ -197,13 +198,15 @@ class Generation:
                 yield Progress(reached, name)
             self.results.append(Result(request.fine, tuple(finished)))
 
-    def _clearances(self, request: Request, fine: Any) -> tuple[float, ...]:
+    def _clearances(self, request: Request, fine: core.Mesh) -> tuple[float, ...]:
         """The wanted clearance in the drawing's units, or the automatic ones, to be tried in turn."""
         if self.options.clearance > 0.0:
             return (self.options.clearance / request.fine.frame.scale,)
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
 
-    def _level(self, name: str, fine: Any, wanted: Any, clearances: Sequence[float], number: int) -> Iterator[Any]:
+    def _level(
+        self, name: str, fine: core.Mesh, wanted: int | core.Mesh, clearances: Sequence[float], number: int
+    ) -> Iterator[core.Progress | CageLevel]:
         """The core's progress of one level, and at the end its `CageLevel`. Raises: UserError."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
@@ -230,7 +233,7 @@ class Generation:
                 )
         raise UserError(f"'{name}': {problem}")
 
-    def _stored(self, fine: Any, level: Any, clearance: float) -> CageLevel:
+    def _stored(self, fine: core.Mesh, level: core.Level, clearance: float) -> CageLevel:
         """The core's level in float32, certified as such: the flow, during which the coarse mesh stands still, and the
         reinflation in one sequence.
         """
@@ -252,7 +255,7 @@ class Generation:
             report=level.report,
         )
 
-    def _inside_from(self, cage: Any, fine: Any, cage_steps: Steps, fine_steps: Steps, first: int) -> int:
+    def _inside_from(self, cage: core.Mesh, fine: core.Mesh, cage_steps: Steps, fine_steps: Steps, first: int) -> int:
         """The step from which on the motion is certified to be free of collisions in float32 too.
 
         This is the last step of the flow, unless rounding closed a gap later: then what comes before counts as flow.

@@ -65,7 +65,7 @@ class Methods:
         choice = self._choice(name)
         return (choice.make if level == 1 or choice.later is None else choice.later)(self)
 
-    def settings(self, level: int) -> Any:
+    def settings(self, level: int) -> core.Settings:
         """The core's ``Settings`` for a level, the first being 1."""
         chosen = self.with_partners()
         return core.Settings(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -18,23 +17,23 @@ from ..scene import convert, display, filling, ownership
 from ..scene.plane import PLANARITY, size
 
 
-def as_curve(name: str, points: filling.Points, mesh: Any, _height: float) -> bpy.types.ID:
+def as_curve(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
     """A filled 2D curve."""
     return filling.curve(name, points, mesh)
 
 
-def as_faces(name: str, points: filling.Points, mesh: Any, _height: float) -> bpy.types.ID:
+def as_faces(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
     """A mesh of triangles."""
     return filling.filled(name, points, mesh)
 
 
-def as_prism(name: str, points: filling.Points, mesh: Any, height: float) -> bpy.types.ID:
+def as_prism(name: str, points: filling.Points, mesh: core.Mesh, height: float) -> bpy.types.ID:
     """A closed mesh of this height, or of a fifth of the size if that is 0."""
     half = 0.5 * height if height > 0.0 else filling.HALF_HEIGHT * size(points)
     return filling.prism(name, points, mesh, half)
 
 
-SHAPES: dict[str, Callable[[str, filling.Points, Any, float], bpy.types.ID]] = {
+SHAPES: dict[str, Callable[[str, filling.Points, core.Mesh, float], bpy.types.ID]] = {
     "CURVE": as_curve,
     "FILLED": as_faces,
     "PRISM": as_prism,
@@ -105,7 +104,7 @@ def meshes(
     *,
     world: bool = False,
     scale: float = 1.0,
-) -> dict[str, Any]:
+) -> dict[str, core.Mesh]:
     """The core's ``Mesh`` of each object by its name, times `scale`. Raises: UserError.
 
     In the plane and coordinates of the first; or, with `world`, in those of the world as seen from the top, the front
@@ -134,7 +133,7 @@ def _seen(drawing: convert.Drawing) -> list[int]:
     return [axis for axis in range(3) if axis != away]
 
 
-def write(path: Path, kind: str, shapes: dict[str, Any], *, flip_y: bool, triangles: bool) -> int:
+def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, triangles: bool) -> int:
     """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; returns how many.
 
     flip_y: y pointing down as in pictures. Raises: UserError.
@@ -147,24 +146,24 @@ def write(path: Path, kind: str, shapes: dict[str, Any], *, flip_y: bool, triang
     return count
 
 
-def _svg(shapes: dict[str, Any], flip_y: bool, _triangles: bool) -> tuple[str, int]:
+def _svg(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tuple[str, int]:
     return core.exchange.to_svg(_turned(shapes, flip_y)), len(shapes)
 
 
-def _geojson(shapes: dict[str, Any], flip_y: bool, _triangles: bool) -> tuple[str, int]:
+def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tuple[str, int]:
     down = {keys.Y_DOWN: True} if flip_y else {}
     turned = _turned(shapes, flip_y)
     features = [core.exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
     return core.exchange.to_geojson(features), len(shapes)
 
 
-def _engine(shapes: dict[str, Any], flip_y: bool, triangles: bool) -> tuple[str, int]:
+def _engine(shapes: dict[str, core.Mesh], flip_y: bool, triangles: bool) -> tuple[str, int]:
     """Of the last mesh alone, the outermost."""
     outermost = list(shapes.values())[-1]
     return core.exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles), 1
 
 
-WRITERS: dict[str, Callable[[dict[str, Any], bool, bool], tuple[str, int]]] = {
+WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, bool], tuple[str, int]]] = {
     "SVG": _svg,
     "GEOJSON": _geojson,
     "ENGINE": _engine,
@@ -172,9 +171,9 @@ WRITERS: dict[str, Callable[[dict[str, Any], bool, bool], tuple[str, int]]] = {
 """Text of a file and the number of outlines in it, by kind."""
 
 
-def _turned(shapes: dict[str, Any], flip_y: bool) -> dict[str, Any]:
+def _turned(shapes: dict[str, core.Mesh], flip_y: bool) -> dict[str, core.Mesh]:
     return {name: _upside_down(mesh) for name, mesh in shapes.items()} if flip_y else shapes
 
 
-def _upside_down(mesh: Any) -> Any:
+def _upside_down(mesh: core.Mesh) -> core.Mesh:
     return core.Mesh(mesh.vertices * (1.0, -1.0) + 0.0, mesh.edges)

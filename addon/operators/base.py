@@ -173,6 +173,9 @@ class DialogJobOperator(JobOperator):
         category, _, name = self.bl_idname.partition(".")
         again = getattr(getattr(bpy.ops, category), name)
         options: Any = self.as_keywords()  # type: ignore[func-returns-value]
+        for key, value in options.items():
+            if isinstance(value, bpy.types.bpy_prop_collection):
+                options[key] = [{"name": item.name} for item in value]
         again("INVOKE_DEFAULT", **{**options, "answered": True})
         return {"CANCELLED"}  # this one has changed nothing: the other is undone and repeated
 

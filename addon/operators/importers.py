@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, StringProperty
+from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..errors import UserError, counted
@@ -39,6 +39,15 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
     filepath: StringProperty(
         name="File Path", description="File to read", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
     )
+    directory: StringProperty(
+        name="Folder", description="Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
+    )
+    files: CollectionProperty(
+        name="Files",
+        description="Files to read, if there are several",
+        type=bpy.types.OperatorFileListElement,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
     filter_glob: StringProperty(
         name="Filter",
         description="Files that are shown",
@@ -60,11 +69,15 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         self.layout.prop(self, "scale")
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        if not self.filepath:
+        names = [file.name for file in self.files if file.name]
+        files = [str(Path(self.directory, name)) for name in names] if self.directory else []
+        paths = [Path(bpy.path.abspath(path)) for path in files or [self.filepath] if path]
+        if not paths:
             raise UserError("Choose a file to read")
-        path = Path(bpy.path.abspath(self.filepath))
-        yield Progress(0.0, f"reading '{path.name}'")
-        shapes = importers.shapes_in(path)
+        shapes: list[importers.Shape] = []
+        for done, path in enumerate(paths):
+            yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
+            shapes += importers.shapes_in(path)
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         select(context, *made)
         count = sum(len(mesh_of(obj).vertices) for obj in made)

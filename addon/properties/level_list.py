@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
@@ -18,8 +18,18 @@ KIND_ITEMS = (
 # Longest number that a percentage is written with; float32 has no more digits.
 DIGITS = 6
 
+
+class LevelSettings(Protocol):
+    """The scene's settings as far as they are about levels."""
+
+    levels: str
+    level_objects: str
+    level_list: Any  # a collection of NestedCagesLevel
+    level_index: int
+
+
 # Settings that are being written, so that one side does not answer the other.
-_busy: list[Any] = []
+_busy: list[LevelSettings] = []
 
 
 def _write(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -65,13 +75,13 @@ def names_of(levels: str, objects: str) -> list[str]:
     return [name for name in objects.split("\n") if name][: levels.count(OWN)]
 
 
-def own_objects(settings: Any) -> str:
+def own_objects(settings: LevelSettings) -> str:
     """Names of the list's own objects, one on each line."""
     own = [level.own for level in settings.level_list if level.kind == "OBJECT"]
     return "\n".join(obj.name for obj in own if obj is not None)
 
 
-def write(settings: Any) -> None:
+def write(settings: LevelSettings) -> None:
     """Writes the list into the text and the names of own objects."""
     if _busy:
         return
@@ -83,7 +93,7 @@ def write(settings: Any) -> None:
         _busy.clear()
 
 
-def fill(settings: Any) -> None:
+def fill(settings: LevelSettings) -> None:
     """Fills the list from the text; a text that is not understood leaves it as it is."""
     if _busy:
         return
@@ -108,7 +118,7 @@ def fill(settings: Any) -> None:
         _busy.clear()
 
 
-def add(settings: Any) -> None:
+def add(settings: LevelSettings) -> None:
     """Adds a level half as fine as the last one; first of all, shows the levels of the text."""
     if not len(settings.level_list):
         fill(settings)
@@ -124,14 +134,14 @@ def add(settings: Any) -> None:
     write(settings)
 
 
-def remove(settings: Any) -> None:
+def remove(settings: LevelSettings) -> None:
     """Takes the chosen level away."""
     settings.level_list.remove(settings.level_index)
     settings.level_index = max(0, min(settings.level_index, len(settings.level_list) - 1))
     write(settings)
 
 
-def move(settings: Any, step: int) -> None:
+def move(settings: LevelSettings, step: int) -> None:
     """Moves the chosen level by so many lines, as far as the list goes."""
     to = max(0, min(settings.level_index + step, len(settings.level_list) - 1))
     settings.level_list.move(settings.level_index, to)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import bpy
 import numpy as np
@@ -63,7 +62,7 @@ class Drawing:
         """The object that it was read from, unless that is gone."""
         return next((obj for obj in bpy.data.objects if obj.session_uid == self.identity), None)
 
-    def mesh(self) -> Any:
+    def mesh(self) -> core.Mesh:
         """The core's ``Mesh`` of this drawing. Raises: UserError, with the drawing's name, if the core refuses it."""
         try:
             return core.Mesh.from_loops(self.loops)

@@ -27,6 +27,11 @@ def level_of(obj: bpy.types.Object) -> int | None:
     return level if level is not None and level >= 0 else None
 
 
+def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """The hidden objects of an output that only help others to follow."""
+    return [obj for obj in collection.objects if keys.flag(obj, keys.HELPER) and level_of(obj) is None]
+
+
 def is_bound(collection: bpy.types.Collection) -> bool:
     """Whether the cages of an output collection move what is in them."""
     return bool(keys.text(collection, keys.BOUND))

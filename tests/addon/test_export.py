@@ -268,3 +268,12 @@ def test_files_that_cannot_be_read_are_refused(tmp_path, name, text, sentence) -
     with pytest.raises(RuntimeError, match=sentence):
         bpy.ops.object.nested_cages_import(filepath=str(tmp_path / name))
     assert not bpy.data.objects
+
+
+def test_several_files_are_read_at_once(addon, tmp_path) -> None:
+    """As the file browser and files dropped into the 3D view name them."""
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.svg").write_text('<svg viewBox="0 0 9 9"><path d="M1 1H8V8H1Z"/></svg>')
+    files = [{"name": "one.svg"}, {"name": "two.svg"}]
+    assert bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=files) == {"FINISHED"}
+    assert sorted(obj.name for obj in bpy.context.selected_objects) == ["one", "two"]
