@@ -2,8 +2,8 @@
 
     python benchmarks/robustness.py --examples 3000 --seed 20260101 --output docs/robustness.md
 
-Held is a call that ends with a result or with one sentence that says what is wrong, within 10 s and 700 MB. Exit status
-1 when one was not. Needs hypothesis.
+Held is a call that ends with a result or with one sentence that says what is wrong, within 10 s of processor time and
+700 MB. Exit status 1 when one was not. Needs hypothesis.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def page(rows: list[Row], options: argparse.Namespace) -> str:
         "",
         f"Made by `python benchmarks/robustness.py --examples {options.examples} --seed {options.seed} --output "
         "docs/robustness.md`. A call is held if it ends with a valid result or with one sentence that says what is "
-        f"wrong, within {SECONDS:g} s and {MEGABYTES} MB.",
+        f"wrong, within {SECONDS:g} s of processor time and {MEGABYTES} MB.",
         "",
         "| attack | cases | held | with a result | with a sentence |",
         "|---|---:|---:|---:|---:|",

@@ -15,7 +15,7 @@ from typing import Any
 from nestedcages_core import NestedCagesError
 
 SECONDS = 10.0
-"""Longest that a call may take."""
+"""Processor time that a call may take."""
 
 MEGABYTES = 700
 """Memory that a call may ask for beyond what the process has."""
@@ -43,8 +43,7 @@ def outcome(call: Callable[[], Any], *, errors: type[Exception] = NestedCagesErr
     """Run a call within the limits; its errors may be of one kind only."""
     try:
         with limits(), warnings.catch_warnings():
-            for kind in (RuntimeWarning, DeprecationWarning):
-                warnings.simplefilter("error", kind)
+            warnings.simplefilter("error", RuntimeWarning)
             result = call()
     except errors as error:
         told = str(error)
@@ -70,23 +69,23 @@ def fault_of_sentence(told: str) -> str:
 def limits() -> Iterator[None]:
     """Bounds on time and, on Linux, memory; only in the main thread, as signals are."""
     if os.name != "posix":
-        begin = time.monotonic()
+        begin = time.process_time()
         yield
-        if time.monotonic() - begin > SECONDS:
+        if time.process_time() - begin > SECONDS:
             raise TooSlowError
         return
 
     def too_slow(*_: Any) -> None:
         raise TooSlowError
 
-    before = signal.signal(signal.SIGALRM, too_slow)
-    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    before = signal.signal(signal.SIGPROF, too_slow)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         with memory_limit():
             yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 @contextmanager

@@ -34,10 +34,10 @@ from nestedcages_core import (
 from nestedcages_core.command import main
 
 FEW, MANY = 40, 3000
-"""Examples of each grammar in every run of the tests, and in the slow ones."""
+"""Examples of each grammar in every run of the tests, and in the thorough ones."""
 
 SEED = 20_260_101
-"""Of the slow ones."""
+"""Of the thorough ones."""
 
 JUDGED_VERTICES = 300
 """Vertices of the largest mesh that the judge looks at here."""
@@ -73,8 +73,8 @@ def check_result(result: Any) -> None:
         check_mesh(result)
 
 
-SLOW = pytest.mark.slow
-AMOUNTS = [FEW, pytest.param(MANY, marks=[SLOW, pytest.mark.timeout(1800)])]
+THOROUGH = pytest.mark.thorough
+AMOUNTS = [FEW, pytest.param(MANY, marks=[THOROUGH, pytest.mark.timeout(1800)])]
 
 
 def try_many(check: Callable[[Any], None], strategy: st.SearchStrategy[Any], amount: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 
@@ -57,6 +58,10 @@ def arc(
     return curves
 
 
+TINY = sys.float_info.min
+"""Smallest tolerance: scaled ones may underflow."""
+
+
 def ellipse(centre: FloatArray, axes: FloatArray, begin: float = 0.0, angle: float = 2.0 * math.pi) -> list[FloatArray]:
     """Cubics (4, 2) along centre + axes @ (cos t, sin t) for t from `begin` over `angle` radians; axes: (2, 2)."""
     count = max(math.ceil(abs(angle) / MAX_ARC - 1e-9), 1)
@@ -80,7 +85,7 @@ def flattened(curves: list[FloatArray], tolerance: float) -> FloatArray:
     for control in curves:
         degree = len(control) - 1
         bend = float(np.hypot(*np.diff(control, 2, axis=0).T).max()) if degree > 1 else 0.0
-        wanted = math.sqrt(degree * (degree - 1) / 8.0 * bend / tolerance)
+        wanted = math.sqrt(degree * (degree - 1) / 8.0 * bend / max(tolerance, TINY))
         count = max(math.ceil(min(wanted, MAX_CHORDS)), 1)
         t = np.arange(1, count)[:, None] / count
         level = control

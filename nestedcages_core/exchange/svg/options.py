@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...errors import NestedCagesError
+from ...parameters import check_positive
 from ..limits import Limits
 
 FAINTEST = 0.5 / 255.0
@@ -35,8 +36,8 @@ class SvgOptions:
     limits: Limits = field(default_factory=lambda: Limits(elements=MAX_ELEMENTS))
 
     def __post_init__(self) -> None:
-        if self.tolerance is not None and not 0.0 < self.tolerance < float("inf"):
-            raise NestedCagesError(f"The tolerance must be a positive length, not {self.tolerance!r}.")
+        if self.tolerance is not None:
+            check_positive(self, "tolerance")
         if not 0.0 <= self.opacity <= 1.0:
             raise NestedCagesError(f"The opacity must be from 0 to 1, not {self.opacity!r}.")
 

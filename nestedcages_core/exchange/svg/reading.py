@@ -67,6 +67,7 @@ def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing
     return svg_drawing(read_whole(path, SvgOptions(**options).limits), **options)
 
 
+@np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is refused with the name of the shape
 def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     """Same as `from_svg`, with the document's frame and notes on what was left out."""
     chosen = SvgOptions(**options)
