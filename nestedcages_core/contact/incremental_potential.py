@@ -86,10 +86,12 @@ class IncrementalPotential:
         contact = float(self._pair_weight(pairs, d_hat) @ terms.value)
         return self.weights.restoring * self.restoring.value(x[m:]) + self.weights.cages * cages + contact
 
+    @np.errstate(invalid="ignore")
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
         """Value and gradient at x."""
         return self._slope(x, *self._barriers(x))
 
+    @np.errstate(invalid="ignore")  # distances near zero have infinite barriers: their steps are rejected by the value
     def newton(self, x: FloatArray) -> NewtonModel:
         """Value, gradient and projected Newton direction at x."""
         pairs, pair, weight, terms = self._barriers(x)

@@ -230,7 +230,8 @@ def smallest_squared_distance(cage: Outline, fine: Outline) -> Fraction:
         start, end = lines.vertices, lines.vertices[lines.after]
         for k, point in enumerate(points.vertices):
             along, to = end - start, point - start
-            place = np.clip(dot(along, to) / dot(along, along), 0.0, 1.0)
+            length = dot(along, along)  # zero by underflow where an edge is as good as a point
+            place = np.clip(dot(along, to) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
             gaps = np.hypot(*(to - place[:, None] * along).T)
             closest += [(float(gaps[m]), points, k, lines, int(m)) for m in np.argsort(gaps)[:3]]
     size = max(float(np.abs(outline.vertices).max()) for outline in (cage, fine))
