@@ -15,6 +15,7 @@ from .geojson import (
     to_geojson,
     write_geojson,
 )
+from .joining import joined
 from .limits import Limits
 from .neighbours import Cut, cut_at_borders
 from .svg import (
@@ -44,6 +45,7 @@ __all__ = [
     "from_geojson",
     "from_svg",
     "is_engine_json",
+    "joined",
     "read_geojson",
     "read_map",
     "read_svg",

@@ -13,6 +13,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.loops import enclosing_pairs, extreme_places
 from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
+from .gaps import bridges
 from .libraries import load_shapely
 from .touching import pulled_apart
 
@@ -43,15 +44,17 @@ Area = Painted | Any
 """A painted area, or a geometry of shapely."""
 
 
-def solid(areas: Sequence[Area]) -> Mesh:
+def solid(areas: Sequence[Area], *, seam: float = 0.0) -> Mesh:
     """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
+
+    seam: where areas are united, gaps narrower than this between them are closed.
 
     Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
     inside, NestedCagesError where loops cross and shapely is missing.
     """
     if not all(isinstance(area, Painted) for area in areas):
         shapely = load_shapely("shapes that overlap or touch")
-        return mesh_of(shapely, regions(shapely, areas))
+        return mesh_of(shapely, regions(shapely, areas), seam=seam)
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
@@ -60,7 +63,7 @@ def solid(areas: Sequence[Area]) -> Mesh:
         mesh = Mesh.from_loops(loops)
     except InvalidMeshError:
         shapely = load_shapely("shapes that overlap or touch")
-        return mesh_of(shapely, regions(shapely, cleaned))
+        return mesh_of(shapely, regions(shapely, cleaned), seam=seam)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
         raise InvalidMeshError("The shapes have no inside.")
@@ -88,8 +91,11 @@ def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
     return np.fmin.reduce(points), np.fmax.reduce(points)
 
 
-def mesh_of(shapely: Any, parts: Sequence[Any]) -> Mesh:
-    """The union of valid geometries as a mesh. Raises InvalidMeshError where nothing is inside."""
+def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0) -> Mesh:
+    """The union of valid geometries as a mesh, without gaps narrower than `seam`.
+
+    Raises InvalidMeshError where nothing is inside.
+    """
     bounds = shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
@@ -97,7 +103,11 @@ def mesh_of(shapely: Any, parts: Sequence[Any]) -> Mesh:
     unit = 2.0 ** np.ceil(np.log2(size))
     failed: InvalidMeshError | None = None
     for grid in GRIDS:
-        union = shapely.union_all(parts, grid_size=grid * unit if grid else None)
+        spacing = grid * unit if grid else None
+        union = shapely.union_all(parts, grid_size=spacing)
+        narrow = bridges(shapely, union, seam) if seam > 0.0 else []
+        if narrow:
+            union = shapely.union_all([union, *narrow], grid_size=spacing)
         rings = rings_of(shapely, union)
         if not rings:
             raise failed or InvalidMeshError("The shapes have no inside.")
@@ -125,6 +135,17 @@ def _region(shapely: Any, area: Painted) -> Any:
     starts, ends = _edges_of(area.loops)
     winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
     return shapely.union_all(faces[area.painted(winding) | (winding == ON_BOUNDARY)])  # a face without room is a seam
+
+
+def thickness(loops: Sequence[FloatArray]) -> float:
+    """Twice the signed area of loops (k, 2) by their length: that of a thin strip, negative if it runs clockwise."""
+    area, length = 0.0, 0.0
+    for loop in loops:
+        step = np.roll(loop, -1, axis=0) - loop
+        x, y = (loop - loop[0]).T
+        area += float(x @ step[:, 1] - y @ step[:, 0]) / 2.0
+        length += float(np.hypot(*step.T).sum())
+    return 2.0 * area / length if length > 0.0 else 0.0
 
 
 def _rings(shapely: Any, loops: Sequence[FloatArray]) -> Any:

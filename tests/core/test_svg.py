@@ -14,7 +14,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import InvalidMeshError, Mesh, NestedCagesError, from_svg
-from nestedcages_core.exchange import Frame, Limits, Painted, read_svg_drawing, solid, svg_drawing, to_svg, write_svg
+from nestedcages_core.exchange import (
+    Frame,
+    Limits,
+    Painted,
+    joined,
+    read_svg_drawing,
+    solid,
+    svg_drawing,
+    to_svg,
+    write_svg,
+)
 from nestedcages_core.geometry.predicates import winding_number
 from shapes import letter_a, polygon, ring
 
@@ -349,6 +359,20 @@ def test_nested_loops_keep_their_points_whoever_paints_them() -> None:
     assert np.array_equal(both.vertices, np.concatenate(rings))
     covered = solid([Painted(rings[:2], evenodd=True), Painted([rings[1] * 1.1]), Painted([rings[3]])])
     assert len(covered.loops) == 1
+
+
+def test_parts_closer_than_a_distance_are_joined() -> None:
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    apart = Mesh.from_loops([square, square + np.array([4.5, 0.0])])
+    assert joined(apart, 0.4) is apart
+    bridged = joined(apart, 0.6)
+    assert len(bridged.loops) == 1
+    assert bridged.area == pytest.approx(34.0)
+    assert {tuple(corner) for corner in apart.vertices.tolist()} <= {tuple(at) for at in bridged.vertices.tolist()}
+    slit = Mesh.from_loops([[(0, 0), (9, 0), (9, 4), (5.1, 4), (5.1, 1), (5, 1), (5, 4), (0, 4)]])
+    assert joined(slit, 0.2).area == pytest.approx(36.0)
+    with pytest.raises(NestedCagesError, match="positive length"):
+        joined(apart, 0.0)
 
 
 # Without the libraries

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
-from ..fill import Area, Painted, bounds_of, regions
+from ..fill import Area, Painted, bounds_of, regions, thickness
 from ..libraries import load_shapely
 from .curves import flattened
 from .filters import Filter, Layer, filtered
@@ -73,7 +73,7 @@ class Areas:
         tolerance = self.tolerance
         loops = [self._flat(path, matrix, tolerance) for path in shape.subpaths]
         if self.options.tolerance is None:
-            finer = max(THIN * _thickness(loops), tolerance / MAX_FINER)
+            finer = max(THIN * abs(thickness(loops)), tolerance / MAX_FINER)
             if finer < tolerance:
                 loops = [self._flat(path, matrix, finer) for path in shape.subpaths]
         return Painted(loops, shape.evenodd)
@@ -185,17 +185,6 @@ class Areas:
         if shape.stroke is not None and shape.stroke_paint is not None:
             found.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
         return found
-
-
-def _thickness(loops: Sequence[FloatArray]) -> float:
-    """Twice the area by the length of the boundary: that of a thin strip."""
-    areas, lengths = 0.0, 0.0
-    for loop in loops:
-        ahead = np.roll(loop, -1, axis=0)
-        centred = loop - loop[0]
-        areas += float((centred[:, 0] * (ahead - loop)[:, 1] - centred[:, 1] * (ahead - loop)[:, 0]).sum()) / 2.0
-        lengths += float(np.hypot(*(ahead - loop).T).sum())
-    return 2.0 * abs(areas) / lengths if lengths > 0.0 else 0.0
 
 
 def _luminance(paint: Paint) -> float:

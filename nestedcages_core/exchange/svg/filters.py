@@ -22,6 +22,9 @@ BOX = 3.0 * np.sqrt(2.0 * np.pi) / 4.0
 QUARTER_SEGMENTS = 16
 """Chords of a quarter circle around a blurred corner."""
 
+FADING_REACH = 0.55
+"""How far the blur of a shape that fades towards its edge reaches, by that of one that does not (measured)."""
+
 MAX_LAYERS = 256
 """Layers that a filter may merge; each merge can double them."""
 
@@ -38,7 +41,7 @@ class Layer:
     blur: FloatArray = field(default_factory=lambda: np.zeros(2))
     """(2,) standard deviations along x and y."""
     fades: bool = False
-    """Whether it fades away towards its edge, so that blurring hardly widens what is seen of it."""
+    """Whether it fades away towards its edge, so that blurring widens it less."""
     within: Any = None
     """What is kept of it after blurring; all if None."""
 
@@ -48,10 +51,11 @@ class Layer:
             return shapely.Polygon()
         region = self.region
         largest = float(self.blur.max())
-        if largest > 0.0 and not self.fades:
+        if largest > 0.0:
             unit = np.maximum(self.blur, LEAST_RATIO * largest)
             region = shapely.transform(region, lambda xy: xy / unit)
-            region = shapely.buffer(region, _reach(faintest / self.alpha), quad_segs=QUARTER_SEGMENTS)
+            reach = _reach(faintest / self.alpha) * (FADING_REACH if self.fades else 1.0)
+            region = shapely.buffer(region, reach, quad_segs=QUARTER_SEGMENTS)
             region = shapely.transform(region, lambda xy: xy * unit)
         return region if self.within is None else shapely.intersection(region, self.within)
 

@@ -26,6 +26,9 @@ from .transforms import moved
 DEFAULT_TOLERANCE = 5e-4
 """Greatest distance of chords from curves when none is given, as a share of the drawing's diagonal."""
 
+SEAM = 0.1
+"""Width, in tolerances, of gaps that are closed: seams between shapes that abut but for rounding."""
+
 PAGE_COVERED = 0.95
 """Share of the page that a background covers at least; rounded corners count as covered."""
 
@@ -85,7 +88,7 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
         areas = Areas(chosen, tolerance, document.pixel).of(root, np.eye(3))
         if page is not None:
             areas = _on_page(areas, page, notes)
-        return SvgDrawing(solid(areas), document.frame, tuple(notes))
+        return SvgDrawing(solid(areas, seam=SEAM * tolerance), document.frame, tuple(notes))
     except InvalidMeshError as error:
         raise InvalidMeshError(" ".join((str(error), *notes))) from error
     except Exception as error:

@@ -1,0 +1,25 @@
+"""Parts that nearly touch: joined, where the gap between them is too narrow for a cage."""
+
+from __future__ import annotations
+
+import math
+
+from ..errors import NestedCagesError
+from ..geometry.mesh import Mesh
+from .fill import Painted, mesh_of, regions
+from .gaps import bridges
+from .libraries import load_shapely
+
+
+def joined(mesh: Mesh, distance: float) -> Mesh:
+    """A solid with its gaps narrower than `distance` filled; all other vertices keep their coordinates.
+
+    Gaps are those between components and inside one, such as a slit. The mesh is returned as it is if it has none.
+    Raises NestedCagesError for a distance that is not positive.
+    """
+    if not 0.0 < distance < math.inf:
+        raise NestedCagesError(f"The distance must be a positive length, not {distance!r}.")
+    shapely = load_shapely("parts that nearly touch")
+    (solid,) = regions(shapely, [Painted([mesh.vertices[loop] for loop in mesh.loops])])
+    found = bridges(shapely, solid, distance)
+    return mesh_of(shapely, [solid, *found]) if found else mesh
