@@ -76,7 +76,11 @@ def drawn(strategy: st.SearchStrategy[Any], examples: int, first: int) -> Iterab
         max_examples=examples, database=None, deadline=None, phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )  # fmt: skip
-    collect: Callable[[], None] = seed(first)(quiet(given(strategy)(found.append)))
+
+    def keep(document: Any) -> None:
+        found.append(document)
+
+    collect: Callable[[], None] = seed(first)(quiet(given(strategy)(keep)))
     collect()
     return found
 
