@@ -140,7 +140,7 @@ def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, 
     """
     try:
         text, count = WRITERS[kind](shapes, flip_y, triangles)
-        path.write_text(text, encoding="utf-8")
+        core.exchange.write_whole(path, text)
     except (core.NestedCagesError, OSError) as error:
         raise UserError(f"'{path.name}' cannot be written: {error}") from error
     return count

@@ -36,7 +36,7 @@ def shapes_in(path: Path) -> list[Shape]:
             return [Shape(path.stem, exchange.read_svg(path), True)]
         if path.suffix.lower() not in MAPS:
             raise UserError(f"'{path.name}' is no kind of file that is read: choose .svg, .geojson or .json")
-        text = path.read_bytes()
+        text = exchange.read_whole(path, exchange.Limits())
         if exchange.is_engine_json(text):
             return [Shape(path.stem, exchange.from_engine_json(text), True)]
         features = exchange.features_from_geojson(text)

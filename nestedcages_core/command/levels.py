@@ -35,13 +35,9 @@ class Wanted:
         )
 
 
-def counts(wanted: Sequence[Wanted], mesh: Mesh) -> tuple[list[int], list[str]]:
-    """Vertices of each level around a mesh, and a note for each that was clamped to what the mesh has."""
-    most, least = len(mesh.vertices), LEAST_PER_LOOP * len(mesh.loops)
-    levels, notes = [], []
-    for k, level in enumerate(wanted, start=1):
-        count = max(round(level.number * most), least) if level.is_share else int(level.number)
-        if count > most:
-            notes.append(f"Level {k}: {count} vertices were asked for; the shape has {most}.")
-        levels.append(min(count, most))
-    return levels, notes
+def counts(wanted: Sequence[Wanted], mesh: Mesh) -> list[int]:
+    """Vertices of each level around a mesh; a share leaves every loop its least. What is too many is clamped later."""
+    least = LEAST_PER_LOOP * len(mesh.loops)
+    return [
+        max(round(each.number * len(mesh.vertices)), least) if each.is_share else int(each.number) for each in wanted
+    ]

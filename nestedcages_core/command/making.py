@@ -35,11 +35,10 @@ class Made:
     shape: Shape
     fine: Mesh
     cages: Sequence[Cage]
-    notes: Sequence[str] = ()
 
     @classmethod
-    def of(cls, shape: Shape, hierarchy: Hierarchy, notes: Sequence[str]) -> Made:
-        return cls(shape, hierarchy.fine, [Cage(level.cage, level.report) for level in hierarchy.levels], notes)
+    def of(cls, shape: Shape, hierarchy: Hierarchy) -> Made:
+        return cls(shape, hierarchy.fine, [Cage(level.cage, level.report) for level in hierarchy.levels])
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,23 +61,23 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
         if isinstance(shape.content, Mesh):
             meshes.append(shape)
         else:
-            _add(made, failures, shape, (), partial(_picture, shape.content, given, line))
+            _add(made, failures, shape, partial(_picture, shape.content, given, line))
     if len(meshes) == 1:
         (shape,) = meshes
         assert isinstance(shape.content, Mesh)
-        mesh, (levels, notes) = shape.content, counts(given.levels, shape.content)
-        _add(made, failures, shape, notes, lambda: nested_cages(mesh, levels, settings, progress=line.of_run))
+        mesh, levels = shape.content, counts(given.levels, shape.content)
+        _add(made, failures, shape, lambda: nested_cages(mesh, levels, settings, progress=line.of_run))
     elif meshes:
         asked = [counts(given.levels, shape.content) for shape in meshes if isinstance(shape.content, Mesh)]
         outcomes = nested_cages_many(
             [shape.content for shape in meshes],
-            {k: levels for k, (levels, _) in enumerate(asked)},
+            dict(enumerate(asked)),
             settings,
             executor=(lambda: ProcessPoolExecutor(given.jobs)) if given.jobs > 1 else None,
             progress=line.of_batch,
         )
-        for shape, (_, notes), outcome in zip(meshes, asked, outcomes, strict=True):
-            _add(made, failures, shape, notes, outcome.unwrap, several=True)
+        for shape, outcome in zip(meshes, outcomes, strict=True):
+            _add(made, failures, shape, outcome.unwrap, several=True)
     if given.borders:
         made = _at_borders(made, given.clearance)
     return Result(source, made, failures)
@@ -88,19 +87,18 @@ def _add(
     made: list[Made],
     failures: list[str],
     shape: Shape,
-    notes: Sequence[str],
     work: Callable[[], Hierarchy],
     *,
     several: bool = False,
 ) -> None:
     """Do the work; of an error keep the sentence and the levels that were finished before it."""
     try:
-        made.append(Made.of(shape, work(), notes))
+        made.append(Made.of(shape, work()))
     except NestedCagesError as error:
         failures.append(f"{shape.name}: {error}" if several else str(error))
         finished = getattr(error, "partial", None)
         if isinstance(finished, Hierarchy) and finished.levels:
-            made.append(Made.of(shape, finished, notes))
+            made.append(Made.of(shape, finished))
 
 
 def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
@@ -124,7 +122,7 @@ def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
 def _picture(picture: AnyArray, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
     return picture_cages(
         picture,
-        lambda mesh: counts(given.levels, mesh)[0],
+        lambda mesh: counts(given.levels, mesh),
         padding=given.padding or given.clearance or 0.0,
         threshold=given.threshold or 0.0,
         holes=given.holes,

@@ -85,7 +85,6 @@ def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:
                 "id": each.shape.id,
                 "vertices": len(each.fine.vertices),
                 "loops": len(each.fine.loops),
-                "notes": list(each.notes),
                 "levels": [_measures(cage) for cage in each.cages],
             }
             for each in result.made

@@ -101,8 +101,6 @@ def _say(result: Result, out: TextIO, title: str | None) -> None:
         fine = each.fine
         name = each.shape.name if several else "Drawing"
         print(f"{name}: {len(fine.vertices)} vertices, {_counted(len(fine.loops), 'loop')}", file=out)
-        for note in each.notes:
-            print(f"  {note}", file=out)
         for k, cage in enumerate(each.cages):
             print(f"  Level {k + 1}: {len(cage.mesh.vertices)} vertices, {cage.report}", file=out)
 
