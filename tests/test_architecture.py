@@ -19,6 +19,7 @@ CORE = "nestedcages_core"
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = (
     "errors",
+    "stages",
     "parameters",
     "geometry",
     "decimation",

@@ -24,6 +24,9 @@ class Chosen(Protocol):
     def part(self, name: str, /) -> Any:
         """The core's object for one of the settings."""
 
+    def expansion(self) -> Any:
+        """The core's energy of the cage while the drawing grows back."""
+
 
 # Makes the core's object, from the other chosen methods if it needs any.
 Make = Callable[[Chosen], Any]
@@ -31,16 +34,13 @@ Make = Callable[[Chosen], Any]
 
 @dataclass(frozen=True)
 class Choice:
-    """One method. `uses`: settings that have a part in it. `partners`: what automatic settings become with it.
-    `later`: what it is on levels after the first, if that is something else.
-    """
+    """One method. `uses`: settings that have a part in it. `partners`: what automatic settings become with it."""
 
     name: str
     description: str
     make: Make
     uses: tuple[str, ...] = ()
     partners: Mapping[str, str] = field(default_factory=dict)
-    later: Make | None = None
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,8 @@ class Setting:
 DECIMATIONS = {
     "ON_CURVE": Choice(
         "On the Curve",
-        "Coarse meshes start on the drawing, so that it is seen to shrink, and to push them out while it grows back; "
-        "further levels start from the outer hull",
+        "Coarse meshes start on the drawing, which shrinks into them and pushes them out while it grows back",
         lambda _: core.OnCurve(),
-        later=lambda _: core.OuterHull(),  # from outside, so that the cage before need not shrink again
     ),
     "OUTER_HULL": Choice(
         "Outer Hull",
@@ -151,12 +149,16 @@ CONTACTS = {
         "IPC for small drawings and sequential quadratic programs for large ones, each backed by the other: for "
         "everyday use",
         lambda _: None,
-        uses=("expansion_energy", "solver"),
     ),
     "IPC": Choice(
         "IPC",
         "Barriers that adapt to the gaps push the cage out: smooth motion, for small and middling drawings",
-        lambda chosen: core.IPC(step_filter=chosen.part("step_filter"), broad_phase=chosen.part("broad_phase")),
+        lambda chosen: core.IPC(
+            solver=chosen.part("solver"),
+            energy=chosen.expansion(),
+            step_filter=chosen.part("step_filter"),
+            broad_phase=chosen.part("broad_phase"),
+        ),
         uses=("expansion_energy", "solver", "step_filter", "broad_phase"),
     ),
     "SEQUENTIAL_QP": Choice(
@@ -167,7 +169,7 @@ CONTACTS = {
     "VELOCITY_FILTER": Choice(
         "Velocity Filter",
         "The contact of Nested Cages of 2015: velocities that would collide are corrected. For comparisons",
-        lambda _: core.VelocityFilter(),
+        lambda chosen: core.VelocityFilter(energy=chosen.expansion()),
         uses=("expansion_energy",),
         partners={"expansion_energy": "NONE"},
     ),
@@ -176,6 +178,8 @@ CONTACTS = {
         "Barriers as in Augmenting Nested Cages with IPC of 2022, with repairs by choice: slow and loose, for "
         "comparisons",
         lambda chosen: core.PaperContact(
+            solver=chosen.part("solver"),
+            energy=chosen.expansion(),
             repairs=core.Repairs(parity="PARITY" in chosen.repairs, exact_home="HOME" in chosen.repairs),
             step_filter=chosen.part("step_filter"),
             broad_phase=chosen.part("broad_phase"),

@@ -185,7 +185,7 @@ class Generation:
             for number, wanted in enumerate(levels, 1):
                 name = f"{request.fine.name}, level {number}"
                 yield Progress(reached, name)  # before anything is computed, so that it can be shown
-                for step in self._level(name, inner, wanted, clearances, number):
+                for step in self._level(name, inner, wanted, clearances):
                     if isinstance(step, CageLevel):
                         finished.append(step)
                         inner = core.Mesh(step.cage.astype(np.float64), step.cage_edges)
@@ -205,12 +205,12 @@ class Generation:
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
 
     def _level(
-        self, name: str, fine: core.Mesh, wanted: int | core.Mesh, clearances: Sequence[float], number: int
+        self, name: str, fine: core.Mesh, wanted: int | core.Mesh, clearances: Sequence[float]
     ) -> Iterator[core.Progress | CageLevel]:
         """The core's progress of one level, and at the end its `CageLevel`. Raises: UserError."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
-        settings = self.options.methods.settings(number)
+        settings = self.options.methods.settings()
         for clearance in clearances:
             for margins in MARGINS:
                 asked = replace(settings, clearance=clearance + margins * margin)

@@ -60,16 +60,19 @@ class Methods:
         full = self.with_partners()
         return name not in PARTS or any(name in full._choice(other).uses for other in SETTINGS)
 
-    def part(self, name: str, level: int = 1) -> Any:
-        """The core's object for one of the settings, none of which is automatic, on a level, the first being 1."""
-        choice = self._choice(name)
-        return (choice.make if level == 1 or choice.later is None else choice.later)(self)
+    def part(self, name: str) -> Any:
+        """The core's object for one of the settings, none of which is automatic."""
+        return self._choice(name).make(self)
 
-    def settings(self, level: int) -> core.Settings:
-        """The core's ``Settings`` for a level, the first being 1."""
+    def expansion(self) -> Any:
+        """The core's energy of the cage while the drawing grows back."""
+        return self.part("energy" if self.expansion_energy == "SAME" else "expansion_energy")
+
+    def settings(self) -> core.Settings:
+        """The core's ``Settings``."""
         chosen = self.with_partners()
         return core.Settings(
-            **{name: chosen.part(name, level) for name in OF_THE_CORE},
+            **{name: chosen.part(name) for name in OF_THE_CORE},
             tightening=core.Tightening() if self.tighten else core.Tightening(iterations=0),
             starts=self.starts,
             fallback=core.OuterHull() if self.fall_back else None,
@@ -82,7 +85,7 @@ class Methods:
 PARTS = frozenset(name for setting in SETTINGS.values() for choice in setting.choices.values() for name in choice.uses)
 """Settings that only some methods have a use for."""
 
-OF_THE_CORE = ("decimation", "energy", "contact", "expansion_energy", "flow", "solver")
+OF_THE_CORE = ("decimation", "energy", "contact", "flow")
 """Settings that are fields of the core's ``Settings``; the others are parts of these."""
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from nestedcages_core import Mesh, NestedCagesError, Settings, nested_cages, ver
 from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
-from nestedcages_core.energies import CageEnergy
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
-from nestedcages_core.hierarchy.units import Frame
-from nestedcages_core.solver import Solver
+from nestedcages_core.hierarchy.attempts import contacts_for
+from nestedcages_core.hierarchy.units import SolverUnits
+from nestedcages_core.stages import Stage, drain, mapped
 
 DEFAULT = "nested_cages"
 """The name of the method that is the program as it is, fallbacks and all."""
@@ -145,20 +145,15 @@ class Recorded:
         path: Sequence[np.ndarray],
         *,
         clearance: float,
-        energy: CageEnergy,
-        solver: Solver,
-        on_step: Callable[[np.ndarray], None],
-    ) -> ContactOutcome:
+    ) -> Stage[np.ndarray, ContactOutcome]:
         """What the contact does."""
 
-        def record(state: np.ndarray) -> None:
+        def record(state: np.ndarray) -> np.ndarray:
             self.steps.append(state)
-            on_step(state)
+            return state
 
         self.steps[:] = [x]
-        return self.contact.reinflate(
-            bodies, x, path, clearance=clearance, energy=energy, solver=solver, on_step=record
-        )
+        return mapped(self.contact.reinflate(bodies, x, path, clearance=clearance), record)
 
 
 def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measurement:
@@ -167,9 +162,10 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
     phase = "decimation"
     began = time.process_time()
 
-    def progress(fraction: float, message: str) -> None:
+    def in_time(value: Any) -> Any:
         if time.process_time() > ends:
             raise OutOfTimeError
+        return value
 
     def enter(next_phase: str) -> None:
         nonlocal phase, began
@@ -177,8 +173,8 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
         result.seconds[phase] = now - began
         phase, began = next_phase, now
 
-    frame = Frame.of(fine)
-    home = fine.moved(frame.inside(fine.vertices))
+    units = SolverUnits.of(fine)
+    home = units.from_input(fine)
     way: Reinflation | None = None
     states: list[np.ndarray] = []
     try:
@@ -186,34 +182,29 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
             coarse = settings.decimation.decimate(fine, wanted, clearance=CLEARANCE * fine.diagonal)
         else:
             coarse = wanted if isinstance(wanted, Mesh) else wanted.coarse
-        coarse = coarse.moved(frame.inside(coarse.vertices))
+        coarse = units.from_input(coarse)
         result.coarse = coarse
         enter("flow")
         if isinstance(wanted, Decimated):
             result.seconds["decimation"] = wanted.seconds
-        flow = settings.flow.run(home, coarse, progress=progress)
+        flow = drain(mapped(settings.flow.run(home, coarse), in_time))
         result.flow_steps = len(flow.steps) - 1
         enter("reinflation")
-        energy = settings.energy.at(coarse)
-        expansion = settings.expansion_energy.at(coarse) if settings.expansion_energy else energy
-        way = reinflate(
-            home, coarse, flow.steps,
-            contacts=[Recorded(each, states) for each in settings.contacts(len(coarse.vertices), len(home.vertices))],
-            energy=expansion, solver=settings.solver, clearance=CLEARANCE, progress=progress,
-        )  # fmt: skip
+        contacts = contacts_for(settings, len(coarse.vertices), len(home.vertices))
+        recorded = [Recorded(contact, states) for contact in contacts]
+        way = drain(mapped(reinflate(home, coarse, flow.steps, contacts=recorded, clearance=CLEARANCE), in_time))
         enter("tightening")
         if settings.tightening.iterations > 0:
-            cages: list[np.ndarray] = []
-            settings.tightening.run(
+            tightening = settings.tightening.run(
                 Bodies.of(coarse, home), way.cage_steps[-1], home.vertices,
-                clearance=CLEARANCE, energy=energy, on_step=cages.append,
+                clearance=CLEARANCE, energy=settings.energy.at(coarse),
             )  # fmt: skip
-            way = way.with_tightening(cages)
+            way = way.with_tightening(list(tightening))
     except OutOfTimeError:
         result.failed, result.problem = phase, f"{OUT_OF_TIME} {limit:.0f} s"
         if way is None and states and result.coarse is not None:
             m, stacked = len(result.coarse.vertices), np.stack(states)
-            way = Reinflation(stacked[:, m:], stacked[:, :m], len(states) - 1, 0)
+            way = Reinflation(stacked[:, m:], stacked[:, :m], 0)
     except NestedCagesError as error:
         result.failed, result.problem = phase, str(error)
         if isinstance(error.partial, Reinflation):
@@ -227,7 +218,7 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
 def measure_default(fine: Mesh, coarse: Mesh) -> Measurement:
     """What ``nested_cages`` does with a coarse mesh and no settings: contacts in turn, at last the outer hull."""
     result = Measurement(fine)
-    frame = Frame.of(fine)
+    units = SolverUnits.of(fine)
     began = time.process_time()
     try:
         (level,) = nested_cages(fine, [coarse]).levels
@@ -236,14 +227,13 @@ def measure_default(fine: Mesh, coarse: Mesh) -> Measurement:
         return result
     finally:
         result.seconds[DEFAULT] = time.process_time() - began
-    result.coarse = level.coarse.moved(frame.inside(level.coarse.vertices))
+    result.coarse = units.from_input(level.coarse)
     result.flow_steps = len(level.flow.steps) - 1
-    way = replace(
-        level.reinflation,
-        fine_steps=frame.inside(level.reinflation.fine_steps),
-        cage_steps=frame.inside(level.reinflation.cage_steps),
+    inner, outer = level.reinflation.moving_steps, level.reinflation.cage_steps
+    way = Reinflation(
+        (inner - units.centre) / units.scale, (outer - units.centre) / units.scale, level.reinflation.iterations
     )
-    _judge(result, way, fine.moved(frame.inside(fine.vertices)))
+    _judge(result, way, units.from_input(fine))
     return result
 
 

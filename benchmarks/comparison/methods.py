@@ -63,7 +63,6 @@ PAPER = Settings(
     starts=1,
     flow=PaperFlow(),
     contact=PaperContact(),
-    solver=GradientDescent(steps=100),
     tightening=Tightening(iterations=0),
 )
 """Gurditta & Jacobson (2022) as written."""
@@ -76,16 +75,18 @@ SIMPLE = replace(PAPER, decimation=LevelSet())
 """Simple nested cages (in Sellán et al. 2022): the level set itself is the cage. It takes no coarse mesh."""
 
 EXACT_FLOW = PaperFlow(exact_parity=True)
-REPAIRED = PaperContact(repairs=Repairs(parity=True, exact_home=True))
-DESCENT = GradientDescent(steps=100, refuse_infinite=True)
+EXACT_PARITY = PaperContact(repairs=Repairs(parity=True))
+FINITE_STEPS = replace(EXACT_PARITY, solver=GradientDescent(steps=100, refuse_infinite=True))
+REPAIRED = replace(FINITE_STEPS, repairs=Repairs(parity=True, exact_home=True))
+BY_NEWTON = replace(REPAIRED, step_filter=TimeOfImpact(), broad_phase=UniformGrid(), solver=ProjectedNewton())
 
-PARITY = replace(PAPER, flow=EXACT_FLOW, contact=PaperContact(repairs=Repairs(parity=True)))
-FINITE = replace(PARITY, solver=DESCENT)
+PARITY = replace(PAPER, flow=EXACT_FLOW, contact=EXACT_PARITY)
+FINITE = replace(PARITY, contact=FINITE_STEPS)
 HOME = replace(FINITE, contact=REPAIRED)
 BOUND = replace(HOME, contact=replace(REPAIRED, step_filter=SmallestDistance()))
 IMPACT = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact()))
 NEAR = replace(HOME, contact=replace(REPAIRED, step_filter=TimeOfImpact(), broad_phase=UniformGrid()))
-NEWTON = replace(NEAR, solver=ProjectedNewton())
+NEWTON = replace(NEAR, contact=BY_NEWTON)
 LOCAL = replace(NEWTON, contact=IPC())
 TWO_SIDED = replace(LOCAL, flow=TwoSidedFlow())
 TIGHT = replace(TWO_SIDED, tightening=Tightening())
@@ -110,7 +111,12 @@ LADDER = (
 )
 """The paper turned into ours, one repair or improvement at a time; every line keeps those above it."""
 
-CONTACTS: dict[str, Contact] = {"IPC": IPC(), "sequential QP": SequentialQP(), "velocity filter": VelocityFilter()}
+CONTACTS: dict[str, Contact] = {
+    "IPC": IPC(),
+    "sequential QP": SequentialQP(),
+    "velocity filter": VelocityFilter(energy=NoEnergy()),
+}
+"""The velocity filter moves without an energy, as the original does, and leaves the area to the final pass."""
 
 STARTS: dict[str, Decimation] = {"flow": OnCurve(), "outer hull": OuterHull(), "level set": LevelSet()}
 """How a vertex count becomes a coarse mesh: one on the curve, which needs the flow, or one that encloses already."""
@@ -162,20 +168,21 @@ DECIMATIONS: dict[str, Decimation] = {
 
 
 def with_contact(name: str, start: str = "flow") -> Settings:
-    """Ours, with another contact and another start. The velocity filter expands without an energy, as the original
-    does, and leaves the area to the final pass."""
-    expansion = NoEnergy() if name == "velocity filter" else None
-    return replace(TIGHT, contact=CONTACTS[name], decimation=STARTS[start], expansion_energy=expansion)
+    """Ours, with another contact and another start."""
+    return replace(TIGHT, contact=CONTACTS[name], decimation=STARTS[start])
 
 
 def alone(name: str) -> Settings:
     """The contact without the tightening: what its own descent on the area reaches."""
-    return replace(TIGHT, contact=CONTACTS[name], tightening=Tightening(iterations=0))
+    contact = VelocityFilter() if name == "velocity filter" else CONTACTS[name]
+    return replace(TIGHT, contact=contact, tightening=Tightening(iterations=0))
 
 
 def with_energy(name: str, contact: str = "IPC") -> Settings:
-    """Ours, with another energy on the way home and in the final pass."""
-    return replace(TIGHT, contact=CONTACTS[contact], energy=ENERGIES[name])
+    """Ours, with another energy during reinflation, by contacts that have one, and in the final pass."""
+    energy = ENERGIES[name]
+    contacts: dict[str, Contact] = {"IPC": IPC(energy=energy), "velocity filter": VelocityFilter(energy=energy)}
+    return replace(TIGHT, contact=contacts.get(contact, CONTACTS[contact]), energy=energy)
 
 
 def on_the_way(name: str) -> Settings:
@@ -185,7 +192,7 @@ def on_the_way(name: str) -> Settings:
 
 def papers_energy(name: str) -> Settings:
     """Ours, with the paper's weights and its one range by projected Newton, and another energy of the cage."""
-    return replace(TIGHT, contact=NEAR.contact, energy=ENERGIES[name])
+    return replace(TIGHT, contact=replace(BY_NEWTON, energy=ENERGIES[name]), energy=ENERGIES[name])
 
 
 def with_quadrature(name: str) -> Settings:

@@ -4,15 +4,17 @@ free steps."""
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..energies import CageEnergy
+from ..energies import Area, Energy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
-from ..solver import Solver
+from ..parameters import check_not_negative, check_positive
+from ..solver import ProjectedNewton, Solver
+from ..stages import Stage
 from .barrier_ranges import BarrierRanges
 from .base import ContactOutcome
 from .incremental_potential import IncrementalPotential, PotentialWeights
@@ -22,66 +24,65 @@ from .step_filter import StepFilter, TimeOfImpact
 
 logger = logging.getLogger(__name__)
 
-STIFFER = 4.0
+STIFFENING = 4.0
 """Factor on λ_R when the minimum of the energy leaves the fine mesh short of its target."""
 
 MAX_STIFFENINGS = 12
-"""Cap on those factors for one target: λ_R grows at most by 1.7e7."""
+"""Maximum number of those per target: λ_R grows by at most 1.7e7."""
 
-SHORTER_RANGE = 0.25
-"""Factor on d̂ when a solve is blocked: two walls closer than the range hold each other up."""
+RANGE_REDUCTION = 0.25
+"""Factor on d̂ when a solve is blocked, as by two cage edges closer to each other than d̂."""
 
-MAX_SHORTENINGS = 4
-"""Cap on those factors for one target."""
+MAX_RANGE_REDUCTIONS = 4
+"""Maximum number of those per target."""
 
-PROGRESS, PATIENCE = 0.98, 3
-"""Each solve must leave less than this part of the way to the target, summed or at the farthest vertex, or so many in a
-row mean that the way is blocked."""
+SUFFICIENT_PROGRESS, PATIENCE = 0.98, 3
+"""The path is blocked after this many solves in a row (second) none of which leaves less than this fraction (first) of
+the distance to the target, in total or at the farthest vertex."""
 
-CLEARANCE_RANGE = 4.0
-"""The range d̂ is at least this multiple of the wanted clearance, so that the fine mesh comes home with room to
-spare."""
+MIN_RANGE = 4.0
+"""Lower bound of d̂, in wanted clearances."""
 
 
 @dataclass(frozen=True)
 class IPC:
-    """Minimise λ_R R + λ_cages E_cages + λ_B B for each target on the way home (Gurditta & Jacobson 2022, section 3.2).
+    """Minimise λ_R R + λ_cages E_cages + λ_B B for each target of the path (Gurditta & Jacobson 2022, section 3.2).
 
     Lengths are relative to the mean coarse edge length, weights per length of boundary, so that no shape needs tuning.
     """
 
+    solver: Solver = field(default_factory=ProjectedNewton)
+    """How the sum is minimised."""
+    energy: Energy = field(default_factory=Area)
+    """E_cages."""
     barrier_range: float = 0.1
     """d̂ as a fraction of the mean coarse edge length, where the local gap allows it."""
     restoring: float = 100.0
-    """λ_R · d̂: how much stronger the pull home is, one range away from it, than the pressure of the area."""
+    """λ_R · d̂: pull towards the target at the distance d̂, relative to the pressure of the area."""
     cages: float = 1.0
     """λ_cages."""
     barrier: float = 1.0
     """λ_B · d̂."""
     stride: float = 0.5
-    """Longest motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
-    crowd: float = np.inf
-    """Pairs per vertex within their ranges above which it leaves the way to the next contact: each costs its share of
-    every iteration, and where much of the fine mesh is in reach of much of the cage, many iterations follow."""
+    """Maximum motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
+    max_pairs: float = np.inf
+    """Pairs in contact per vertex above which it gives up: each makes every iteration slower."""
     step_filter: StepFilter = field(default_factory=TimeOfImpact)
     """What bounds a step before the line search."""
     broad_phase: BroadPhase = field(default_factory=UniformGrid)
     """Which pairs are looked at."""
 
+    def __post_init__(self) -> None:
+        check_positive(self, "barrier_range", "restoring", "barrier", "stride", "max_pairs")
+        check_not_negative(self, "cages")
+
     def reinflate(
-        self,
-        bodies: Bodies,
-        x: FloatArray,
-        path: Sequence[FloatArray],
-        *,
-        clearance: float,
-        energy: CageEnergy,
-        solver: Solver,
-        on_step: Callable[[FloatArray], None],
-    ) -> ContactOutcome:
-        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`."""
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
+    ) -> Stage[FloatArray, ContactOutcome]:
+        """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
         m = bodies.m
-        base = max(self.barrier_range * bodies.cage_edge_length, CLEARANCE_RANGE * clearance)
+        energy = self.energy.at(bodies.coarse)
+        base = max(self.barrier_range * bodies.cage_edge_length, MIN_RANGE * clearance)
         home = path[-1]
         local = BarrierRanges.local(bodies, x[:m], home, base)
         candidates = self.broad_phase.candidates(bodies)
@@ -89,7 +90,7 @@ class IPC:
         for target in waypoints(x[m:], path, self.stride * bodies.cage_edge_length):
             stiffness, shortening = self.restoring / base, 1.0
             stiffenings = shortenings = idle = 0
-            least = _left(x[m:], target)
+            least = _distances(x[m:], target)
             step_energy = energy.after(x[:m])
             while True:
                 objective = IncrementalPotential(
@@ -101,28 +102,28 @@ class IPC:
                     candidates,
                     self.step_filter,
                 )
-                if objective.pairs_in_range(x) > self.crowd * len(x):
+                if objective.pairs_in_range(x) > self.max_pairs * len(x):
                     return ContactOutcome(x, False, iterations, "too many pairs are in contact at once")
-                solution = solver.minimise(objective, x, on_step)
+                solution = yield from self.solver.minimise(objective, x)
                 x = solution.x
                 iterations += solution.iterations
                 logger.debug(
-                    "IPC: %d iterations towards a target, stiffness %.2e, ranges x %.2g%s", solution.iterations,
+                    "IPC: %d iterations to a target, stiffness %.2e, ranges x %.2g%s", solution.iterations,
                     stiffness, shortening, "" if solution.converged else ", not converged",
                 )  # fmt: skip
                 if objective.finished(x):
                     x = np.concatenate([x[:m], target])
-                    on_step(x)
+                    yield x
                     break
-                left = _left(x[m:], target)
-                idle = 0 if (left < PROGRESS * least).any() else idle + 1
+                left = _distances(x[m:], target)
+                idle = 0 if (left < SUFFICIENT_PROGRESS * least).any() else idle + 1
                 least = np.minimum(least, left)
                 if idle >= PATIENCE:
                     return ContactOutcome(x, False, iterations, _blocked(x[m:], target))
                 if solution.converged and stiffenings < MAX_STIFFENINGS:
-                    stiffness, stiffenings = STIFFER * stiffness, stiffenings + 1
-                elif not solution.converged and shortenings < MAX_SHORTENINGS:
-                    shortening, shortenings = SHORTER_RANGE * shortening, shortenings + 1
+                    stiffness, stiffenings = STIFFENING * stiffness, stiffenings + 1
+                elif not solution.converged and shortenings < MAX_RANGE_REDUCTIONS:
+                    shortening, shortenings = RANGE_REDUCTION * shortening, shortenings + 1
                 else:
                     return ContactOutcome(x, False, iterations, _blocked(x[m:], target))
         return ContactOutcome(x, True, iterations)
@@ -140,8 +141,8 @@ def waypoints(start: FloatArray, path: Sequence[FloatArray], stride: float) -> I
         start = target
 
 
-def _left(fine: FloatArray, target: FloatArray) -> FloatArray:
-    """(2,) the way to the target, summed over the vertices and at the farthest one."""
+def _distances(fine: FloatArray, target: FloatArray) -> FloatArray:
+    """(2,) distance to the target, summed over the vertices and at the farthest one."""
     length = np.hypot(*(target - fine).T)
     return np.array([length.sum(), length.max()])
 

@@ -30,6 +30,8 @@ SMALL_LIST = 1000
 class Bodies:
     """What stays constant during contact: connectivity, and boundary lengths."""
 
+    coarse: Mesh
+    """The cage at rest, before it is pushed."""
     cage_successor: IntArray
     """(m,) next vertex along the cage."""
     fine_successor: IntArray
@@ -43,6 +45,7 @@ class Bodies:
     def of(cls, coarse: Mesh, fine: Mesh) -> Bodies:
         lengths = fine.edge_lengths
         return cls(
+            coarse,
             coarse.successor,
             fine.successor,
             0.5 * (lengths + lengths[fine.predecessor]),

@@ -1,22 +1,23 @@
-"""Contact by sequential quadratic programming: the fine mesh takes long steps home, and the cage gives way.
+"""Contact by sequential quadratic programming: the fine mesh takes long steps and the cage gives way.
 
-The cage answers every motion of the fine mesh with a quadratic program. Both move together, as far as the feasibility
-rule of Incremental Potential Contact allows: every state is free of contact and every step is bounded by continuous
-collision detection (Li et al. 2020). The straight line home comes first; where it is blocked, the recorded path leads.
+Each motion of the fine mesh is answered by a quadratic program for the cage. Both move together, as far as the
+feasibility rule of Incremental Potential Contact allows: every state is free of contact and every step is bounded by
+continuous collision detection (Li et al. 2020). The fine mesh first goes straight to the last target; where that is
+blocked, it follows the recorded path.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
-from ..solver import Solver
+from ..parameters import check_count, check_positive
 from ..solver.quadratic_program import InteriorPoint
+from ..stages import Stage
 from .base import ContactOutcome
 from .contact_response import ContactResponse, Distances
 from .feasibility_rule import FeasibilityRule
@@ -24,158 +25,145 @@ from .pairs import Bodies
 
 logger = logging.getLogger(__name__)
 
-SHORT_STEP = 0.08
-"""Fraction of a step below which it is rejected and tried again with a shorter motion of the fine mesh."""
+REJECTED_FRACTION = 0.08
+"""Steps that collision detection cuts below this fraction are rejected and tried again with a shorter stride."""
 
-SHORTER_STRIDE = 0.35
-"""Length of the next motion after a rejected one, relative to it."""
+REJECTED_STRIDE = 0.35
+"""Factor on the stride after a rejected step."""
 
-REJECTIONS = 8
-"""Number of rejections in a row after which every vertex is left to go as far as it can."""
+MAX_REJECTIONS = 8
+"""Maximum number of rejections in a row; then every vertex goes as far as it can by itself."""
 
-SMALLEST_STRIDE = 2e-3
-"""Motions below this fraction of the mean coarse edge length are not shortened after a rejection ..."""
+MIN_REJECTED_STRIDE = 2e-3
+"""Strides below this fraction of the mean coarse edge length are not rejected."""
 
-LEAST_STRIDE = 1e-4
-"""... and no stride is shorter than this fraction."""
+MIN_STRIDE = 1e-4
+"""Lower bound of the stride, as a fraction of the mean coarse edge length."""
 
-LONG_STEP, LONGER_STRIDE = 0.6, 1.7
-"""After more than this fraction of a step the stride grows by this factor."""
+LONG_FRACTION, STRIDE_GROWTH = 0.6, 1.7
+"""After more than this fraction of a step (first) the stride grows by this factor (second)."""
 
-SLOW_STEP, SLOWER_STRIDE = 0.25, 0.5
-"""After less than this fraction of a step the stride shrinks by this factor."""
+SLOW_FRACTION, STRIDE_REDUCTION = 0.25, 0.5
+"""After less than this fraction of a step (first) the stride shrinks by this factor (second)."""
 
-FASTER_PACE, SLOWER_PACE = 2.0, 0.4
-"""The same for the pace of a single vertex in the last resort."""
+PACE_GROWTH, PACE_REDUCTION = 2.0, 0.4
+"""The same factors for the pace of a single vertex."""
 
-REACH, LONGEST_REACH = 1.5, 0.5
-"""The cage's vertices may move so much farther than the farthest fine vertex, but at most so many mean coarse edge
-lengths."""
+REACH, MAX_REACH = 1.5, 0.5
+"""Bounds on the motion of a cage vertex: in longest fine motions, and in mean coarse edge lengths."""
 
-STALLED_PROGRESS = 2e-3
-"""Smallest part of the remaining way that an iteration must cover to count."""
+SUFFICIENT_PROGRESS = 2e-3
+"""Smallest relative decrease of the remaining distance that counts as progress."""
 
-STALLED_ITERATIONS = 20
-"""Number of iterations in a row without progress after which the way is blocked."""
+PATIENCE = 20
+"""Iterations in a row without progress after which the path is blocked."""
 
 
 @dataclass(frozen=True)
 class SequentialQP:
-    """Long steps straight home, or back along the recorded path where the straight way is blocked.
+    """Long steps straight to the last target, or along the recorded path where that is blocked.
 
     Lengths are in units of the mean coarse edge length.
     """
 
     gap: float = 0.05
-    """Distance that the cage keeps from the fine mesh on the way, where there is room."""
+    """Distance between cage and fine mesh meanwhile, where there is room."""
     stride: float = 1.0 / 3.0
-    """Longest motion of a fine vertex in one step."""
+    """Maximum motion of a fine vertex in one step."""
     iterations: int = 300
-    """Cap on the steps to one target."""
+    """Maximum number of steps to one target."""
     quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1))
-    """How they are solved."""
+    """How the quadratic programs are solved."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "gap", "stride")
+        check_count(self, "iterations")
 
     def reinflate(
-        self,
-        bodies: Bodies,
-        x: FloatArray,
-        path: Sequence[FloatArray],
-        *,
-        clearance: float,
-        energy: CageEnergy,
-        solver: Solver,
-        on_step: Callable[[FloatArray], None],
-    ) -> ContactOutcome:
-        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`.
-
-        ``energy`` and ``solver`` have no part in it.
-        """
-        way = _Way(self, bodies, x, clearance, on_step)
-        came_home = way.towards(path[-1])
-        if not came_home:
-            fine = way.x[bodies.m :]
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
+    ) -> Stage[FloatArray, ContactOutcome]:
+        """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
+        motion = _Motion(self, bodies, x, clearance)
+        reached = yield from motion.step_to(path[-1])
+        if not reached:
+            fine = motion.x[bodies.m :]
             nearest = int(np.argmin([float(np.abs(target - fine).sum()) for target in path]))
-            logger.debug("the straight way home is blocked: along the path from place %d of %d", nearest, len(path))
+            logger.debug("the straight line is blocked: along the path from step %d of %d", nearest, len(path))
             for target in path[nearest:]:
-                came_home = way.towards(target)
-        return ContactOutcome(way.x, came_home, way.systems, "" if came_home else way.obstacle(path[-1]))
+                reached = yield from motion.step_to(target)
+        return ContactOutcome(motion.x, reached, motion.systems, "" if reached else motion.blocking_vertex(path[-1]))
 
 
-class _Way:
-    """Positions on the way home, and what is needed to move them."""
+class _Motion:
+    """Positions of both meshes on the path, and what is needed to move them."""
 
-    def __init__(
-        self,
-        settings: SequentialQP,
-        bodies: Bodies,
-        x: FloatArray,
-        clearance: float,
-        on_step: Callable[[FloatArray], None],
-    ) -> None:
-        self.settings, self.x, self.on_step = settings, x, on_step
+    def __init__(self, settings: SequentialQP, bodies: Bodies, x: FloatArray, clearance: float) -> None:
+        self.settings, self.x = settings, x
         self.m = bodies.m
         self.unit = bodies.cage_edge_length
         self.gap = settings.gap * self.unit
         distances = Distances(clearance, clearance, self.gap)
-        self.answer = ContactResponse(bodies, distances, settings.quadratic_programs)
+        self.response = ContactResponse(bodies, distances, settings.quadratic_programs)
         self.rule = FeasibilityRule(bodies, clearance, self.gap)
         self.systems = 0
 
-    def towards(self, target: FloatArray) -> bool:
-        """Move the fine mesh to ``target`` (n, 2); whether it stands there, to the last bit."""
+    def step_to(self, target: FloatArray) -> Stage[FloatArray, bool]:
+        """Move the fine mesh to ``target`` (n, 2); whether it gets there exactly."""
         stride = self.settings.stride * self.unit
         pace = np.ones(len(target))
         rejected = stalled = 0
         left = np.inf
         for _ in range(self.settings.iterations):
-            way = target - self.x[self.m :]
-            if not way.any():
+            remaining = target - self.x[self.m :]
+            if not remaining.any():
                 return True
-            length = np.hypot(way[:, 0], way[:, 1])
+            length = np.hypot(remaining[:, 0], remaining[:, 1])
             total = float(length.sum())
-            if total <= (1.0 - STALLED_PROGRESS) * left:
+            if total <= (1.0 - SUFFICIENT_PROGRESS) * left:
                 left, stalled = total, 0
             elif rejected == 0:
                 stalled += 1
-                if stalled > STALLED_ITERATIONS:
+                if stalled > PATIENCE:
                     return False
 
             part: FloatArray = np.minimum(pace, stride / np.maximum(length, stride))
             longest = float((part * length).max())
-            radius = min(max(REACH * longest, self.gap), LONGEST_REACH * self.unit)
-            answer = self.answer.to(part[:, None] * way, self.x, radius)
-            self.systems += answer.systems
-            step = *self.rule.concerned(answer.pairs, answer.contacts, answer.motion), self.x, answer.motion
-            fraction = self.rule.fraction(*step, SHORT_STEP)
+            radius = min(max(REACH * longest, self.gap), MAX_REACH * self.unit)
+            response = self.response.to(part[:, None] * remaining, self.x, radius)
+            self.systems += response.systems
+            step = *self.rule.concerned(response.pairs, response.contacts, response.motion), self.x, response.motion
+            fraction = self.rule.fraction(*step, REJECTED_FRACTION)
             logger.debug(
                 "reinflation: left %.3e, motion %.2e, fraction %.3f, %d pairs, systems %d",
-                total, longest, fraction, len(answer.pairs), answer.systems,
+                total, longest, fraction, len(response.pairs), response.systems,
             )  # fmt: skip
             kept = np.full(len(self.x), fraction)
-            if fraction < LONG_STEP:
+            if fraction < LONG_FRACTION:
                 single = self.rule.fractions(*step)
                 covered = float(single[self.m :] @ (part * length)) / float((part * length).sum())
-                if covered > fraction or fraction <= SHORT_STEP:  # a fraction that is so short need not be feasible
+                if covered > fraction or fraction <= REJECTED_FRACTION:  # so short a fraction need not be feasible
                     kept, fraction = single, covered
-            if fraction <= SHORT_STEP and longest > SMALLEST_STRIDE * self.unit and rejected < REJECTIONS:
-                stride = SHORTER_STRIDE * longest
+            may_reject = longest > MIN_REJECTED_STRIDE * self.unit and rejected < MAX_REJECTIONS
+            if fraction <= REJECTED_FRACTION and may_reject:
+                stride = REJECTED_STRIDE * longest
                 rejected += 1
                 continue
             rejected = 0
             slowed = kept[self.m :]
-            pace *= np.where(slowed > LONG_STEP, FASTER_PACE, np.where(slowed > SLOW_STEP, 1.0, SLOWER_PACE))
+            pace *= np.where(slowed > LONG_FRACTION, PACE_GROWTH, np.where(slowed > SLOW_FRACTION, 1.0, PACE_REDUCTION))
             pace = np.minimum(pace, 1.0)
-            stride *= LONGER_STRIDE if fraction > LONG_STEP else (1.0 if fraction > SLOW_STEP else SLOWER_STRIDE)
-            stride = min(max(stride, LEAST_STRIDE * self.unit), self.settings.stride * self.unit)
+            stride *= STRIDE_GROWTH if fraction > LONG_FRACTION else 1.0
+            stride *= STRIDE_REDUCTION if fraction <= SLOW_FRACTION else 1.0
+            stride = min(max(stride, MIN_STRIDE * self.unit), self.settings.stride * self.unit)
             if kept.any():
                 arrived = (kept[self.m :] >= 1.0) & (part >= 1.0)
-                x = self.x + kept[:, None] * answer.motion
+                x = self.x + kept[:, None] * response.motion
                 x[self.m :][arrived] = target[arrived]
                 self.x = x
-                self.on_step(x)
+                yield x
         return not bool((target - self.x[self.m :]).any())
 
-    def obstacle(self, home: FloatArray) -> str:
-        """Which fine vertex is farthest from home."""
-        worst = int(np.hypot(*(home - self.x[self.m :]).T).argmax())
+    def blocking_vertex(self, target: FloatArray) -> str:
+        """Which fine vertex is farthest from its target, in words."""
+        worst = int(np.hypot(*(target - self.x[self.m :]).T).argmax())
         return f"the cage holds up fine vertex {worst}"

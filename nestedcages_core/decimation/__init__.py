@@ -13,7 +13,7 @@
 from __future__ import annotations
 
 from .arc_length import ArcLength
-from .base import Count, Decimation, SeveralStarts
+from .base import Count, Decimation, SeveralStarts, Start
 from .douglas_peucker import DouglasPeucker
 from .edge_collapse import EdgeCollapse
 from .on_curve import OnCurve
@@ -31,5 +31,6 @@ __all__ = [
     "OuterHull",
     "OwnDecimation",
     "SeveralStarts",
+    "Start",
     "Visvalingam",
 ]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
 from ..errors import NestingError
 from ..geometry.mesh import Mesh
+from ..stages import Stage
 
 Count: TypeAlias = int | Sequence[int]
 """Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""
@@ -33,12 +34,25 @@ class Decimation(Protocol):
         ...
 
 
+class Start(NamedTuple):
+    """A coarse mesh to start a level from."""
+
+    coarse: Mesh
+    source: str
+    """What it is, such as "outer hull"."""
+    on_curve: Mesh | None = None
+    """The same with its vertices on the fine mesh, where that is preferred: it leads to its cage by the flow."""
+
+
 @runtime_checkable
 class SeveralStarts(Protocol):
-    """A decimation that offers several coarse meshes to start from."""
+    """A decimation that offers several coarse meshes to start from, and can be stopped while it looks for them."""
 
-    def candidates(self, fine: Mesh, count: Count, *, clearance: float = 0.0, keep: int = 3) -> list[Mesh]:
-        """Up to ``keep`` different coarse meshes, the most promising first; otherwise like `Decimation.decimate`."""
+    def starts(self, fine: Mesh, count: Count, *, clearance: float, most: int) -> Stage[float, list[Start]]:
+        """Up to ``most`` different coarse meshes, the most promising first; otherwise like `Decimation.decimate`.
+
+        A generator: yields the fraction done and returns the list.
+        """
         ...
 
 

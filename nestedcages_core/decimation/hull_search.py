@@ -5,9 +5,11 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import cycle
 from math import exp
 
+from ..stages import Stage, mapped
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
@@ -16,6 +18,9 @@ EVEN_WEIGHTS = Weights()
 
 ROUGH_WEIGHTS = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
 """Cheap notches: best on rough shapes, whose notches must be filled before bumps are extended."""
+
+STAGE_SHARE = 0.4
+"""Fraction of the time until the restarts begin, roughly: only for the progress bar."""
 
 MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
 """Size of the outline that restarts begin at: a minimum, and a multiple of the wanted number of vertices."""
@@ -99,17 +104,18 @@ def search_hulls(
     restarts: int,
     seed: int,
     prepare: Callable[[Outline], Outline] = lambda outline: outline,
-) -> list[Outline]:
+) -> Stage[float, list[Outline]]:
     """Hulls of an outline with at most `count` vertices, least area first; the smallest first if none is small enough.
+
+    A generator: yields the fraction done and returns the hulls.
 
     minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: what is done to an outline
     that restarts begin at. Deterministic for a seed.
     """
     both = len(outline.vertices) <= MAX_SIZE_OF_TWO_STAGES
-    stages = [
-        prepare(stage)
-        for stage in _stages(outline, count, minimum, (EVEN_WEIGHTS, ROUGH_WEIGHTS) if both else (ROUGH_WEIGHTS,))
-    ]
+    leading = (EVEN_WEIGHTS, ROUGH_WEIGHTS) if both else (ROUGH_WEIGHTS,)
+    stages = yield from mapped(_stages(outline, count, minimum, leading), lambda done: STAGE_SHARE * done)
+    stages = [prepare(stage) for stage in stages]
     moves = max(1, len(stages[0].vertices) - count)
     further = EXTRA_RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
     wanted = min(restarts + further, MAX_RESTART_FACTOR * restarts)
@@ -117,25 +123,37 @@ def search_hulls(
     rng = random.Random(seed)
     weights = [EVEN_WEIGHTS, ROUGH_WEIGHTS, *(replace(EVEN_WEIGHTS, spike=spike) for spike in SPIKE_WEIGHTS)][:runs]
     weights += [RESTART_VARIATION.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
-    hulls = []
+    hulls: list[Outline] = []
     for stage, chosen in zip(cycle(stages), weights, strict=False):
-        hulls.append(ProgressiveHull(stage, chosen, minimum).run(count))
+        run = ProgressiveHull(stage, chosen, minimum).steps(count)
+        hulls.append((yield from mapped(run, partial(_fraction, len(hulls), len(weights)))))
     if all(len(hull.vertices) > count for hull in hulls):
-        hulls = _rescues(outline, count, minimum, seed, prepare)
+        hulls = yield from _rescues(outline, count, minimum, seed, prepare)
     return sorted(hulls, key=lambda hull: (max(count, len(hull.vertices)), hull.area))
 
 
-def _stages(outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]) -> list[Outline]:
+def _fraction(finished: int, runs: int, done: float) -> float:
+    """The fraction of the search when a fraction of the next restart is done."""
+    return STAGE_SHARE + (1.0 - STAGE_SHARE) * (finished + done) / runs
+
+
+def _stages(
+    outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]
+) -> Stage[float, list[Outline]]:
     """Outlines that restarts begin at, made without pivots, which cost more area there and a third of the time."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
-    return [ProgressiveHull(outline, replace(chosen, pivot=None), minimum).run(size) for chosen in weights]
+    stages = []
+    for chosen in weights:
+        stages.append((yield from ProgressiveHull(outline, replace(chosen, pivot=None), minimum).steps(size)))
+    return stages
 
 
 def _rescues(
     outline: Outline, count: int, minimum: Sequence[int], seed: int, prepare: Callable[[Outline], Outline]
-) -> list[Outline]:
+) -> Stage[float, list[Outline]]:
     """Hulls by runs that do not depend on the count, so that the smallest one found can be asked for."""
-    starts = [prepare(stage) for stage in _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,))]
+    stages = yield from _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,))
+    starts = [prepare(stage) for stage in stages]
     if len(outline.vertices) <= MAX_SIZE_OF_WHOLE_RESCUE:
         starts.append(prepare(outline))
     moves = max(len(start.vertices) for start in starts) - sum(minimum)
@@ -144,7 +162,7 @@ def _rescues(
     hulls: list[Outline] = []
     for k in range(runs):
         chosen = RESCUE_VARIATION.draw(rng, len(outline.sizes))
-        hulls.append(ProgressiveHull(starts[k % len(starts)], chosen, minimum).run(count))
+        hulls.append((yield from ProgressiveHull(starts[k % len(starts)], chosen, minimum).steps(count)))
         if len(hulls[-1].vertices) <= count:
             break
     return hulls

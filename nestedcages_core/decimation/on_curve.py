@@ -9,10 +9,11 @@ import numpy as np
 from ..errors import InvalidMeshError, NestingError
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import EdgeSearch
+from ..stages import Stage, drain
 from .arc_length import ArcLength
-from .base import Count
-from .hull_search import search_hulls
-from .outer_hull import OuterHull
+from .base import Count, Start
+from .outer_hull import SOURCE, OuterHull
 from .outline import Outline
 from .request import Request
 
@@ -33,17 +34,48 @@ class OnCurve:
 
         Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
         """
+        on_curve = drain(self.starts(fine, count, clearance=clearance, most=1))[0].on_curve
+        return on_curve if on_curve is not None else ArcLength().decimate(fine, count, clearance=clearance)
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
+        """Up to `most` outer hulls, least area first, with their meshes on the curve.
+
+        A generator: yields the fraction done and returns the list. Where there is no hull it is one mesh by arc length.
+        """
         request = Request.of(fine, count)
-        outline = request.outline
-        hull = search_hulls(outline, request.target, request.minimum, restarts=self.hull.restarts, seed=self.hull.seed)[
-            0
-        ]
-        if len(hull.vertices) <= request.target:
-            try:
-                return request.same_roles(request.coarse(_snapped(hull, outline)))
-            except InvalidMeshError:
-                pass  # self-intersecting: fall back to arc length
-        return ArcLength().decimate(fine, count, clearance=clearance)
+        try:
+            hulls = yield from self.hull.hulls(request, clearance, most)
+        except NestingError:
+            coarse = ArcLength().decimate(fine, count, clearance=clearance)
+            return [Start(coarse, "arc length", coarse)]
+        return [Start(mesh, SOURCE, _put_on_curve(hull, request)) for mesh, hull in hulls]
+
+
+def closest_on_curve(cage: Mesh, fine: Mesh) -> Mesh | None:
+    """The cage, whose loop k stands for loop k of the fine mesh, with its vertices moved to the closest points there.
+
+    None where it crosses itself then. Flow and reinflation lead from it to much the same cage.
+    """
+    loops = []
+    for own, other in zip(cage.loops, fine.loops, strict=True):
+        starts, ends = fine.vertices[other], fine.vertices[fine.successor[other]]
+        found = EdgeSearch(starts, ends).closest(cage.vertices[own])
+        start = starts[found.edge]
+        loops.append(start + found.parameter[:, None] * (ends[found.edge] - start))
+    try:
+        coarse = Mesh.from_loops(loops)
+    except InvalidMeshError:
+        return None
+    same = (coarse.loop_signs == fine.loop_signs).all() and (coarse.component_of_loop == fine.component_of_loop).all()
+    return coarse if same else None
+
+
+def _put_on_curve(hull: Outline, request: Request) -> Mesh | None:
+    """The coarse mesh of a hull with its vertices on the fine mesh; None where it crosses itself then."""
+    try:
+        return request.same_roles(request.coarse(_snapped(hull, request.outline)))
+    except InvalidMeshError:
+        return None
 
 
 def _snapped(hull: Outline, outline: Outline) -> Outline:

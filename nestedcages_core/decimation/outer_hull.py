@@ -15,7 +15,8 @@ from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.mesh.validation import place as in_words
 from ..parameters import check_count
-from .base import Count
+from ..stages import Stage, drain
+from .base import Count, Start
 from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
 from .hull_search import search_hulls
 from .offset import strict_offset
@@ -31,6 +32,9 @@ CLOSED_GAP_WIDTH = 1e-9
 
 SAME_AREA_TOLERANCE = 1e-9
 """Relative difference of area below which two hulls count as equal."""
+
+SOURCE = "outer hull"
+"""What its meshes are called in reports."""
 
 MAX_LOOPS_LISTED = 8
 """Number of loops up to which a message lists what was found for each."""
@@ -50,11 +54,15 @@ class OuterHull:
         check_count(self, "seed", least=0)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
-        """The hull of least area; see `candidates`."""
-        return self.candidates(fine, count, clearance=clearance, keep=1)[0]
+        """The hull of least area; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
 
     def candidates(self, fine: Mesh, count: Count, *, clearance: float = 0.0, keep: int = 3) -> list[Mesh]:
-        """Up to `keep` different meshes that strictly enclose the fine one, by exact predicates, least area first.
+        """Up to `keep` hulls, least area first; see `starts`."""
+        return [start.coarse for start in drain(self.starts(fine, count, clearance=clearance, most=keep))]
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
+        """Up to `most` different meshes that strictly enclose the fine one, by exact predicates, least area first.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
         unless the loops then block each other: their sum is shared out anew.
@@ -63,21 +71,25 @@ class OuterHull:
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
-        request = Request.of(fine, count)
+        hulls = yield from self.hulls(Request.of(fine, count), clearance, most)
+        return [Start(mesh, SOURCE) for mesh, _ in hulls]
+
+    def hulls(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
+        """The meshes of `starts`, each with the hull of the request's outline that it is made of."""
         try:
-            return self._best(request, clearance, keep)
+            return (yield from self._best(request, clearance, most))
         except NestingError:
             if request.per_loop is None:
                 raise
-        return self._best(replace(request, per_loop=None), clearance, keep)
+        return (yield from self._best(replace(request, per_loop=None), clearance, most))
 
-    def _best(self, request: Request, clearance: float, keep: int) -> list[Mesh]:
-        """Up to `keep` meshes of one request, least area first. Raises NestingError."""
+    def _best(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
+        """Up to `most` meshes of one request, least area first. Raises NestingError."""
         search = _Search(self, request, clearance)
         too_large: list[Outline] = []
         for hulls in (search.with_clearance, search.around_offset, search.without_small_details):
-            found = hulls()
-            if certified := list(islice(search.certified(found), keep)):
+            found = yield from hulls()
+            if certified := list(islice(search.certified(found), most)):
                 return certified
             too_large += [hull for hull in found[:1] if len(hull.vertices) > search.target]
         if too_large:
@@ -101,23 +113,23 @@ class _Search:
         self.distance = HULL_OFFSET * self.start.diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
-    def with_clearance(self) -> list[Outline]:
+    def with_clearance(self) -> Stage[float, list[Outline]]:
         """Hulls of an offset of the fine mesh that keeps the clearance; none if gaps are too narrow for an offset."""
         return self._offset_hulls(max(self.distance, CLEARANCE_RESERVE * self.clearance), self._cleared)
 
-    def around_offset(self) -> list[Outline]:
+    def around_offset(self) -> Stage[float, list[Outline]]:
         """Hulls of a small offset: for loops that the clearance would wall in."""
         return self._offset_hulls(self.distance, _unchanged)
 
-    def without_small_details(self) -> list[Outline]:
+    def without_small_details(self) -> Stage[float, list[Outline]]:
         """Hulls of the outline without features at round-off scale; none if there are none."""
         start = without_small_details(self.start, 0.0)
         if len(start.vertices) == len(self.start.vertices):
             return []
         self.start = start
-        return self.with_clearance()
+        return (yield from self.with_clearance())
 
-    def certified(self, hulls: Sequence[Outline]) -> Iterator[Mesh]:
+    def certified(self, hulls: Sequence[Outline]) -> Iterator[tuple[Mesh, Outline]]:
         """Meshes of those of the hulls that are small enough, different, and strictly enclose the fine mesh."""
         area = 0.0
         for hull in hulls:
@@ -130,7 +142,7 @@ class _Search:
                 if CLEARANCE_RESERVE * self.clearance > self.distance:
                     mesh = with_room(mesh, self.fine, self.clearance)
                 if Nesting(mesh, self.fine).encloses_loop_by_loop():
-                    yield mesh
+                    yield mesh, hull
 
     def rank(self, hull: Outline) -> tuple[int, float]:
         """Sort key: small enough first, then by area."""
@@ -156,11 +168,11 @@ class _Search:
             f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}."
         )
 
-    def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> list[Outline]:
+    def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> Stage[float, list[Outline]]:
         start, self.stuck = strict_offset(self.start, distance, self.fine.edge_tree)
         if len(self.stuck):
             return []
-        return search_hulls(
+        search = search_hulls(
             start,
             self.target,
             self.request.minimum,
@@ -168,6 +180,7 @@ class _Search:
             seed=self.method.seed,
             prepare=prepare,
         )
+        return (yield from search)
 
     def _cleared(self, outline: Outline) -> Outline:
         return cleared(outline, self.fine, self.clearance)

@@ -19,9 +19,13 @@ from dataclasses import dataclass
 from math import exp, hypot, inf
 
 from ..geometry.predicates import orientation_sign
+from ..stages import Stage, drain
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue
 from .outline import Outline
+
+PAUSE = 512
+"""Number of moves, some hundredths of a second, after which progress is reported."""
 
 TURN_ROUNDING = 4e-16
 """Relative error of a 2x2 determinant of differences of doubles, rounded up."""
@@ -89,9 +93,16 @@ class ProgressiveHull:
 
     def run(self, count: int, max_cost: float = inf) -> Outline:
         """Remove vertices until `count` are left, or as many as can be removed by moves that cost up to `max_cost`."""
+        return drain(self.steps(count, max_cost))
+
+    def steps(self, count: int, max_cost: float = inf) -> Stage[float, Outline]:
+        """The same as a generator: yields the fraction done every `PAUSE` moves."""
         loops = self.loops
-        rounds = 0
+        first, rounds, moves = loops.total, 0, 0
         while loops.total > count:
+            moves += 1
+            if moves % PAUSE == 0:
+                yield (first - loops.total) / (first - count)
             move = self.queue.pop(max_cost)
             if move is not None:
                 slot, place = move

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 from ..errors import FlowError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-
-ProgressCallback: TypeAlias = Callable[[float, str], None]
-"""Called with the fraction of the flow in [0, 1] and a sentence."""
+from ..stages import Stage
 
 
 @dataclass(frozen=True)
@@ -50,13 +47,16 @@ class FlowResult:
 
 
 class FlowMethod(Protocol):
-    """A way to bring the fine mesh strictly inside the coarse one, which stands still."""
+    """Brings the fine mesh strictly inside the coarse one, which stays in place."""
 
-    def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
+    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
         """All steps from the fine mesh to a certified position inside.
+
+        A generator: yields the fraction done, in [0, 1], and returns the result.
 
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
         """
+        ...
 
 
 def stuck(result: FlowResult) -> FlowError:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray
+from ..stages import Stage
 from .base import Obstacle
 from .containment import Containment
 from .penetration import Penetration, PenetrationEnergy
@@ -65,9 +66,10 @@ class EnergyFlow:
     longest_step: float
     """Cap on the change of a coordinate per step."""
 
-    def descend(self, start: FloatArray, limit: int) -> Descent:
+    def descend(self, start: FloatArray, limit: int) -> Stage[float, Descent]:
         """At most ``limit`` steps from (n, 2) positions until certified inside and at a good distance.
 
+        A generator: yields the fraction of the limit before every step and returns the outcome.
         Descent continues for a few steps inside to gain distance; the result is the last certified position.
         """
         vertices, penetration = start, self.energy.at(start)
@@ -88,6 +90,7 @@ class EnergyFlow:
             )
             if len(energies) > limit or hopeless or penetration.energy == 0.0:
                 break
+            yield (len(energies) - 1) / limit
             found = self._step(vertices, penetration, smoothing)
             if found is not None:
                 vertices, penetration = found

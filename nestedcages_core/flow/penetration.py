@@ -24,6 +24,10 @@ from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_m
 COMFORTABLE_MARGIN = 1.0 / 3.0
 """Fraction of the margin at which the flow may stop."""
 
+INPUT_ROUND_OFF = 1e-12
+"""Distance, as a fraction of the largest coordinate, up to which meshes touch: rounding of inputs far from the origin
+included."""
+
 THIN_WALL = 2.0
 """Thickness, in sample spacings, of walls between coarse loops whose samples push the partners of both loops."""
 
@@ -172,7 +176,8 @@ class _CoarsePush:
 
 def _field(loop: FloatArray, sign: int) -> SignedDistance:
     """Signed distance to the solid side of one oriented loop (k, 2); sign +1 for an outer loop, -1 for a hole."""
-    return SignedDistance(loop, np.concatenate([loop[1:], loop[:1]]), outside=0 if sign > 0 else -1)
+    ends = np.concatenate([loop[1:], loop[:1]])
+    return SignedDistance(loop, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF)
 
 
 def _facing_loops(matching: Matching) -> list[tuple[int, int]]:

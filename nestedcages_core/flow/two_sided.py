@@ -1,8 +1,9 @@
-"""The default flow: from the fine mesh into the coarse one in few steps, by the cheapest stage that is enough.
+"""The default flow: from the fine mesh into the coarse one in few steps, by the cheapest method that succeeds.
 
-Stages: inside (nothing to do); vertices (descent with samples at the vertices of both meshes); erosion (a tiny move
-inwards, if the meshes only touch); boundary (descent with samples all along both); geodesic (limbs that the coarse mesh
-cuts off are first drawn in along the inside of the fine mesh); correspondence (fine is laid along the coarse mesh).
+In this order: inside (nothing to do); vertices (descent with samples at the vertices of both meshes); erosion (a tiny
+move inwards where the meshes only touch); boundary (descent with samples along both boundaries); geodesic (limbs that
+the coarse mesh cuts off are first drawn in along the inside of the fine mesh); correspondence (the fine mesh is laid
+along the coarse one).
 """
 
 from __future__ import annotations
@@ -10,12 +11,16 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from .base import FlowResult, Obstacle, ProgressCallback, stuck
+from ..parameters import check_count, check_positive
+from ..stages import Stage, mapped
+from .base import FlowResult, Obstacle, stuck
 from .containment import Containment
 from .correspondence import lay_along
 from .energy_flow import Descent, EnergyFlow
@@ -29,16 +34,16 @@ from .smoothing import StepSystem
 logger = logging.getLogger(__name__)
 
 FINE_LIMIT, COARSE_LIMIT = 16, 64
-"""Most samples on a fine and on a coarse edge."""
+"""Maximum number of samples on a fine and on a coarse edge."""
 
-TOUCHING = 1e-9
-"""Overlap up to which meshes are taken to touch only, in extents of the fine mesh: round-off of whatever made them."""
+MAX_CONTACT_OVERLAP = 1e-9
+"""Overlap up to which meshes count as touching, in extents of the fine mesh: round-off of the decimation."""
 
 GRAPH_SPACING = 2.0
-"""Spacing of the points that paths run over, in spacings of the samples."""
+"""Spacing of the points of geodesic paths, in spacings of the samples."""
 
-NARROW = 0.1
-"""Share of the margin in the last attempt."""
+NARROW_MARGIN = 0.1
+"""Fraction of the margin in the last method tried."""
 
 
 @dataclass(frozen=True)
@@ -46,37 +51,55 @@ class TwoSidedFlow:
     """Descent of the penetration measured from both boundaries, loop by loop; lengths in extents of the fine mesh."""
 
     margin: float = 3e-3
-    """Distance kept from the coarse mesh where there is room."""
+    """Distance to the coarse mesh where there is room."""
     spacing: float = 1.0 / 300.0
     """Distance between samples along the boundaries."""
     smoothing: float = 0.01
-    """Length over which a step is smoothed at first."""
+    """Initial smoothing length of a step."""
     longest_step: float = 0.04
-    """Cap on the motion of a coordinate per step."""
+    """Maximum motion of a coordinate per step."""
     vertex_limit: int = 6
-    """Most steps with samples at the vertices only."""
+    """Maximum number of steps with samples at the vertices only."""
     limit: int = 20
-    """Most steps of every other descent."""
+    """Maximum number of steps of every other descent."""
 
-    def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
+    def __post_init__(self) -> None:
+        check_positive(self, "margin", "spacing", "smoothing", "longest_step")
+        check_count(self, "vertex_limit", "limit")
+
+    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.
+
+        A generator: yields the fraction done and returns the result.
 
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
         """
         run = _Run(self, match_loops(fine, coarse))
-        for tried, result in enumerate(run.attempts()):
-            cause = "inside" if result.obstacle is None else result.obstacle.cause
+        result = None
+        for tried, method in enumerate(run.methods()):
+            found = yield from mapped(method, partial(_fraction, tried))
+            if found is None:
+                continue
+            result = found
             logger.debug("flow by %s: %d steps, %d iterations so far: %s", result.stage, len(result.steps) - 1,
-                         result.iterations, cause)  # fmt: skip
+                         result.iterations, result.reason or "inside")  # fmt: skip
             if result.obstacle is None:
                 return result
-            if progress is not None:
-                progress(1.0 - 0.5 ** (tried + 1), f"Flow by {result.stage}: {result.obstacle.cause}")
+        assert result is not None
         raise stuck(result)
 
 
+def _fraction(tried: int, done: float) -> float:
+    """The fraction of the flow, if every further method takes half of what is left."""
+    return 1.0 - 0.5**tried * (1.0 - 0.5 * done)
+
+
+Method: TypeAlias = Stage[float, FlowResult | None]
+"""One method of the flow; its result is None where it does not apply."""
+
+
 class _Run:
-    """The attempts of one run."""
+    """The methods on one pair of meshes."""
 
     def __init__(self, settings: TwoSidedFlow, matching: Matching) -> None:
         self.settings = settings
@@ -85,71 +108,97 @@ class _Run:
         self.unit = matching.fine.extent
         self.containment = Containment(matching)
         self.iterations = 0
+        self.system: StepSystem
+        self.only_touching = self.in_pieces = False
 
-    def attempts(self) -> Iterator[FlowResult]:
-        """At least one attempt, until one has no obstacle; the last one says best what is wrong."""
-        home, settings = self.fine.vertices, self.settings
-        if self.containment.boxes_nested(home):
-            yield self.result("inside", [], self.containment.obstacle(home))
-        self.system = StepSystem(self.fine, settings.spacing * self.unit)
-        at_vertices = self.energy(np.inf)
-        first = self.descend(at_vertices, home, settings.vertex_limit)
-        yield self.result("vertices", first.steps, first.obstacle)
-        if at_vertices.at(home).overlap <= TOUCHING * self.unit:
-            yield from self.erosion()
-        second = self.descend(self.energy(settings.spacing), first.end, settings.limit)
-        yield self.result("boundary", first.steps + second.steps, second.obstacle)
-        yield from self.retraction(1.0)
-        yield from self.correspondence()
-        yield from self.retraction(NARROW)
+    def methods(self) -> Iterator[Method]:
+        """What to try until one has no obstacle; the last result explains the failure best."""
+        yield self.inside()
+        self.system = StepSystem(self.fine, self.settings.spacing * self.unit)
+        yield self.vertices()
+        yield self.erosion()
+        yield self.boundary()
+        for whole in (True, False):
+            yield self.geodesic(1.0, whole)
+        yield self.correspondence()
+        for whole in (True, False):
+            yield self.geodesic(NARROW_MARGIN, whole)
 
-    def erosion(self) -> Iterator[FlowResult]:
+    def inside(self) -> Method:
+        """No step, if the fine mesh is inside already."""
+        home = self.fine.vertices
+        if not self.containment.boxes_nested(home):
+            return None
+        yield 0.0
+        return self.result("inside", [], self.containment.obstacle(home))
+
+    def vertices(self) -> Method:
+        """Descent with samples at the vertices only."""
+        energy = self.energy(np.inf)
+        self.only_touching = energy.at(self.fine.vertices).overlap <= MAX_CONTACT_OVERLAP * self.unit
+        self.first = yield from self.descend(energy, self.fine.vertices, self.settings.vertex_limit)
+        return self.result("vertices", self.first.steps, self.first.obstacle)
+
+    def erosion(self) -> Method:
         """A tiny move inwards, if that is enough."""
+        if not self.only_touching:
+            return None
+        yield 0.0
         eroded = erode(self.fine, self.containment, self.settings.margin * self.unit)
         self.iterations += 1
-        if eroded is not None:
-            yield self.result("erosion", [eroded], None)
+        return None if eroded is None else self.result("erosion", [eroded], None)
 
-    def retraction(self, share: float) -> Iterator[FlowResult]:
-        """Retraction of cut-off limbs, then descent from there: with all pieces, then with the largest only.
+    def boundary(self) -> Method:
+        """Descent with samples along the boundaries, from where that at the vertices ended."""
+        energy = self.energy(self.settings.spacing)
+        second = yield from self.descend(energy, self.first.end, self.settings.limit)
+        return self.result("boundary", self.first.steps + second.steps, second.obstacle)
 
-        share: of the margin.
+    def geodesic(self, share: float, whole: bool) -> Method:
+        """Retraction of the limbs that are cut off, then descent from there.
+
+        share: fraction of the margin; whole: with all pieces of the overlap, else with the largest only, if there are
+        several.
         """
         settings = self.settings
-        energy = self.energy(settings.spacing, share)
-        graph = solid_graph(self.matching, energy.margins, self.density(GRAPH_SPACING * settings.spacing))
-        for whole in (True, False):
-            way = retract(self.matching, graph, settings.longest_step * self.unit, whole=whole)
-            if isinstance(way, Obstacle):
-                yield self.result("geodesic", [], way)
-                return
-            self.iterations += len(way.steps)
-            descent = self.descend(energy, way.steps[-1] if way.steps else self.fine.vertices, settings.limit)
-            obstacle = None if descent.obstacle is None else way.pieces or descent.obstacle
-            yield self.result("geodesic", way.steps + descent.steps, obstacle)
-            if way.pieces is None:
-                return
+        if whole:
+            self.sampled = self.energy(settings.spacing, share)
+            spacing = self.density(GRAPH_SPACING * settings.spacing)
+            self.graph = solid_graph(self.matching, self.sampled.margins, spacing)
+        elif not self.in_pieces:
+            return None
+        yield 0.0
+        retraction = retract(self.matching, self.graph, settings.longest_step * self.unit, whole=whole)
+        self.in_pieces = not isinstance(retraction, Obstacle) and retraction.pieces is not None
+        if isinstance(retraction, Obstacle):
+            return self.result("geodesic", [], retraction)
+        self.iterations += len(retraction.steps)
+        start = retraction.steps[-1] if retraction.steps else self.fine.vertices
+        descent = yield from self.descend(self.sampled, start, settings.limit)
+        obstacle = None if descent.obstacle is None else retraction.pieces or descent.obstacle
+        return self.result("geodesic", retraction.steps + descent.steps, obstacle)
 
-    def correspondence(self) -> Iterator[FlowResult]:
+    def correspondence(self) -> Method:
         """Straight to positions along the inside of the coarse mesh, if there are such."""
+        yield 0.0
         laid = lay_along(self.matching, self.settings.margin * self.unit)
         if laid is None or self.containment.obstacle(laid) is not None:
-            return
-        way = laid - self.fine.vertices
-        count = int(np.ceil(np.abs(way).max() / (self.settings.longest_step * self.unit)))
+            return None
+        motion = laid - self.fine.vertices
+        count = int(np.ceil(np.abs(motion).max() / (self.settings.longest_step * self.unit)))
         self.iterations += count
-        steps = [self.fine.vertices + (k / count) * way for k in range(1, count)]
-        yield self.result("correspondence", [*steps, laid], None)
+        steps = [self.fine.vertices + (k / count) * motion for k in range(1, count)]
+        return self.result("correspondence", [*steps, laid], None)
 
-    def descend(self, energy: PenetrationEnergy, start: FloatArray, limit: int) -> Descent:
+    def descend(self, energy: PenetrationEnergy, start: FloatArray, limit: int) -> Stage[float, Descent]:
         """Descent of an energy from (n, 2) positions."""
         smoothing, longest = self.settings.smoothing * self.unit, self.settings.longest_step * self.unit
-        descent = EnergyFlow(energy, self.containment, self.system, smoothing, longest).descend(start, limit)
+        descent = yield from EnergyFlow(energy, self.containment, self.system, smoothing, longest).descend(start, limit)
         self.iterations += descent.iterations
         return descent
 
     def result(self, stage: str, steps: list[FloatArray], obstacle: Obstacle | None) -> FlowResult:
-        """The result of one attempt, whose steps follow the fine mesh itself."""
+        """The result of one method, whose steps follow the fine mesh itself."""
         return FlowResult(np.array([self.fine.vertices, *steps]), self.iterations, stage, obstacle)
 
     def density(self, spacing: float) -> Spacing:

@@ -130,11 +130,14 @@ class EdgeSearch:
 class SignedDistance:
     """Signed distance to the solid bounded by (E, 2) oriented edges, solid on their left."""
 
-    def __init__(self, starts: FloatArray, ends: FloatArray, outside: int = 0) -> None:
-        """outside: winding number of points outside the solid; 0 for meshes and outer loops, -1 for a hole alone."""
+    def __init__(
+        self, starts: FloatArray, ends: FloatArray, outside: int = 0, tolerance: float = BOUNDARY_TOLERANCE
+    ) -> None:
+        """outside: winding number of points outside the solid; 0 for meshes and outer loops, -1 for a hole alone.
+        tolerance: distance, as a fraction of the largest coordinate, below which a point is on the boundary."""
         self.search = EdgeSearch(starts, ends)
         self.outside = outside
-        self._touching = max(BOUNDARY_TOLERANCE * float(np.abs(starts).max()), SMALLEST_LENGTH)
+        self._touching = max(tolerance * float(np.abs(starts).max()), SMALLEST_LENGTH)
 
     @classmethod
     def of(cls, mesh: Mesh) -> SignedDistance:
@@ -151,11 +154,29 @@ class SignedDistance:
         sign = np.where(self.winding(points) == self.outside, 1.0, -1.0)
         gradient = away * (sign / np.maximum(distance, SMALLEST_LENGTH))[:, None]
         if touching.any():
-            length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), SMALLEST_LENGTH)
-            normal = np.stack([direction[:, 1], -direction[:, 0]], axis=1) / length[:, None]
-            gradient[touching] = normal[touching]
+            gradient[touching] = self._normals_at(edge[touching], parameter[touching])
             sign[touching] = 0.0
         return SignedSample(sign * distance, gradient, edge, parameter)
+
+    def _normals_at(self, edge: IntArray, parameter: FloatArray) -> FloatArray:
+        """(K, 2) outward normals at places of edges (K,); at a vertex, that of the edge which ends there.
+
+        Which of the two edges at a vertex is the closest one is a matter of round-off, and must not decide. Their mean
+        would keep symmetries that are saddles of the area.
+        """
+        starts, ends = self.search.starts, self.search.ends
+        length = np.hypot(*(ends[edge] - starts[edge]).T)
+        at_start = np.nonzero(parameter * length <= self._touching)[0]
+        if len(at_start):
+            key = np.ascontiguousarray(ends).view(np.complex128)[:, 0]
+            order = np.argsort(key)
+            wanted = np.ascontiguousarray(starts[edge[at_start]]).view(np.complex128)[:, 0]
+            edge = edge.copy()
+            edge[at_start] = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(order) - 1)]
+        direction = ends[edge] - starts[edge]
+        length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), SMALLEST_LENGTH)
+        normals: FloatArray = np.stack([direction[:, 1], -direction[:, 0]], axis=1) / length[:, None]
+        return normals
 
     def winding(self, points: FloatArray) -> IntArray:
         """(P,) winding number of the edges around points; exact, ON_BOUNDARY for points on an edge."""

@@ -1,4 +1,4 @@
-"""Where a mesh leaves no room for a clearance: what a refusal tells, looked for only when there is no cage."""
+"""Upper bounds of the clearance between loops and inside holes, computed only to explain a failure."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from ..geometry.mesh.validation import place
 from ..geometry.signed_distance import EdgeSearch
 
 ROUND_OFF = 1e-6
-"""Relative excess of a bound over the wanted clearance that no cage can make use of."""
+"""Relative distance of a bound from the wanted clearance that is mere round-off."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """A place that lets no cage keep ``clearance`` or more, and why: parts of a sentence."""
+    """A place where every cage has less than ``clearance``, and why, in parts of a sentence."""
 
     clearance: float
     where: str
     why: str
     remedy: str
 
-    def refusal(self, wanted: float) -> str:
+    def message(self, wanted: float) -> str:
         """The sentence for a larger clearance."""
         return (
             f"No cage keeps the clearance of {wanted:.6g} {self.where}: {self.why}; ask for less than "
@@ -34,10 +34,10 @@ class Bound:
         )
 
 
-def no_room(fine: Mesh, wanted: float) -> str:
-    """Why no cage with the loops of a mesh keeps a clearance, as a sentence; empty if that cannot be said."""
+def too_narrow(fine: Mesh, wanted: float) -> str:
+    """Why no cage with the loops of a mesh can keep a clearance, as a sentence; empty if no bound says so."""
     bound = min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
-    return "" if bound is None or bound.clearance > (1.0 + ROUND_OFF) * wanted else bound.refusal(wanted)
+    return "" if bound is None or bound.clearance > (1.0 + ROUND_OFF) * wanted else bound.message(wanted)
 
 
 def _bounds(fine: Mesh) -> Iterator[Bound]:

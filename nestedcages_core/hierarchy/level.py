@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -10,299 +11,281 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import Count, Decimation, SeveralStarts
+from ..decimation import Decimation, SeveralStarts, Start
 from ..decimation.base import clamped, shared_anew
 from ..energies import CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
-from ..flow.loop_matching import match_loops
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..verification import Certificate, verify, verify_motion
+from ..stages import Stage
+from ..verification import Certificate, verify
 from ..verification.certificate import loops_in_words
-from .clearance_bounds import no_room
-from .reporting import Reporter
-from .results import Level, NestingReport
+from ..verification.motion import certify_motion
+from .attempts import PAPER_PREFERENCE, Attempt, Outcome, attempts, in_turn
+from .clearance_bounds import too_narrow
+from .early_stop import EarlyStop
+from .progress import LevelProgress
+from .results import Level, NestingReport, Progress
 from .settings import Settings
-from .units import Clearance, Frame
+from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
 
-FIRST_LOOK = 4
-"""Steps of a tightening before it is compared with the best one: the first steps only repair the start."""
-
-STEPS_AHEAD = 4.0
-"""Steps like the last one that a tightening is trusted to make still; gains about halve from step to step."""
+FAILURES = (FlowError, ReinflationError, NestingError)
+"""What the next attempt may mend; everything else ends the run."""
 
 
 class LevelBuilder:
-    """Makes one level around ``fine``."""
+    """Makes one level around ``fine``. All methods that take time are generators of `Progress`."""
 
-    def __init__(self, fine: Mesh, clearance: Clearance, settings: Settings, report: Reporter) -> None:
-        self.fine = fine
-        self.clearance = clearance
-        self.settings = settings
-        self.report = report
-        self.frame = Frame.of(fine)
-        self.unit_fine = fine.moved(self.frame.inside(fine.vertices))
+    def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
+        self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
+        self.units = SolverUnits.of(fine)
+        self.unit_fine = self.units.from_input(fine)
+        self.starts: list[Start] = []
+        """Of the last attempt."""
 
-    def build(self, wanted: int | Mesh) -> Level:
-        """The level for a vertex count or a coarse mesh, by the flow or, where that fails, from the fallback."""
-        settings = self.settings
-        notes: tuple[str, ...] = ()
+    def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
+        """The level of the first attempt that succeeds. Raises the error of the last one."""
+        failures: list[NestedCagesError] = []
+        clamping: tuple[str, ...] = ()
         if not isinstance(wanted, Mesh):
-            wanted, notes = clamped(wanted, self.fine)
-        same = not isinstance(wanted, Mesh) and settings.fallback == settings.decimation
-        fallback = None if same else settings.fallback
-        self.report.begin("decimation")
-        try:
-            if isinstance(wanted, Mesh):
-                return self._certified(self._approach(wanted, False), ())
-            return self._best(self._starts(settings.decimation, wanted), notes, last=fallback is None)
-        except (FlowError, ReinflationError, NestingError) as error:
-            if fallback is None:
-                raise
-            note = f"Started from the outer hull instead of the coarse mesh: {error}"
-            logger.debug("fallback: %s", error)
-        self.report.begin("decimation")
-        counts = self._counts(wanted)
-        starts = self._starts(fallback, counts)
-        return self._best(starts, (*notes, note, *shared_anew(counts, starts[0])), last=True)
+            wanted, clamping = clamped(wanted, self.fine)
+        for attempt in attempts(self.settings, self.fine, wanted, self.clearances):
+            try:
+                if attempt.tightened:
+                    self.starts = []
+                    self.starts = yield from self._coarse_meshes(attempt)
+                notes = clamping
+                if attempt.fallback and self.starts:
+                    start = self.starts[0]
+                    reason = f"Started from the {start.source} instead of the coarse mesh: {failures[0]}"
+                    notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
+                make = self._tightest if attempt.tightened else self._untightened
+                return (yield from make(attempt, notes))
+            except FAILURES as error:
+                logger.debug("attempt from %s failed: %s", attempt.source, error)
+                if attempt.tightened:
+                    failures.append(error)
+        raise failures[-1]
 
-    def _starts(self, decimation: Decimation, count: Count) -> list[Mesh]:
-        """Coarse meshes to begin with: several where the decimation offers them, since they end in different optima."""
-        clearance = self.clearance.length
-        if isinstance(decimation, SeveralStarts) and self.settings.starts > 1:
-            return decimation.candidates(self.fine, count, clearance=clearance, keep=self.settings.starts)
-        return [decimation.decimate(self.fine, count, clearance=clearance)]
-
-    def _counts(self, wanted: int | Mesh) -> Count:
-        """For the fallback: the vertices of each loop of the coarse mesh, or their total where its loops are others."""
-        if not isinstance(wanted, Mesh):
-            return wanted
-        total = max(len(wanted.vertices), 3 * len(self.fine.loops))
-        if len(wanted.loops) != len(self.fine.loops):
-            return total
-        try:
-            return [len(wanted.loops[k]) for k in match_loops(self.fine, wanted).partner]
-        except FlowError:
-            return total
-
-    def _best(self, starts: list[Mesh], notes: tuple[str, ...], *, last: bool) -> Level:
-        """The tightest certified cage from any of the starts; the first error when there is none.
-
-        last: whether nothing else will be tried, so that a start which is a cage itself is better than none.
-        """
-        attempts: list[_Attempt] = []
+    def _tightest(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+        """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
-        for number, coarse in enumerate(starts):
-            self.report.start(number, len(starts))
-            size, area = len(coarse.vertices), coarse.area
-            logger.debug("start %d of %d: %d vertices, area %.9g", number + 1, len(starts), size, area)
-            beat = min((attempt.area for attempt in attempts), default=np.inf)
+        cages: list[_Cage] = []
+        turn = in_turn(self.starts, self.fine, attempt)
+        start: Start | None = next(turn)
+        while start is not None:
+            self.progress.next_start(len(self.starts))
+            best, outcome = min((cage.rank for cage in cages), default=np.inf), Outcome()
             try:
-                attempts.append(self._approach(coarse, True, beat))
-            except _LosingError:
-                logger.debug("start %d given up: it will not beat the best one", number + 1)
-                continue
-            except (FlowError, ReinflationError, NestingError) as error:
-                logger.debug("start %d failed: %s", number + 1, error)
+                cage = yield from self._reinflated(attempt, start)
+                cage = yield from self._tightened(cage, attempt.clearances[0], best)
+                if np.isfinite(cage.rank):
+                    cages.append(cage)
+                    vertices = self.units.to_input(cage.reinflation.cage_steps[-1])
+                    outcome = Outcome(cage.rank, start.coarse.moved(vertices))
+            except FAILURES as error:
+                logger.debug("start from %s failed: %s", start.source, error)
                 errors.append(error)
-        for attempt in sorted(attempts, key=lambda attempt: attempt.area):
+            logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, outcome.rank)
             try:
-                return self._certified(attempt, notes)
+                start = turn.send(outcome)
+            except StopIteration:
+                start = None
+        for cage in sorted(cages, key=lambda cage: cage.rank):
+            try:
+                return (yield from self._certified(attempt, cage, notes))
             except NestingError as error:
                 errors.append(error)
-        for coarse in starts if last else ():
-            level = self._untightened(coarse, notes)
-            if level is not None:
-                return level
         raise errors[0]
 
-    def _approach(self, coarse: Mesh, generated: bool, beat: float = np.inf) -> _Attempt:
-        """Flow, reinflation and tightening from a coarse mesh; given up when it will not come below the area
-        ``beat``."""
-        settings, frame, report = self.settings, self.frame, self.report
-        unit_coarse = coarse.moved(frame.inside(coarse.vertices))
-        report.begin("flow")
-        unit_flow = self._flow(unit_coarse)
-        report.begin("reinflation")
-        energy = settings.energy.at(unit_coarse)
-        expansion = energy if settings.expansion_energy is None else settings.expansion_energy.at(unit_coarse)
-        way_home = reinflate(
+    def _coarse_meshes(self, attempt: Attempt) -> Stage[Progress, list[Start]]:
+        """The coarse meshes of an attempt, at least one."""
+        source = attempt.source
+        if isinstance(source, Mesh):
+            return [Start(source, "coarse mesh")]
+        yield from self.progress.begin("decimation")
+        clearance = attempt.clearances[0]
+        if isinstance(source, SeveralStarts):
+            search = source.starts(self.fine, attempt.count, clearance=clearance, most=attempt.starts)
+            return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
+        return [Start(source.decimate(self.fine, attempt.count, clearance=clearance), in_words(source))]
+
+    def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, _Cage]:
+        """Flow and reinflation from a coarse mesh."""
+        unit_coarse = self.units.from_input(start.coarse)
+        yield from self.progress.begin("flow")
+        try:
+            flow = yield from self.progress.follow(
+                self.settings.flow.run(self.unit_fine, unit_coarse), lambda done: (done, "flow")
+            )
+        except FlowError as error:
+            partial = error.partial
+            if isinstance(partial, FlowResult) and partial.obstacle is not None:
+                x, y = self.units.centre
+                raise FlowError(partial.obstacle.sentence(self.units.scale, (float(x), float(y)))) from error
+            raise
+        yield from self.progress.begin("reinflation")
+        expansion = reinflate(
             self.unit_fine,
             unit_coarse,
-            unit_flow.steps,
-            contacts=settings.contacts(len(coarse.vertices), len(self.fine.vertices)),
-            energy=expansion,
-            solver=settings.solver,
-            clearance=frame.length(self.clearance.length),
-            progress=report,
+            flow.steps,
+            contacts=attempt.contacts,
+            clearance=self.units.clearance(attempt.clearances[0]),
         )
-        attempt = _Attempt(coarse, generated, unit_coarse, unit_flow, way_home, energy)
-        return self._tightened(attempt, self.clearance.length, beat)
+        reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
+        return _Cage(start, unit_coarse, flow, reinflation, reinflation, self.settings.energy.at(unit_coarse))
 
-    def _tightened(self, attempt: _Attempt, clearance: float, beat: float = np.inf) -> _Attempt:
-        """The attempt with its cage tightened at a clearance in the input's units."""
-        self.report.begin("tightening")
-        race = _Race(attempt.unit_coarse.successor, beat)
-        cages: list[FloatArray] = []
-
-        def on_step(cage: FloatArray) -> None:
-            cages.append(cage)
-            self.report(1.0 - 1.0 / (1.0 + 0.1 * len(cages)), f"tightening, step {len(cages)}")
-            race.check(cage)
-
-        start = attempt.way_home.cage_steps[-1]
-        outcome = self.settings.tightening.run(
-            Bodies.of(attempt.unit_coarse, self.unit_fine),
+    def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
+        """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
+        yield from self.progress.begin("tightening")
+        early_stop = EarlyStop(best)
+        start = cage.untightened.cage_steps[-1]
+        steps: list[FloatArray] = []
+        tightening = self.settings.tightening.run(
+            Bodies.of(cage.unit_coarse, self.unit_fine),
             start,
             self.unit_fine.vertices,
-            clearance=self.frame.length(clearance),
-            energy=attempt.energy,
-            on_step=on_step,
+            clearance=self.units.clearance(clearance),
+            energy=cage.energy,
         )
+        while True:
+            try:
+                steps.append(next(tightening))
+            except StopIteration as end:
+                outcome = end.value
+                break
+            if early_stop.cannot_improve(self._rank(cage, steps[-1])):
+                return cage
+            fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
+            yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
         return replace(
-            attempt,
-            way=attempt.way_home.with_tightening(cages),
-            area=signed_area(cages[-1] if cages else start, attempt.unit_coarse.successor),
+            cage,
+            reinflation=cage.untightened.with_tightening(steps),
+            rank=self._rank(cage, steps[-1] if steps else start),
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
 
-    def _certified(self, attempt: _Attempt, notes: tuple[str, ...]) -> Level:
-        """The level that an attempt makes, at the largest of the clearances in question that can be certified."""
-        report, coarse, wanted = self.report, attempt.coarse, self.clearance.length
+    def _rank(self, cage: _Cage, vertices: FloatArray) -> float:
+        """What makes one cage better than another, the smaller the better: its excess."""
+        excess = signed_area(vertices, cage.unit_coarse.successor) / self.unit_fine.area - 1.0
+        return excess if len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
+
+    def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+        """The level of a cage, at the largest clearance of the attempt that can be certified."""
+        coarse, wanted = cage.start.coarse, attempt.clearances[0]
         # a coarse mesh of one's own may wrap several parts in one loop or cover holes
         same_loops = coarse.has_loops_like(self.fine)
-        for length in self.clearance.options():
-            if length < wanted:
-                attempt = self._tightened(attempt, length)
-            report.begin("verification")
-            flow, reinflation = self._in_input_units(attempt)
-            cage = coarse.moved(reinflation.cage_steps[-1])
-            certificate = verify(cage, self.fine, length, same_loops=same_loops)
-            if not _is_only_too_close(certificate, length):
+        for clearance in attempt.clearances:
+            if clearance < wanted:
+                cage = yield from self._tightened(cage, clearance)
+            yield from self.progress.begin("verification")
+            flow, reinflation = self._in_input_units(cage)
+            result = coarse.moved(reinflation.cage_steps[-1])
+            certificate = verify(result, self.fine, clearance, same_loops=same_loops)
+            if not _is_only_too_close(certificate, clearance):
                 break
         if not certificate.holds:
-            raise NestingError(_refusal(certificate, self.fine, length, wanted))
-        motion = verify_motion(cage, self.fine, reinflation.cage_steps, reinflation.fine_steps)
-        report.pause()
+            raise NestingError(_failed(certificate, self.fine, clearance, wanted))
+        motion = certify_motion(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
         if not motion:
             raise NestingError(
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "
                 "use more cage vertices, or a coarse mesh closer to the fine one."
             )
-        if length < wanted:
-            notes = (*notes, f"The gaps of the fine mesh leave room for a clearance of {length:.3g}, not {wanted:.3g}.")
+        if clearance < wanted:
+            notes = (
+                *notes,
+                f"The gaps of the fine mesh leave room for a clearance of {clearance:.3g}, not {wanted:.3g}.",
+            )
         if not same_loops:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
             notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
-        start = "outer hull" if attempt.generated and len(flow.steps) == 1 else "flow"
-        counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **attempt.counts}
-        nesting = self._report(certificate, length, start=start, iterations=counts, notes=notes)
-        return Level(self.fine, coarse, cage, flow, reinflation, nesting)
+        start = "flow" if len(flow.steps) > 1 else cage.start.source
+        counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
+        report = self._report(certificate, clearance, start=start, iterations=counts, notes=notes)
+        return Level(self.fine, coarse, result, flow, reinflation, report)
 
-    def _untightened(self, coarse: Mesh, notes: tuple[str, ...]) -> Level | None:
-        """The level of a coarse mesh that is a cage as it is; None if it is none.
+    def _untightened(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+        """The level of the first coarse mesh that is a cage as it is.
 
-        Details that are tiny beside the whole may be told apart in the input's units only, near the origin.
+        Details that are tiny compared with the whole may show in the input's units only, near the origin.
         """
-        certificate, wanted = verify(coarse, self.fine), self.clearance.length
-        length = min(wanted, certificate.clearance) if self.clearance.negotiable else wanted
-        if not certificate.holds or certificate.clearance < length:
-            return None
-        notes = (*notes, "The coarse mesh is not tightened: details of the fine mesh are too small beside the whole.")
-        counts = {"flow": 0, "reinflation": 0}
-        nesting = self._report(certificate, length, start="outer hull", iterations=counts, notes=notes)
-        flow = FlowResult(self.fine.vertices[None], 0, "inside")
-        stands = Reinflation(self.fine.vertices[None], coarse.vertices[None], 0, 0)
-        return Level(self.fine, coarse, coarse, flow, stands, nesting)
+        yield from self.progress.begin("verification")
+        may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
+        for start in self.starts if attempt.may_fall_back else (s for s in self.starts if s.on_curve is None):
+            certificate = verify(start.coarse, self.fine)
+            clearance = min(wanted, certificate.clearance) if may_be_less else wanted
+            if certificate.holds and certificate.clearance >= clearance:
+                note = "The coarse mesh is not tightened: details of the fine mesh are too small for that."
+                counts = {"flow": 0, "reinflation": 0}
+                report = self._report(
+                    certificate, clearance, start=start.source, iterations=counts, notes=(note, *notes)
+                )
+                flow = FlowResult(self.fine.vertices[None], 0, "inside")
+                resting = Reinflation(self.fine.vertices[None], start.coarse.vertices[None], 0)
+                return Level(self.fine, start.coarse, start.coarse, flow, resting, report)
+        raise NestingError("None of the coarse meshes is a cage.")
 
     def _report(
         self,
         certificate: Certificate,
-        length: float,
+        clearance: float,
         *,
         start: str,
         iterations: Mapping[str, int],
         notes: tuple[str, ...],
     ) -> NestingReport:
         """What is certified, and how long it took."""
+        self.progress.stop_clock()
         return NestingReport(
             strict=certificate.strict,
             simple=certificate.simple,
             clearance=certificate.clearance,
-            wanted_clearance=length,
+            wanted_clearance=clearance,
             excess=certificate.excess,
             start=start,
             iterations=iterations,
-            seconds=dict(self.report.seconds),
+            seconds=dict(self.progress.seconds),
             notes=notes,
         )
 
-    def _flow(self, unit_coarse: Mesh) -> FlowResult:
-        try:
-            return self.settings.flow.run(self.unit_fine, unit_coarse, progress=self.report)
-        except FlowError as error:
-            partial = error.partial
-            if isinstance(partial, FlowResult) and partial.obstacle is not None:
-                x, y = self.frame.centre
-                raise FlowError(partial.obstacle.sentence(self.frame.scale, (float(x), float(y)))) from error
-            raise
-
-    def _in_input_units(self, attempt: _Attempt) -> tuple[FlowResult, Reinflation]:
-        """Its steps in the input's units; what came in is put back bit by bit."""
-        frame, home, way = self.frame, self.fine.vertices, attempt.way
-        assert way is not None
-        flow_steps = frame.outside(attempt.unit_flow.steps)
-        flow_steps[0] = home
-        fine_steps = frame.outside(way.fine_steps)
-        fine_steps[0] = flow_steps[-1]
-        fine_steps[way.tightening_start :] = home
-        cage_steps = frame.outside(way.cage_steps)
-        cage_steps[0] = attempt.coarse.vertices
-        flow = FlowResult(flow_steps, attempt.unit_flow.iterations, attempt.unit_flow.stage)
-        return flow, Reinflation(fine_steps, cage_steps, way.tightening_start, way.iterations)
+    def _in_input_units(self, cage: _Cage) -> tuple[FlowResult, Reinflation]:
+        """Its steps in the input's units; input coordinates are put back exactly."""
+        units, reinflation = self.units, cage.reinflation
+        flow_steps = units.to_input(cage.flow.steps)
+        flow_steps[0] = self.fine.vertices
+        moving_steps = units.to_input(reinflation.moving_steps)
+        moving_steps[0] = flow_steps[-1]
+        moving_steps[-1] = self.fine.vertices
+        cage_steps = units.to_input(reinflation.cage_steps)
+        cage_steps[0] = cage.start.coarse.vertices
+        flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
+        return flow, Reinflation(moving_steps, cage_steps, reinflation.iterations)
 
 
 @dataclass(frozen=True, eq=False)
-class _Attempt:
-    """A cage on its way, in the units of the solvers but for ``coarse``."""
+class _Cage:
+    """A cage in progress, in the units of the solvers."""
 
-    coarse: Mesh
-    generated: bool
+    start: Start
+    """Its coarse mesh in the units of the input."""
     unit_coarse: Mesh
-    unit_flow: FlowResult
-    way_home: Reinflation
+    flow: FlowResult
+    untightened: Reinflation
+    reinflation: Reinflation
+    """The same and the tightening after it."""
     energy: CageEnergy
-    way: Reinflation | None = None
-    """The way home and the tightening after it."""
-    area: float = np.inf
-    """Of the tightened cage."""
+    rank: float = np.inf
+    """Of the tightened cage, see `_rank`; infinite if it was given up."""
     counts: Mapping[str, int] = field(default_factory=dict)
 
 
-class _LosingError(Exception):
-    """Raised inside a tightening that will not beat the best one so far."""
-
-
-class _Race:
-    """Gives a tightening up when even several more steps like its last one would leave it behind."""
-
-    def __init__(self, successor: IntArray, beat: float) -> None:
-        self._successor = successor
-        self._beat = beat
-        self._areas: list[float] = []
-
-    def check(self, cage: FloatArray) -> None:
-        """Look at the next step."""
-        if np.isinf(self._beat):
-            return
-        self._areas.append(signed_area(cage, self._successor))
-        if len(self._areas) >= FIRST_LOOK:
-            gain = max(self._areas[-2] - self._areas[-1], 0.0)
-            if self._areas[-1] - STEPS_AHEAD * gain > self._beat:
-                raise _LosingError
+def in_words(decimation: Decimation) -> str:
+    """The name of a decimation in words: "level set" for ``LevelSet()``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()
 
 
 def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
@@ -311,11 +294,11 @@ def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
     return sound and certificate.clearance < clearance
 
 
-def _refusal(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> str:
+def _failed(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> str:
     """Why a cage was not returned; tried: the last clearance asked for."""
     if not _is_only_too_close(certificate, tried):
         return "The cage could not be certified: " + " ".join(certificate.problems)
-    return no_room(fine, wanted) or (
+    return too_narrow(fine, wanted) or (
         f"No cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the best one comes as close "
         f"as {certificate.clearance:.6g}; ask for less clearance or use more vertices."
     )

@@ -10,12 +10,12 @@ import numpy as np
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
+from ..stages import Stage
+from .attempts import clearances_for
 from .level import LevelBuilder
-from .reporting import Reporter
+from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
 from .settings import Settings
-from .stepping import Stepwise
-from .units import Clearance
 
 logger = logging.getLogger(__name__)
 
@@ -34,20 +34,11 @@ def nested_cages(
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
-    settings = settings if settings is not None else Settings()
-    fine, wanted = _checked(fine, levels)
-    finished: list[Level] = []
-    for index, level in enumerate(wanted):
-        inner = finished[-1].cage if finished else fine
-        report = Reporter(index, len(wanted), progress)
-        clearance = Clearance.of(settings.clearance, fine)
-        try:
-            finished.append(LevelBuilder(inner, clearance, settings, report).build(level))
-        except NestedCagesError as error:
-            error.partial = Hierarchy(fine, tuple(finished))
-            raise
-        logger.debug("level %d: %s", index, finished[-1].report)
-    return Hierarchy(fine, tuple(finished))
+    run = NestedCagesRun(fine, levels, settings)
+    for step in run:
+        if progress is not None:
+            progress(step)
+    return run.hierarchy
 
 
 class NestedCagesRun:
@@ -60,24 +51,55 @@ class NestedCagesRun:
     """
 
     def __init__(self, fine: Mesh, levels: Sequence[int | Mesh], settings: Settings | None = None) -> None:
-        self._work: Stepwise[Progress, Hierarchy] = Stepwise(
-            lambda report: nested_cages(fine, levels, settings, progress=report)
-        )
+        self._work = _hierarchy(fine, levels, settings if settings is not None else Settings())
+        self._result: Hierarchy | None = None
+        self._over = False
+        self._unfinished = "the run has no result yet: iterate over it to its end first"
 
     def __iter__(self) -> Iterator[Progress]:
         return self
 
     def __next__(self) -> Progress:
-        return next(self._work)
+        try:
+            return next(self._work)
+        except StopIteration as end:
+            if not self._over:
+                self._over, self._result = True, end.value
+            raise
+        except BaseException as error:
+            self._over = True
+            self._unfinished = f"the run has no result: it ended with the error '{error}'"
+            raise
 
     @property
     def hierarchy(self) -> Hierarchy:
         """The result; RuntimeError before the run is over."""
-        return self._work.result
+        if self._result is None:
+            raise RuntimeError(self._unfinished)
+        return self._result
 
     def close(self) -> None:
         """Cancel the work; nothing happens when it is over."""
+        if not self._over:
+            self._over, self._unfinished = True, "the run has no result: it was cancelled"
         self._work.close()
+
+
+def _hierarchy(fine: Mesh, levels: Sequence[int | Mesh], settings: Settings) -> Stage[Progress, Hierarchy]:
+    """All levels."""
+    fine, wanted = _checked(fine, levels)
+    finished: list[Level] = []
+    for index, level in enumerate(wanted):
+        inner = finished[-1].cage if finished else fine
+        try:
+            clearances = clearances_for(settings, fine)
+            builder = LevelBuilder(inner, clearances, settings, LevelProgress(index, len(wanted)))
+            finished.append((yield from builder.build(level)))
+        except NestedCagesError as error:
+            error.partial = Hierarchy(fine, tuple(finished))
+            raise
+        logger.debug("level %d: %s", index, finished[-1].report)
+    return Hierarchy(fine, tuple(finished))
 
 
 def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int | Mesh]]:

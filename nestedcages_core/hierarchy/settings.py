@@ -7,37 +7,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..contact import IPC, Contact, SequentialQP
-from ..decimation import Decimation, OuterHull
+from ..contact import Contact
+from ..decimation import Decimation, OnCurve, OuterHull
 from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
-from ..solver import ProjectedNewton, Solver
 from ..tightening import Tightening
-
-DEFAULT_CLEARANCE = 1e-5
-"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
-
-IPC_FIRST = 50_000
-"""Product of the vertex counts up to which IPC is tried first: there it costs as little and leaves less to tighten."""
-
-CROWD = 10.0
-"""Pairs per vertex at which it leaves them to the other one after all. Usual are 1 to 3; around cores of many needles,
-where each iteration costs fifty times as much as elsewhere, 20 to 140."""
 
 METHODS = {
     "decimation": ("decimate", "OuterHull()"),
     "fallback": ("decimate", "OuterHull()"),
     "flow": ("run", "TwoSidedFlow()"),
     "energy": ("at", "Area()"),
-    "expansion_energy": ("at", "Area()"),
-    "solver": ("minimise", "ProjectedNewton()"),
     "tightening": ("run", "Tightening()"),
 }
 """What each choice must be able to do, and an example of it."""
-
-OPTIONAL = ("fallback", "expansion_energy")
-"""Choices that may be None."""
 
 
 @dataclass(frozen=True)
@@ -47,26 +31,21 @@ class Settings:
     clearance: float | None = None
     """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
     bounding-box diagonal, or as much of it as the gaps of the fine mesh leave room for."""
-    decimation: Decimation = field(default_factory=OuterHull)
+    decimation: Decimation = field(default_factory=OnCurve)
     """How a vertex count becomes a coarse mesh."""
     starts: int = 3
-    """From how many coarse meshes the cage is tightened, to keep the tightest, where the decimation offers several."""
+    """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)
-    """Where to start instead when the flow does not get inside a coarse mesh or the way back is blocked; None makes
-    that an error."""
+    """Where to start instead when the flow or the reinflation fails; None makes that an error."""
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
     """How the fine mesh is brought inside the coarse one."""
     energy: Energy = field(default_factory=Area)
-    """What the cage minimises, on the way of the fine mesh home and once it is there."""
-    expansion_energy: Energy | None = None
-    """What it minimises on the way home instead, for contacts that minimise; None: the same."""
+    """What the cage minimises during tightening, and during reinflation with the default contact."""
     contact: Contact | Sequence[Contact] | None = None
-    """How contact is resolved on the way home; of several, each begins anew where the one before got stuck. None: IPC,
-    which leaves the cage tighter, and sequential QPs, which stay fast, each backed by the other; by size."""
-    solver: Solver = field(default_factory=ProjectedNewton)
-    """How contacts that minimise an energy do so."""
+    """How contact is resolved during reinflation; of several, each starts over where the one before is blocked. None:
+    IPC for small meshes and sequential QPs for large ones, each with the other one after it."""
     tightening: Tightening = field(default_factory=Tightening)
-    """How the cage is brought to its optimum once the fine mesh is home."""
+    """How the cage is brought to its optimum once the fine mesh is back."""
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not _is_length(self.clearance):
@@ -78,7 +57,7 @@ class Settings:
             raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
         for name, (method, example) in METHODS.items():
             chosen = getattr(self, name)
-            if not _can(chosen, method) and not (chosen is None and name in OPTIONAL):
+            if not _can(chosen, method) and not (chosen is None and name == "fallback"):
                 what = name.replace("_", " ")
                 raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
         contact: object = self.contact
@@ -88,13 +67,6 @@ class Settings:
                 f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
                 "out for the default."
             )
-
-    def contacts(self, cage_vertices: int, fine_vertices: int) -> tuple[Contact, ...]:
-        """The contacts to try, in turn, for meshes of that many vertices."""
-        if self.contact is None:
-            small = cage_vertices * fine_vertices <= IPC_FIRST
-            return (IPC(crowd=CROWD), SequentialQP()) if small else (SequentialQP(), IPC())
-        return tuple(self.contact) if isinstance(self.contact, Sequence) else (self.contact,)
 
 
 def _is_length(value: object) -> bool:

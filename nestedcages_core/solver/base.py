@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from ..geometry.arrays import FloatArray
+from ..stages import Stage
 
 
 class NewtonModel(NamedTuple):
@@ -56,6 +56,6 @@ class SolverResult:
 class Solver(Protocol):
     """Lowers an objective step by step."""
 
-    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
-        """Minimise from the valid state x; ``on_step`` sees every accepted state and may raise to cancel."""
+    def minimise(self, objective: Objective, x: FloatArray) -> Stage[FloatArray, SolverResult]:
+        """Minimise from the valid state x; yields every accepted state."""
         ...

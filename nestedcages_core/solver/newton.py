@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..parameters import check_count, check_not_negative
+from ..stages import Stage
 from .base import Objective, SolverResult
 from .line_search import backtrack
 
@@ -32,7 +32,7 @@ class ProjectedNewton:
         check_not_negative(self, "tolerance")
         check_count(self, "max_iterations", least=0)
 
-    def minimise(self, objective: Objective, x: FloatArray, on_step: Callable[[FloatArray], None]) -> SolverResult:
+    def minimise(self, objective: Objective, x: FloatArray) -> Stage[FloatArray, SolverResult]:
         """Minimise from x; see :class:`nestedcages_core.solver.base.Solver`."""
         first_decrement = 0.0
         values: list[float] = []
@@ -52,5 +52,5 @@ class ProjectedNewton:
             if step.fraction == 0.0:
                 return SolverResult(x, iteration + 1, False)
             x = step.x
-            on_step(x)
+            yield x
         return SolverResult(x, self.max_iterations, objective.finished(x))

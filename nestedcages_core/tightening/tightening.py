@@ -14,7 +14,6 @@ decrease says how far the cage is from a local optimum.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,8 +22,10 @@ from ..contact.pairs import Bodies, CandidateList
 from ..contact.wanted_distances import WantedDistances
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
+from ..parameters import check_count, check_not_negative, check_positive
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
+from ..stages import Stage, mapped
 from .curvature import EdgeLoads
 from .quadratic_model import QuadraticModel, model_at
 from .trial import Trial, find_trial
@@ -33,29 +34,26 @@ from .widening import widen
 
 logger = logging.getLogger(__name__)
 
-INSIDE = 1e-7
-"""The distance aimed at is larger than the clearance by this fraction, so that no later rounding eats it."""
+CLEARANCE_MARGIN = 1e-7
+"""Relative margin added to the clearance to absorb later rounding."""
 
-STILL = 1e-2
-"""Fraction of the tolerance below which one predicted decrease is enough: further steps would not change the
-outline."""
+NEGLIGIBLE_DECREASE = 1e-2
+"""Fraction of the threshold below which a single predicted decrease ends the tightening."""
 
-FAST = 0.02
-"""The same for a predicted decrease that is below the tolerance and this fraction of the one before: the next one would
-be far below."""
+FAST_CONVERGENCE = 0.02
+"""The same as a fraction of the decrease predicted one step before, where convergence is that fast."""
 
 COMPLEMENTARITY = 0.1
-"""Complementarity of a quadratic program that is small enough, as a fraction of the decrease at which tightening
-stops."""
+"""Complementarity at which a quadratic program is solved, as a fraction of the smallest decrease that counts."""
 
-ACTIVE = 1e-3
-"""Constraints whose multipliers are larger than this fraction of the largest are held on the way off a saddle."""
+ACTIVE_MULTIPLIER = 1e-3
+"""Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
 
-ESCAPE = 0.5
+ESCAPE_LENGTH = 0.5
 """Length of the step off a saddle, in first radii."""
 
-ESCAPES = 8
-"""Cap on those steps."""
+MAX_ESCAPES = 8
+"""Maximum number of steps off saddles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,22 +91,20 @@ class Tightening:
     solver: InteriorPoint = field(default_factory=InteriorPoint)
     """Method for the quadratic programs."""
 
+    def __post_init__(self) -> None:
+        check_count(self, "iterations", least=0)
+        check_count(self, "patience")
+        check_positive(self, "first_radius", "largest_radius")
+        check_not_negative(self, "tolerance", "share")
+
     def run(
-        self,
-        bodies: Bodies,
-        cage: FloatArray,
-        fine: FloatArray,
-        *,
-        clearance: float,
-        energy: CageEnergy,
-        on_step: Callable[[FloatArray], None],
-    ) -> TighteningOutcome:
+        self, bodies: Bodies, cage: FloatArray, fine: FloatArray, *, clearance: float, energy: CageEnergy
+    ) -> Stage[FloatArray, TighteningOutcome]:
         """Tighten ``cage`` (m, 2), which is free of contact with ``fine`` (n, 2), to the clearance (a length).
 
-        ``on_step`` gets the cage of every accepted step; the linear motion from the one before is free of collisions.
-        It may raise to cancel.
+        Yields the cage after every accepted step; the linear motion from the one before is free of collisions.
         """
-        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy.after(cage), on_step).minimise()
+        return _Run(self, bodies, np.concatenate([cage, fine]), clearance, energy.after(cage)).minimise()
 
 
 class _Run:
@@ -121,20 +117,17 @@ class _Run:
         x: FloatArray,
         clearance: float,
         energy: CageEnergy,
-        on_step: Callable[[FloatArray], None],
     ) -> None:
-        self.settings, self.bodies, self.energy, self.on_step = settings, bodies, energy, on_step
+        self.settings, self.bodies, self.energy = settings, bodies, energy
         self.x = x
-        self.clearance = clearance * (1.0 + INSIDE)
+        self.clearance = clearance * (1.0 + CLEARANCE_MARGIN)
         self.m = bodies.m
         self.candidates = CandidateList(bodies)
         self.systems = 0
 
-    def minimise(self) -> TighteningOutcome:
-        widened = widen(
-            self.bodies, self.x, self.clearance, self.candidates, self.settings.solver,
-            lambda x: self.on_step(x[: self.m].copy()),
-        )  # fmt: skip
+    def minimise(self) -> Stage[FloatArray, TighteningOutcome]:
+        widening = widen(self.bodies, self.x, self.clearance, self.candidates, self.settings.solver)
+        widened = yield from mapped(widening, lambda x: x[: self.m].copy())
         self.x, self.wanted = widened.x, WantedDistances(self.clearance, widened.own)
         self.systems += widened.systems
         if widened.closest >= 0:
@@ -164,16 +157,16 @@ class _Run:
             )  # fmt: skip
             gain = value - trial.value
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
-            still = quiet > 0 and solution.decrease < max(STILL * threshold, FAST * previous)
+            still = quiet > 0 and solution.decrease < max(NEGLIGIBLE_DECREASE * threshold, FAST_CONVERGENCE * previous)
             previous = solution.decrease
             region.update(solution, trial, value, self.clearance, self.x[: self.m])
-            value = self._accept(trial)
+            value = yield from self._accept(trial)
             if still or quiet >= settings.patience:
-                escape = self._escape(model, solution, value) if escapes < ESCAPES else None
+                escape = self._escape(model, solution, value) if escapes < MAX_ESCAPES else None
                 if escape is None or value - escape.value < negligible:
                     return self._outcome(iteration, True, "The model predicts no further decrease of the energy.")
                 logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
-                value = self._accept(escape)
+                value = yield from self._accept(escape)
                 region.reset()
                 quiet, escapes = 0, escapes + 1
             elif region.collapsed:
@@ -185,11 +178,11 @@ class _Run:
             self.bodies, model.around, self.x, step, value=value, decrease=decrease, energy=self.energy
         )  # fmt: skip
 
-    def _accept(self, trial: Trial) -> float:
+    def _accept(self, trial: Trial) -> Stage[FloatArray, float]:
         """Go where the trial led, if anywhere; the energy there."""
         if trial.accepted:
             self.x = trial.x
-            self.on_step(self.x[: self.m].copy())
+            yield self.x[: self.m].copy()
         return trial.value
 
     def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
@@ -198,11 +191,11 @@ class _Run:
         The model is that of the step before, which was short; its contacts are measured anew.
         """
         multipliers = solution.multipliers
-        active = multipliers > ACTIVE * multipliers.max(initial=0.0)
+        active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)
         softest = negative_curvature(model.program, self.bodies.cage_order, active)
         if softest is None:
             return None
-        length = ESCAPE * self.settings.first_radius * self.bodies.cage_edge_length
+        length = ESCAPE_LENGTH * self.settings.first_radius * self.bodies.cage_edge_length
         decrease = -0.5 * softest.curvature * length**2
         model = model.measured_at(self.x)
         trials = [self._try(model, sign * length * softest.direction, value, decrease) for sign in (1.0, -1.0)]

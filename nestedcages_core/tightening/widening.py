@@ -6,7 +6,6 @@ smallest motion that increases all distances at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +18,7 @@ from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..contact.wanted_distances import WantedDistances
 from ..geometry.arrays import FloatArray, IntArray
 from ..solver.quadratic_program import InteriorPoint
+from ..stages import Stage
 from .restoration import restore
 
 MAX_STEPS = 100
@@ -60,11 +60,10 @@ def widen(
     clearance: float,
     candidates: CandidateList,
     solver: InteriorPoint,
-    on_step: Callable[[FloatArray], None],
-) -> Widened:
+) -> Stage[FloatArray, Widened]:
     """Move the cage from x (m + n, 2), free of contact, until its distance to the fine mesh is ``clearance``.
 
-    ``on_step`` gets every x on the way; the linear motion from the one before is free of collisions.
+    Yields every x on the way; the linear motion from the one before is free of collisions.
     """
     reach = (TARGET_DISTANCE + LONGEST_STEP) * clearance
     pairs, contacts = _measured(candidates, x, reach)
@@ -74,7 +73,7 @@ def widen(
         return Widened(x, own, 0, -1)
     moved = _restored(bodies, pairs, contacts, x, wanted, reach)
     if moved is not None:
-        on_step(moved)
+        yield moved
         return Widened(moved, own, 0, -1)
 
     aim = TARGET_DISTANCE * clearance
@@ -92,14 +91,14 @@ def widen(
             kept = rule.fractions(*step)
         if kept.any():
             x = x + kept[:, None] * found.motion
-            on_step(x)
+            yield x
         pairs, contacts = _measured(candidates, x, reach)
         short = _short(pairs, contacts, wanted)
         if len(short) == 0:
             return Widened(x, own, systems, -1)
         moved = _restored(bodies, pairs, contacts, x, wanted, reach)
         if moved is not None:
-            on_step(moved)
+            yield moved
             return Widened(moved, own, systems, -1)
         missing = float((wanted.of(pairs) - contacts.distance)[short].sum())
         idle = idle + 1 if missing > REQUIRED_PROGRESS * least else 0

@@ -13,6 +13,7 @@ collision: the certificate never errs on the unsafe side.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,7 +74,13 @@ def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_st
         raise NestedCagesError(
             f"There are {len(cage_steps)} steps of the cage, but {len(fine_steps)} of the fine mesh; give as many."
         )
-    bodies = Bodies.of(cage, fine)
+    return certify_motion(Bodies.of(cage, fine), list(cage_steps), list(fine_steps))
+
+
+def certify_motion(
+    bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
+) -> MotionCertificate:
+    """The same for steps, (m, 2) and (n, 2) each, that need no check; none of them is copied."""
     candidates = CandidateList(bodies)
     for step in range(len(cage_steps) - 1):
         before = np.concatenate([cage_steps[step], fine_steps[step]])

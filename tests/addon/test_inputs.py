@@ -151,7 +151,7 @@ def test_the_operator_gives_the_core_s_cages(addon, core, tmp_path, name) -> Non
     source = make(tmp_path)
     bpy.context.view_layer.update()
     shown = in_world(source, outline(source))
-    assert bpy.ops.object.nested_cages_generate(levels="40%", decimation="OUTER_HULL", **values) == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_generate(levels="40%", **values) == {"FINISHED"}
     (collection,) = [c for c in bpy.data.collections if "nested_cages_source" in c]
     fine, cage = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
     depsgraph = at_frame(cage["nested_cages_end"])

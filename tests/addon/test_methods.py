@@ -55,6 +55,8 @@ WITH = {
     "quadrature": {"flow": "SIGNED_DISTANCE"},
     "step_filter": {"contact": "IPC"},
     "broad_phase": {"contact": "IPC"},
+    "solver": {"contact": "IPC"},
+    "expansion_energy": {"contact": "IPC"},
 }
 PRESETS = ROOT / "addon" / "presets" / "nested_cages"
 
@@ -77,14 +79,13 @@ def test_the_table_is_complete(addon) -> None:
 def test_each_choice_is_the_object_that_it_is_called_after(addon, core, name, key) -> None:
     methods = addon.generation.methods.Methods(**WITH.get(name, {}) | {name: key})
     methods.check()
-    settings = methods.settings(1)
-    owner = {"quadrature": settings.flow, "step_filter": settings.contact, "broad_phase": settings.contact}
+    settings = methods.settings()
+    owner = {"quadrature": settings.flow} | dict.fromkeys(("step_filter", "broad_phase", "solver"), settings.contact)
     assert repr(getattr(owner.get(name, settings), name)).startswith(EXPECTED[name, key])
 
 
 def test_untouched_they_are_the_core_s_own(addon, core) -> None:
-    assert addon.generation.methods.Methods(decimation="OUTER_HULL").settings(1) == core.Settings()
-    assert addon.generation.methods.Methods().settings(2) == core.Settings()
+    assert addon.generation.methods.Methods().settings() == core.Settings()
     assert bpy.context.scene.nested_cages.contact == "AUTOMATIC"
     assert addon.properties.conversion.methods(bpy.context.scene.nested_cages) == addon.generation.methods.Methods()
 
@@ -99,7 +100,6 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
         starts=1,
         flow=core.PaperFlow(),
         contact=core.PaperContact(),
-        solver=core.GradientDescent(steps=100),
         tightening=core.Tightening(iterations=0),
     )
 
@@ -107,31 +107,35 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
         assert settings.tightening.iterations == 0
         return replace(settings, tightening=plain.tightening)
 
-    assert without_tightening(paper.settings(1)) == plain
-    exact = replace(paper, repairs=frozenset({"PARITY"})).settings(1)
+    assert without_tightening(paper.settings()) == plain
+    exact = replace(paper, repairs=frozenset({"PARITY"})).settings()
     assert exact.flow.exact_parity and exact.contact.repairs == core.Repairs(parity=True)
-    finite = replace(paper, repairs=frozenset({"FINITE"})).settings(1)
-    assert finite.solver.refuse_infinite and finite.contact == plain.contact
-    home = replace(paper, repairs=frozenset({"HOME"})).settings(1)
+    finite = replace(paper, repairs=frozenset({"FINITE"})).settings()
+    assert finite.contact == core.PaperContact(solver=core.GradientDescent(refuse_infinite=True))
+    home = replace(paper, repairs=frozenset({"HOME"})).settings()
     assert home.contact.repairs == core.Repairs(exact_home=True)
     # One improvement at a time: a partner that is set stays.
     others = {"solver": "PROJECTED_NEWTON", "step_filter": "TIME_OF_IMPACT", "broad_phase": "CELLS"}
     newton = replace(paper, **others, flow="TWO_SIDED")
-    settings = newton.settings(1)
-    assert settings.solver == core.ProjectedNewton() and settings.flow == core.TwoSidedFlow()
-    assert settings.contact == core.PaperContact(step_filter=core.TimeOfImpact(), broad_phase=core.UniformGrid())
+    settings = newton.settings()
+    assert settings.flow == core.TwoSidedFlow()
+    assert settings.contact == core.PaperContact(
+        solver=core.ProjectedNewton(), step_filter=core.TimeOfImpact(), broad_phase=core.UniformGrid()
+    )
 
 
 def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:
-    methods = addon.generation.methods.Methods(contact="VELOCITY_FILTER")
-    assert methods.settings(1).expansion_energy == core.NoEnergy()
-    assert replace(methods, expansion_energy="SAME").settings(1).expansion_energy is None
-    assert addon.generation.methods.Methods().settings(1).expansion_energy is None
+    methods = addon.generation.methods.Methods(contact="VELOCITY_FILTER", energy="SHAPE_KEEPING")
+    assert methods.settings().contact.energy == core.NoEnergy()
+    assert replace(methods, expansion_energy="SAME").settings().contact.energy == core.ShapeKeeping()
+    assert replace(methods, contact="IPC").settings().contact.energy == core.ShapeKeeping()
+    assert replace(methods, contact="IPC", expansion_energy="AREA").settings().contact.energy == core.Area()
 
 
 @pytest.mark.parametrize(
     ("chosen", "sentence"),
     [
+        ({"solver": "PROJECTED_NEWTON"}, "'Solver' does not apply .* Contact › IPC, Contact › The Paper's"),
         ({"step_filter": "NONE"}, "'Step Filter' does not apply .* Contact › IPC, Contact › The Paper's"),
         ({"contact": "SEQUENTIAL_QP", "broad_phase": "CELLS"}, "'Broad Phase' does not apply"),
         ({"contact": "SEQUENTIAL_QP", "solver": "GRADIENT_DESCENT"}, "'Solver' does not apply"),
@@ -156,7 +160,7 @@ def test_what_is_dimmed_follows_the_contact(addon) -> None:
     def used(**chosen):
         return {name for name in dependent if methods(**chosen).has_use_for(name)}
 
-    assert used() == {"solver", "expansion_energy"}
+    assert used() == set()
     assert used(contact="SEQUENTIAL_QP") == set()
     assert used(contact="IPC", flow="SIGNED_DISTANCE") == set(dependent) - {"repairs"}
     assert used(contact="PAPER") == set(dependent) - {"quadrature"}
@@ -179,7 +183,7 @@ def test_each_choice_makes_a_certified_cage(addon, name, key) -> None:
 
 @pytest.mark.parametrize("option", [{"tighten": False}, {"starts": 1}, {"fall_back": False}])
 def test_other_advanced_settings_reach_the_core(addon, core, option) -> None:
-    settings = addon.generation.methods.Methods(**option).settings(1)
+    settings = addon.generation.methods.Methods(**option).settings()
     assert (settings.tightening.iterations == 0) == ("tighten" in option)
     assert (settings.starts == 1) == ("starts" in option)
     assert (settings.fallback is None) == ("fall_back" in option)

@@ -54,7 +54,7 @@ def letter():
 
 def test_the_operator_gives_what_the_core_gives(addon, core) -> None:
     poly_curve("Drawing", [star()])
-    assert generate(levels="20", decimation="OUTER_HULL") == {"FINISHED"}
+    assert generate(levels="20") == {"FINISHED"}
     _, fine, (cage,) = output()
     mesh = core.Mesh.from_loops([star().astype(np.float32).astype(float)])
     margin = addon.generation.generate.MARGIN * addon.generation.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()

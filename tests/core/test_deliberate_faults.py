@@ -11,6 +11,8 @@ import pytest
 
 from judge import faults_of_motion
 from nestedcages_core import Mesh, NestingError, Settings, Tightening, nested_cages, verify_motion
+from nestedcages_core.decimation import Start
+from nestedcages_core.stages import Stage
 from shapes import islands, letter_a, letter_a_coarse, resampled, ring, star
 
 
@@ -46,8 +48,9 @@ class Offered:
     def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
         return self.meshes[0]
 
-    def candidates(self, fine: Mesh, count: Any, *, clearance: float = 0.0, keep: int = 3) -> list[Mesh]:
-        return list(self.meshes[:keep])
+    def starts(self, fine: Mesh, count: Any, *, clearance: float, most: int) -> Stage[float, list[Start]]:
+        yield 0.0
+        return [Start(mesh, "offered") for mesh in self.meshes[:most]]
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
@@ -67,10 +70,10 @@ def test_the_tightest_of_several_starts_is_kept(order: tuple[int, ...]) -> None:
 class Careless(Tightening):
     """A tightening that turns the cage over and back again before it does its work."""
 
-    def run(self, bodies: Any, cage: Any, fine: Any, *, on_step: Callable[[Any], None], **options: Any) -> Any:
-        on_step(cage * np.array([-1.0, 1.0]))
-        on_step(cage)
-        return super().run(bodies, cage, fine, on_step=on_step, **options)
+    def run(self, bodies: Any, cage: Any, fine: Any, **options: Any) -> Any:
+        yield cage * np.array([-1.0, 1.0])
+        yield cage
+        return (yield from super().run(bodies, cage, fine, **options))
 
 
 def test_a_level_whose_motion_fails_is_not_returned() -> None:

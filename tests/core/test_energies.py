@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from nestedcages_core import (
+    IPC,
     Area,
     BoundaryARAP,
     ElementEnergy,
@@ -215,8 +216,9 @@ def test_each_energy_gets_what_it_asks_for() -> None:
 
 def test_the_way_home_can_have_an_energy_of_its_own() -> None:
     fine, coarse = annulus(24, 0.45), octagon_with_hole()
-    tight = nested_cages(fine, [coarse], Settings(energy=Area(), expansion_energy=StepDisplacement())).levels[0]
-    loose = nested_cages(fine, [coarse], Settings(energy=NoEnergy(), expansion_energy=StepDisplacement())).levels[0]
+    contact = IPC(energy=StepDisplacement())
+    tight = nested_cages(fine, [coarse], Settings(energy=Area(), contact=contact)).levels[0]
+    loose = nested_cages(fine, [coarse], Settings(energy=NoEnergy(), contact=contact)).levels[0]
     assert tight.report.excess < loose.report.excess
     assert loose.report.iterations["tightening"] == 0
 

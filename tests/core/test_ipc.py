@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import IPC, Area, Mesh, OnCurve, ProjectedNewton, ReinflationError, Settings, nested_cages
+from nestedcages_core import IPC, Area, DouglasPeucker, Mesh, ProjectedNewton, ReinflationError, Settings, nested_cages
 from nestedcages_core.contact.barrier_ranges import BarrierRanges, facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
@@ -16,6 +16,7 @@ from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.solver import NewtonModel
 from nestedcages_core.solver.newton import STALLED_AFTER
+from nestedcages_core.stages import drain
 from shapes import assert_nested, ring
 
 
@@ -26,15 +27,8 @@ def annulus(count: int) -> Mesh:
 
 
 def home_again(fine: Mesh, coarse: Mesh, start: np.ndarray) -> Reinflation:
-    return reinflate(
-        fine,
-        coarse,
-        np.stack([fine.vertices, start]),
-        contacts=[IPC()],
-        energy=Area(),
-        solver=ProjectedNewton(),
-        clearance=1e-5,
-    )
+    steps = np.stack([fine.vertices, start])
+    return drain(reinflate(fine, coarse, steps, contacts=[IPC()], clearance=1e-5))
 
 
 def assert_free_of_crossings(fine: Mesh, coarse: Mesh, way: Reinflation, samples: int = 7) -> None:
@@ -174,9 +168,9 @@ def needles() -> Mesh:
 @pytest.mark.slow
 def test_a_crowd_of_pairs_is_left_to_the_next_contact() -> None:
     """All of the core is within reach of all of the cage there, so that one iteration costs as much as fifty others."""
-    fine, coarse = needles(), OnCurve().decimate(needles(), 40)
+    fine, coarse = needles(), DouglasPeucker().decimate(needles(), 40)
     with pytest.raises(ReinflationError, match="too many pairs are in contact at once"):
-        nested_cages(fine, [coarse], Settings(contact=IPC(crowd=10.0), fallback=None))
+        nested_cages(fine, [coarse], Settings(contact=IPC(max_pairs=10.0), fallback=None))
     level = nested_cages(fine, [coarse], Settings(fallback=None)).levels[0]
     assert_nested(level.cage, fine)
 
@@ -201,6 +195,6 @@ class Walled:
 
 
 def test_steps_that_walls_cut_short_come_to_an_end() -> None:
-    solution = ProjectedNewton().minimise(Walled(), np.ones((3, 2)), lambda x: None)
+    solution = drain(ProjectedNewton().minimise(Walled(), np.ones((3, 2))))
     assert not solution.converged
     assert solution.iterations == STALLED_AFTER

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,7 @@ from nestedcages_core.published.gurditta_jacobson_2022 import GradientDescent, P
 from nestedcages_core.published.gurditta_jacobson_2022.potential import PaperPotential, PaperWeights
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from nestedcages_core.solver import Solver
+from nestedcages_core.stages import drain
 from shapes import annulus, assert_nested, ring
 
 STEP = 1e-7  # of central differences
@@ -38,10 +41,10 @@ def table_1(ring_vertices: int) -> tuple[Mesh, Mesh]:
 def run(
     fine: Mesh, coarse: Mesh, *, repaired: bool, contact: PaperContact | None = None, solver: Solver | None = None
 ) -> Reinflation:
-    steps = PaperFlow(exact_parity=repaired).run(fine, coarse).steps
+    steps = drain(PaperFlow(exact_parity=repaired).run(fine, coarse)).steps
     contact = contact or PaperContact(repairs=Repairs(repaired, repaired))
-    solver = solver or GradientDescent(refuse_infinite=repaired)
-    return reinflate(fine, coarse, steps, contacts=[contact], energy=Area(), solver=solver, clearance=1e-5)
+    contact = replace(contact, solver=solver or GradientDescent(refuse_infinite=repaired))
+    return drain(reinflate(fine, coarse, steps, contacts=[contact], clearance=1e-5))
 
 
 def test_table_1_has_the_excess_that_the_papers_program_reaches() -> None:
@@ -89,12 +92,10 @@ def test_an_infinite_start_energy_throws_the_mesh_unless_refused() -> None:
     steps = np.stack([fine.vertices, 0.9 * fine.vertices])
     for refuse in (False, True):
         with pytest.raises(ReinflationError, match="infinite"):
-            reinflate(
-                fine, coarse, steps, contacts=[PaperContact()], energy=Area(),
-                solver=GradientDescent(refuse_infinite=refuse), clearance=1e-5,
-            )  # fmt: skip
+            contact = PaperContact(solver=GradientDescent(refuse_infinite=refuse))
+            drain(reinflate(fine, coarse, steps, contacts=[contact], clearance=1e-5))
     exact = PaperContact(repairs=Repairs(parity=True, exact_home=True))
-    way = reinflate(fine, coarse, steps, contacts=[exact], energy=Area(), solver=GradientDescent(), clearance=1e-5)
+    way = drain(reinflate(fine, coarse, steps, contacts=[exact], clearance=1e-5))
     assert np.array_equal(way.fine_steps[-1], fine.vertices)
 
 

@@ -21,7 +21,7 @@ from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.energies import Energy
 from nestedcages_core.published.sacht_2015.impact_zones import KEPT_PROXIMITY, ImpactZones
-from nestedcages_core.solver import ProjectedNewton
+from nestedcages_core.stages import drain
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring, star
 
 PROXIMITY = 1e-3
@@ -76,7 +76,7 @@ def test_without_impacts_every_wish_comes_true() -> None:
     ids=["32", "192", "A", "star"],
 )
 def test_cages_and_animations_are_certified(fine: Mesh, coarse: Mesh | int, energy: Energy) -> None:
-    settings = Settings(contact=VelocityFilter(), expansion_energy=energy, decimation=ArcLength(), fallback=None)
+    settings = Settings(contact=VelocityFilter(energy=energy), decimation=ArcLength(), fallback=None)
     (level,) = nested_cages(fine, [coarse], settings).levels
     assert_nested(level.cage, fine)
     assert np.array_equal(level.reinflation.fine_steps[-1], fine.vertices)
@@ -90,7 +90,7 @@ def test_gaps_narrower_than_the_proximity_are_passed() -> None:
     right = [(1.0, 0.0), (1.0, 1.0), (gap / 2, 1.0), (gap / 2, 0.5)]
     fine = Mesh.from_loops([np.array([*right, (-gap / 2, 0.5), (-gap / 2, 1.0), (-1.0, 1.0), (-1.0, 0.0)])])
     coarse = fine.moved(fine.vertices * [0.98, 0.98] + [0.0, 0.01])
-    settings = Settings(contact=VelocityFilter(), expansion_energy=NoEnergy(), fallback=None)
+    settings = Settings(contact=VelocityFilter(energy=NoEnergy()), fallback=None)
     (level,) = nested_cages(fine, [coarse], settings).levels
     assert_nested(level.cage, fine)
 
@@ -103,8 +103,6 @@ def test_when_no_velocity_is_found_the_error_names_the_vertex(monkeypatch: pytes
     home, cage = fine.moved(fine.vertices / scale), coarse.moved(coarse.vertices / scale)
     steps = np.stack([home.vertices, home.vertices * np.repeat([0.93, 1.12], 16)[:, None]])
     with pytest.raises(ReinflationError, match="fine vertex") as caught:
-        reinflate(
-            home, cage, steps, contacts=[VelocityFilter()], energy=NoEnergy(), solver=ProjectedNewton(), clearance=1e-5
-        )
+        drain(reinflate(home, cage, steps, contacts=[VelocityFilter(energy=NoEnergy())], clearance=1e-5))
     way = caught.value.partial
     assert verify_motion(cage, home, way.cage_steps, way.fine_steps)

@@ -6,27 +6,24 @@ ensures that the fine mesh reaches its target before the next one is set, nor it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...contact.base import ContactOutcome
+from ...contact.ipc import MAX_STIFFENINGS, STIFFENING
 from ...contact.pair_search import AllPairs, BroadPhase
 from ...contact.pairs import Bodies
 from ...contact.step_filter import NoFilter, StepFilter
-from ...energies import CageEnergy
+from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_flag, check_positive
 from ...solver import Solver
+from ...stages import Stage
 from .flow import PAPER_DIAGONAL
+from .gradient_descent import GradientDescent
 from .potential import PaperPotential, PaperWeights
-
-STIFFENING = 4.0
-"""Factor on λ_R while the fine mesh cannot go straight to its original position."""
-
-MAX_STIFFENINGS = 12
-"""Cap on those factors."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +41,15 @@ class Repairs:
 
 @dataclass(frozen=True)
 class PaperContact:
-    """The paper's energy and its loop over the flow's steps; meant for ``solver=GradientDescent(steps=100)``.
+    """The paper's energy, its gradient descent and its loop over the flow's steps.
 
     Lengths are relative to the bounding-box diagonal of the fine mesh.
     """
 
+    solver: Solver = field(default_factory=GradientDescent)
+    """How the energy is minimised."""
+    energy: Energy = field(default_factory=Area)
+    """E_cages."""
     d_hat: float = 0.1 / PAPER_DIAGONAL
     """Range of the barrier; the program has 0.1 on the annulus of Table 1."""
     weights: PaperWeights = field(default_factory=PaperWeights)
@@ -64,20 +65,13 @@ class PaperContact:
         check_positive(self, "d_hat")
 
     def reinflate(
-        self,
-        bodies: Bodies,
-        x: FloatArray,
-        path: Sequence[FloatArray],
-        *,
-        clearance: float,
-        energy: CageEnergy,
-        solver: Solver,
-        on_step: Callable[[FloatArray], None],
-    ) -> ContactOutcome:
-        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`. ``clearance`` is unused.
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
+    ) -> Stage[FloatArray, ContactOutcome]:
+        """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance.
 
         Unless a step filter is safe, the linear motion between steps may pass through a contact.
         """
+        energy = self.energy.at(bodies.coarse)
         candidates = self.broad_phase.candidates(bodies)
 
         def potential(target: FloatArray, weights: PaperWeights, last: bool) -> PaperPotential:
@@ -90,7 +84,7 @@ class PaperContact:
         iterations = 0
         for place, target in enumerate(path):
             objective = potential(target, self.weights, False)
-            solution = solver.minimise(objective, x, on_step)
+            solution = yield from self.solver.minimise(objective, x)
             x = solution.x
             iterations += solution.iterations
             with np.errstate(over="ignore", invalid="ignore"):
@@ -104,14 +98,14 @@ class PaperContact:
                 objective = potential(path[-1], weights, True)
                 if objective.finished(x):
                     x = np.concatenate([x[: bodies.m], path[-1]])
-                    on_step(x)
+                    yield x
                     return ContactOutcome(x, True, iterations)
-                solution = solver.minimise(objective, x, on_step)
+                solution = yield from self.solver.minimise(objective, x)
                 x = solution.x
                 iterations += solution.iterations
                 weights = PaperWeights(STIFFENING * weights.restoring, weights.cages, weights.barrier)
         short = np.hypot(*(path[-1] - x[bodies.m :]).T)
         worst = int(short.argmax())
-        came_home = not bool(short.any())
+        reached = not bool(short.any())
         reason = f"fine vertex {worst} rests {short[worst]:.1e} bounding-box diagonals short of home"
-        return ContactOutcome(x, came_home, iterations, "" if came_home else reason)
+        return ContactOutcome(x, reached, iterations, "" if reached else reason)

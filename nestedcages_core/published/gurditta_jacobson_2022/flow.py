@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...flow.base import FlowResult, Obstacle, ProgressCallback, stuck
+from ...flow.base import FlowResult, Obstacle, stuck
 from ...flow.containment import Containment
 from ...flow.loop_matching import match_loops
 from ...geometry.arrays import FloatArray
@@ -18,6 +18,7 @@ from ...geometry.distance import SMALLEST_LENGTH
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
 from ...parameters import check_count, check_flag, check_positive
+from ...stages import Stage
 from .ray_parity import contained_by_parity, inside_by_parity
 
 PAPER_DIAGONAL = float(np.sqrt(8.0))
@@ -42,7 +43,7 @@ class PaperFlow:
         check_count(self, "limit", "samples")
         check_flag(self, "exact_parity")
 
-    def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
+    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
         """All steps of the fine mesh, until the method's own test finds it inside.
 
         Raises: FlowError after ``limit`` steps with the cause, and the FlowResult so far as `partial`.
@@ -55,8 +56,7 @@ class PaperFlow:
             if len(steps) > self.limit:
                 obstacle = containment.obstacle(steps[-1]) or Obstacle("A ray through a vertex deceives the parity")
                 raise stuck(FlowResult(np.array(steps), self.limit, "paper", obstacle))
-            if progress is not None:
-                progress((len(steps) - 1) / self.limit, f"Flow step {len(steps)}")
+            yield (len(steps) - 1) / self.limit
             gradient = self._averaged_gradient(fine.moved(steps[-1]), distance)
             outside = self._sign(steps[-1], coarse, distance)
             steps.append(steps[-1] - length * outside[:, None] * gradient)

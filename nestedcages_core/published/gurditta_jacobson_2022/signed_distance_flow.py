@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...flow.base import FlowResult, ProgressCallback, stuck
+from ...flow.base import FlowResult, stuck
 from ...flow.containment import Containment
 from ...flow.loop_matching import match_loops
 from ...geometry.arrays import FloatArray
@@ -14,6 +14,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.quadrature import QuadraticFallOff, Quadrature, vertex_samples
 from ...geometry.signed_distance import SignedDistance
 from ...parameters import check_count, check_positive
+from ...stages import Stage
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class SignedDistanceFlow:
         check_positive(self, "step")
         check_count(self, "limit")
 
-    def run(self, fine: Mesh, coarse: Mesh, *, progress: ProgressCallback | None = None) -> FlowResult:
+    def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.
 
         Raises: FlowError with the loop, the place and the cause, and the FlowResult so far as `partial`.
@@ -43,8 +44,7 @@ class SignedDistanceFlow:
         while (obstacle := containment.obstacle(steps[-1])) is not None:
             if len(steps) > self.limit:
                 raise stuck(FlowResult(np.array(steps), self.limit, "signed distance", obstacle))
-            if progress is not None:
-                progress((len(steps) - 1) / self.limit, f"Flow step {len(steps)}")
+            yield (len(steps) - 1) / self.limit
             gradient = averaged_gradient(fine.moved(steps[-1]), distance, self.quadrature)
             steps.append(steps[-1] - length * gradient)
         return FlowResult(np.array(steps), len(steps) - 1, "signed distance")

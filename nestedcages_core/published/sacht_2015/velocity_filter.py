@@ -8,8 +8,8 @@ undone and halved, one that lowers it makes the next longer by a tenth.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,10 +18,10 @@ from ...contact.feasibility_rule import FeasibilityRule
 from ...contact.ipc import waypoints
 from ...contact.linearisation import measure
 from ...contact.pairs import Bodies, CandidateList
-from ...energies import CageEnergy
+from ...energies import Area, CageEnergy, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_positive
-from ...solver import Solver
+from ...stages import Stage
 from .impact_zones import LARGEST_VELOCITY, ImpactZones
 
 DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1
@@ -51,6 +51,8 @@ class VelocityFilter:
     Tightening takes the place of the final pass of the original.
     """
 
+    energy: Energy = field(default_factory=Area)
+    """What the cage lowers; ``NoEnergy()`` only clears the path."""
     proximity: float = 1e-3
     """Distance below which pairs are pushed apart."""
     room: float = 5e-3
@@ -71,44 +73,27 @@ class VelocityFilter:
         check_count(self, "iterations")
 
     def reinflate(
-        self,
-        bodies: Bodies,
-        x: FloatArray,
-        path: Sequence[FloatArray],
-        *,
-        clearance: float,
-        energy: CageEnergy,
-        solver: Solver,
-        on_step: Callable[[FloatArray], None],
-    ) -> ContactOutcome:
-        """Bring the fine mesh home; see :class:`nestedcages_core.contact.base.Contact`.
-
-        ``solver`` has no part in it: the descent is the method's own.
-        """
-        run = _Run(self, bodies, x, energy, on_step)
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
+    ) -> Stage[FloatArray, ContactOutcome]:
+        """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
+        run = _Run(self, bodies, x, self.energy.at(bodies.coarse))
         for target in waypoints(x[bodies.m :], path, self.stride * bodies.cage_edge_length):
-            if not run.towards(target):
-                return ContactOutcome(run.x, False, run.systems, run.obstacle(target))
+            reached = yield from run.step_to(target)
+            if not reached:
+                return ContactOutcome(run.x, False, run.systems, run.blocking_vertex(target))
         return ContactOutcome(run.x, True, run.systems)
 
 
 class _Run:
     """State of one reinflation."""
 
-    def __init__(
-        self,
-        settings: VelocityFilter,
-        bodies: Bodies,
-        x: FloatArray,
-        energy: CageEnergy,
-        on_step: Callable[[FloatArray], None],
-    ) -> None:
-        self.settings, self.bodies, self.x, self.energy, self.on_step = settings, bodies, x, energy, on_step
+    def __init__(self, settings: VelocityFilter, bodies: Bodies, x: FloatArray, energy: CageEnergy) -> None:
+        self.settings, self.bodies, self.x, self.energy = settings, bodies, x, energy
         self.candidates = CandidateList(bodies)
         self.systems = 0
         self.closer = max(PROXIMITY_FACTORS)
 
-    def towards(self, target: FloatArray) -> bool:
+    def step_to(self, target: FloatArray) -> Stage[FloatArray, bool]:
         """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
         settings, m, successor = self.settings, self.bodies.m, self.bodies.cage_successor
         energy = self.energy.after(self.x[:m])
@@ -127,7 +112,7 @@ class _Run:
             if iteration == 0 or after <= lowest:
                 motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0
                 for state in states:
-                    self.on_step(state)
+                    yield state
                     self.x = state
                 if not arrived:
                     return False
@@ -179,7 +164,7 @@ class _Run:
                 return states, True
         return states, not bool((target - x[m:]).any())
 
-    def obstacle(self, target: FloatArray) -> str:
-        """Which fine vertex is farthest from its target."""
+    def blocking_vertex(self, target: FloatArray) -> str:
+        """Which fine vertex is farthest from its target, in words."""
         worst = int(np.hypot(*(target - self.x[self.bodies.m :]).T).argmax())
         return f"the filter finds no velocity that lets fine vertex {worst} pass"

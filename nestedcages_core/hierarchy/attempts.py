@@ -1,0 +1,158 @@
+"""What is tried for one level, best first: starts, contacts, clearances and fallbacks.
+
+Nothing else decides what follows a failure: `level` runs the attempts in turn until one gives a certified cage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import NamedTuple
+
+from ..contact import IPC, Contact, SequentialQP
+from ..decimation import Count, Decimation, Start
+from ..decimation.on_curve import closest_on_curve
+from ..errors import FlowError, NestingError
+from ..flow.loop_matching import match_loops
+from ..geometry.mesh import Mesh
+from .settings import Settings
+
+DEFAULT_CLEARANCE = 1e-5
+"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
+
+CLEARANCE_REDUCTION = 0.1
+"""Factor on the default clearance where the gaps of the fine mesh are too narrow for it."""
+
+MIN_DEFAULT_CLEARANCE = 1e-12
+"""Lower bound of the default clearance after all reductions, as a fraction of the diagonal."""
+
+MAX_CLEARANCE = 1e6
+"""Upper bound of a clearance in diagonals: beyond it, floating-point numbers keep nothing of the shape."""
+
+IPC_FIRST = 50_000
+"""Product of the vertex counts up to which IPC is tried first: there it takes no longer and leaves tighter cages."""
+
+MAX_IPC_PAIRS = 10.0
+"""Pairs in contact per vertex at which IPC gives way to sequential QPs. Usual are 1 to 3; 20 to 140 around cores of
+many needles, where an iteration takes fifty times as long."""
+
+
+PAPER_PREFERENCE = 0.01
+"""A cage whose fine mesh went through flow and reinflation is preferred to one that needed neither, unless that is
+tighter by more than this fraction of its excess."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """Cages from one or several coarse meshes; the tightest one that can be certified is the level."""
+
+    source: Mesh | Decimation
+    """The user's own coarse mesh, or what makes coarse meshes."""
+    count: Count
+    """Vertices of the coarse meshes."""
+    starts: int
+    """Number of coarse meshes to start from, where the decimation offers several."""
+    contacts: tuple[Contact, ...]
+    """Each starts over where the one before is blocked."""
+    clearances: tuple[float, ...]
+    """In the units of the input: the wanted one, then smaller ones for gaps that are too narrow for it."""
+    fallback: bool = False
+    """Whether this is not what was asked for."""
+    may_fall_back: bool = True
+    """Whether something else may be tried where flow or reinflation fails."""
+    tightened: bool = True
+    """False: the coarse meshes of the attempt before as they are, for shapes with details too small for the solvers."""
+
+
+def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
+    """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh."""
+    size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
+    contacts = contacts_for(settings, size, len(fine.vertices))
+    if isinstance(wanted, Mesh):
+        last = Attempt(wanted, size, 1, contacts, clearances)
+    else:
+        may_fall_back = settings.fallback is not None
+        last = Attempt(settings.decimation, wanted, settings.starts, contacts, clearances, may_fall_back=may_fall_back)
+    yield last
+    if settings.fallback is not None and settings.fallback != last.source:
+        last = Attempt(settings.fallback, _counts(fine, wanted), settings.starts, contacts, clearances, fallback=True)
+        yield last
+    if not isinstance(last.source, Mesh):
+        yield replace(last, tightened=False)
+
+
+class Outcome(NamedTuple):
+    """What became of a start."""
+
+    rank: float = inf
+    """The smaller the better; infinite where there is no cage or a better one was in sight."""
+    cage: Mesh | None = None
+
+
+def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, Outcome, None]:
+    """The starts of an attempt that are worth trying; is sent what becomes of each.
+
+    The best one first, on the curve, as in the paper; then the others as they are, which is quicker. If one of these
+    leads to a better cage, that is put on the curve, from where flow and reinflation lead back to it.
+    """
+    least, better = inf, None
+    prefers_curve = starts[0].on_curve is not None
+    for number, start in enumerate(starts):
+        if number == 0 and start.on_curve is not None:
+            outcome = yield Start(start.on_curve, "on curve")
+            least = outcome.rank
+            if isfinite(least):
+                continue
+            if not attempt.may_fall_back:
+                return
+        outcome = yield start
+        if outcome.rank < least:
+            least, better = outcome
+    if prefers_curve and better is not None:
+        coarse = closest_on_curve(better, fine)
+        if coarse is not None:
+            yield Start(coarse, "on curve")
+
+
+def contacts_for(settings: Settings, cage_vertices: int, fine_vertices: int) -> tuple[Contact, ...]:
+    """The contacts to try in turn for meshes of that many vertices: the user's, or IPC and sequential QPs by size."""
+    if isinstance(settings.contact, Sequence):
+        return tuple(settings.contact)
+    if settings.contact is not None:
+        return (settings.contact,)
+    if cage_vertices * fine_vertices <= IPC_FIRST:
+        return IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS), SequentialQP()
+    return SequentialQP(), IPC(energy=settings.energy)
+
+
+def clearances_for(settings: Settings, fine: Mesh) -> tuple[float, ...]:
+    """The clearances to try in turn, in the units of the input: only the default one may be reduced.
+
+    Raises NestingError for a clearance beyond all measure.
+    """
+    wanted, diagonal = settings.clearance, fine.diagonal
+    if wanted is None:
+        lengths = [DEFAULT_CLEARANCE * diagonal]
+        while lengths[-1] * CLEARANCE_REDUCTION >= MIN_DEFAULT_CLEARANCE * diagonal:
+            lengths.append(lengths[-1] * CLEARANCE_REDUCTION)
+        return tuple(lengths)
+    if wanted > MAX_CLEARANCE * diagonal:
+        raise NestingError(
+            f"The clearance {wanted:.6g} is more than {MAX_CLEARANCE:.0g} times as long as the diagonal of the "
+            f"fine mesh, {diagonal:.6g}; ask for less."
+        )
+    return (wanted,)
+
+
+def _counts(fine: Mesh, wanted: int | Mesh) -> Count:
+    """For the fallback: the vertices of each loop of the coarse mesh, or their total where its loops are others."""
+    if not isinstance(wanted, Mesh):
+        return wanted
+    total = max(len(wanted.vertices), 3 * len(fine.loops))
+    if len(wanted.loops) != len(fine.loops):
+        return total
+    try:
+        return [len(wanted.loops[k]) for k in match_loops(fine, wanted).partner]
+    except FlowError:
+        return total
