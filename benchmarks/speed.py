@@ -1,7 +1,7 @@
 """Time and tightness of the working tree compared with another commit, on the same shapes in the same run.
 
     python benchmarks/speed.py --against 6c1f498
-    python benchmarks/speed.py --against main --cases 48 --seed 1000 --data ../shared/data/shapes
+    python benchmarks/speed.py --against main --cases 48 --seed 1000 --data SHAPES
 
 Each commit runs in a process of its own. They take turns case by case, so that whatever else the machine does slows
 both. Random shapes of all kinds have 100 to 1,000 vertices, the cages 16 to 64. Times are CPU seconds, the least of the
@@ -11,12 +11,12 @@ repeats. Exit status 1 when a cage is lost. Needs git and shapely.
 from __future__ import annotations
 
 import argparse
+import inspect
 import os
 import pickle
 import subprocess
 import sys
 import tempfile
-import time
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,13 +25,18 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
+from clone import ROOT
+from data import read_shape
+from random_shapes import KINDS, random_shape
 
 FEWEST, MOST = 100, 1000
 """Vertices of the random shapes."""
 
 COUNTS = (16, 24, 32, 48, 64)
 """Cage vertices."""
+
+FLOOR = 3e-4
+"""Added to both excesses: below that the clearance decides, not the method."""
 
 LARGEST_SHARE = 0.5
 """Cage vertices per vertex of the shape, at most."""
@@ -58,8 +63,6 @@ class Run:
 
 def random_cases(number: int, seed: int) -> Iterator[Case]:
     """Random shapes from the seed on, about as many of each kind."""
-    from random_shapes import KINDS, random_shape
-
     most = -(-number // len(KINDS))
     kinds: Counter[str] = Counter()
     while kinds.total() < number:
@@ -78,8 +81,6 @@ def random_cases(number: int, seed: int) -> Iterator[Case]:
 
 def folder_cases(folder: Path) -> Iterator[Case]:
     """The shapes kept in a folder as two CSV files each."""
-    from data import read_shape
-
     for path in sorted(folder.glob("*_V.csv")):
         fine = read_shape(folder, path.name.removesuffix("_V.csv"))
         loops = [fine.vertices[loop] for loop in fine.loops]
@@ -106,10 +107,9 @@ class Worker:
 
     def __init__(self, tree: Path) -> None:
         # the matrices here are small: threads of the linear algebra would only wait for each other
-        environment = {**os.environ, "PYTHONPATH": str(tree), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         self.process = subprocess.Popen(
-            [sys.executable, __file__, "--worker"],
-            env=environment,
+            [sys.executable, "-c", inspect.getsource(work) + "work()"],  # of the folder it runs in
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
             cwd=tree,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -129,6 +129,10 @@ class Worker:
 
 def work() -> None:
     """In a worker: a cage for every case that comes in."""
+    import pickle
+    import sys
+    import time
+
     from nestedcages_core import Mesh, NestedCagesError, nested_cages
 
     while True:
@@ -154,13 +158,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="the first seed (%(default)s)")
     parser.add_argument("--data", type=Path, help="a folder with more shapes, name_V.csv and name_E.csv")
     parser.add_argument("--repeats", type=int, default=2, help="runs of each case (%(default)s)")
-    parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.worker:
-        work()
-        return 0
-
-    sys.path[:0] = [str(ROOT)]
     cases = list(random_cases(options.cases, options.seed))
     if options.data is not None:
         cases += folder_cases(options.data)
@@ -185,7 +183,6 @@ def compare(cases: list[Case], workers: tuple[Worker, Worker], repeats: int, aga
         size = float("nan")
         if np.isfinite(now.excess) and np.isfinite(before.excess):
             times.append(now_s / before_s)
-            # areas that differ by less than the clearance alone leave
             size = (now.excess + FLOOR) / (before.excess + FLOOR)
             sizes.append(size)
         elif np.isfinite(before.excess):
@@ -202,9 +199,6 @@ def compare(cases: list[Case], workers: tuple[Worker, Worker], repeats: int, aga
           f"worst {size_ratio.max():.4f}, above 1.02: {(size_ratio > 1.02).sum()}")  # fmt: skip
     return 1 if lost else 0
 
-
-FLOOR = 3e-4
-"""Added to both excesses: below that the clearance decides, not the method."""
 
 if __name__ == "__main__":
     sys.exit(main())

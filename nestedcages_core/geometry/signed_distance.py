@@ -159,20 +159,20 @@ class SignedDistance:
         return SignedSample(sign * distance, gradient, edge, parameter)
 
     def _normals_at(self, edge: IntArray, parameter: FloatArray) -> FloatArray:
-        """(K, 2) outward normals at places of edges (K,); at a vertex, that of the edge which ends there.
+        """(K, 2) outward normals at places of edges (K,); at a vertex, that of the edge which starts there.
 
         Which of the two edges at a vertex is the closest one is a matter of round-off, and must not decide. Their mean
         would keep symmetries that are saddles of the area.
         """
         starts, ends = self.search.starts, self.search.ends
         length = np.hypot(*(ends[edge] - starts[edge]).T)
-        at_start = np.nonzero(parameter * length <= self._touching)[0]
-        if len(at_start):
-            key = np.ascontiguousarray(ends).view(np.complex128)[:, 0]
+        at_end = np.nonzero((1.0 - parameter) * length <= self._touching)[0]
+        if len(at_end):
+            key = np.ascontiguousarray(starts).view(np.complex128)[:, 0]
             order = np.argsort(key)
-            wanted = np.ascontiguousarray(starts[edge[at_start]]).view(np.complex128)[:, 0]
+            wanted = np.ascontiguousarray(ends[edge[at_end]]).view(np.complex128)[:, 0]
             edge = edge.copy()
-            edge[at_start] = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(order) - 1)]
+            edge[at_end] = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(order) - 1)]
         direction = ends[edge] - starts[edge]
         length = np.maximum(np.hypot(direction[:, 0], direction[:, 1]), SMALLEST_LENGTH)
         normals: FloatArray = np.stack([direction[:, 1], -direction[:, 0]], axis=1) / length[:, None]

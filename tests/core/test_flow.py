@@ -71,7 +71,7 @@ def test_discs_of_table_1(method: FlowMethod, per_ring: int) -> None:
     if isinstance(method, TwoSidedFlow):
         assert len(result.steps) <= 4
         gap = lines(result.steps[-1], fine).distance(lines(coarse.vertices, coarse))
-        assert gap >= method.margin / 3.0 * fine.diagonal
+        assert gap >= method.margin / 3.0 * fine.extent
 
 
 @BY_METHOD
