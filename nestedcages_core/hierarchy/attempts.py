@@ -16,10 +16,7 @@ from ..decimation.on_curve import closest_on_curve
 from ..errors import FlowError, NestingError
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
-from .settings import Settings
-
-DEFAULT_CLEARANCE = 1e-5
-"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
+from .settings import DEFAULT_CLEARANCE, Settings
 
 CLEARANCE_REDUCTION = 0.1
 """Factor on the default clearance where the gaps of the fine mesh are too narrow for it."""

@@ -14,6 +14,9 @@ from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..tightening import Tightening
 
+DEFAULT_CLEARANCE = 1e-5
+"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
+
 METHODS = {
     "decimation": ("decimate", "OuterHull()"),
     "fallback": ("decimate", "OuterHull()"),
