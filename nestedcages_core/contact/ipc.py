@@ -65,15 +65,17 @@ class IPC:
     """λ_B · d̂."""
     stride: float = 0.5
     """Maximum motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
-    max_pairs: float = np.inf
-    """Pairs in contact per vertex above which it gives up: each makes every iteration slower."""
+    max_pairs: float | None = None
+    """Pairs in contact per vertex above which it gives up, as every iteration gets slower; None for any number."""
     step_filter: StepFilter = field(default_factory=TimeOfImpact)
     """What bounds a step before the line search."""
     broad_phase: BroadPhase = field(default_factory=UniformGrid)
     """Which pairs are looked at."""
 
     def __post_init__(self) -> None:
-        check_positive(self, "barrier_range", "restoring", "barrier", "stride", "max_pairs")
+        check_positive(self, "barrier_range", "restoring", "barrier", "stride")
+        if self.max_pairs is not None:
+            check_positive(self, "max_pairs")
         check_not_negative(self, "cages")
 
     def reinflate(
@@ -102,7 +104,7 @@ class IPC:
                     candidates,
                     self.step_filter,
                 )
-                if objective.pairs_in_range(x) > self.max_pairs * len(x):
+                if self.max_pairs is not None and objective.pairs_in_range(x) > self.max_pairs * len(x):
                     return ContactOutcome(x, False, iterations, "too many pairs are in contact at once")
                 solution = yield from self.solver.minimise(objective, x)
                 x = solution.x
