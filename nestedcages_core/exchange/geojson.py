@@ -20,6 +20,9 @@ from .limits import Limits
 from .repair import mesh_of
 from .rings import polygons_of, shown
 
+GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
+"""Parts of the names of coordinate reference systems in degrees that maps are published in."""
+
 NAMES = ("name", "NAME", "Name")
 """Properties that name a feature."""
 
@@ -219,12 +222,15 @@ def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | in
 def _may_be_degrees(document: Mapping[str, Any]) -> bool:
     """Whether coordinates can be longitudes and latitudes: no `crs` says otherwise."""
     crs = document.get("crs")
-    return crs is None or any(known in str(crs) for known in ("CRS84", "4326", "4269", "4258"))
+    properties = crs.get("properties") if isinstance(crs, Mapping) else None
+    name = properties.get("name") if isinstance(properties, Mapping) else crs
+    return crs is None or (isinstance(name, str) and any(known in name for known in GEOGRAPHIC))
 
 
 def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
     known = next((properties[key] for key in NAMES if properties.get(key) not in (None, "")), identity)
-    words = " ".join(str(known).split()) if known is not None else ""
+    text = known if isinstance(known, str) else "" if known is None else shown(known)
+    words = " ".join(text.split())
     words = words if len(words) <= LONGEST_NAME else f"{words[:LONGEST_NAME]}…"
     return f"feature {number}" + (f" ({words})" if words else "")
 

@@ -327,6 +327,18 @@ def test_objects_with_a_geo_interface_are_maps_too() -> None:
     assert isinstance(from_geojson(shapely.box(0, 0, 2, 2)), Mesh)
 
 
+ODD = {"digits": 10**5000, "bytes": b"x", "set": set(), "nan": math.nan, "list": [], "dict": {}, "object": object()}
+
+
+@pytest.mark.parametrize("odd", ODD.values(), ids=ODD)
+def test_odd_values_of_python_do_not_stop_a_reader(odd: object) -> None:
+    member = {**feature([SQUARE], name=odd), "id": odd}
+    found = read_map({"type": "FeatureCollection", "features": [member, odd], "crs": odd})
+    assert [each.mesh.area for each in found.features] == [16.0]
+    assert len(found.refused) == 1
+    assert read_map({"type": "FeatureCollection", "features": [feature([[odd, [1, 0], [1, 1]]])]}).refused
+
+
 def test_names_are_short_and_on_one_line() -> None:
     found = read_map(collection(feature([BOW_TIE], name="long\n" * 99)))
     assert len(found.features[0].name) < 100
