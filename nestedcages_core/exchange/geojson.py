@@ -177,7 +177,9 @@ def write_geojson(
 def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
-        raise NestedCagesError(f"{what} is read from text or bytes, not from a {type(text).__name__}.")
+        raise NestedCagesError(
+            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}."
+        )
     limits.check("bytes", len(text))
     constants: list[str] = []
 

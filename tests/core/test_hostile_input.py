@@ -85,14 +85,8 @@ def try_many(check: Callable[[Any], None], strategy: st.SearchStrategy[Any], amo
     seed(SEED)(quiet(given(strategy)(check)))()
 
 
-READER_NOT_YET = pytest.mark.xfail(reason="coordinates are not looked at one by one", strict=False, run=False)
-
-
 @pytest.mark.parametrize("amount", AMOUNTS)
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[READER_NOT_YET] if "JSON" in name or "outlines" in name else []) for name in READERS],
-)
+@pytest.mark.parametrize("name", READERS)
 def test_documents_that_are_nearly_right(name: str, amount: int) -> None:
     strategy, read = READERS[name]
 
@@ -158,24 +152,7 @@ def test_the_command_says_what_is_wrong(amount: int, tmp_path: Path) -> None:
     assert len(statuses) > 1
 
 
-NOT_YET = {
-    "Python values of wrong types": "some doors take what they get for a mesh, a text or settings",
-    "JSON: coordinates that are no numbers": "coordinates are not looked at one by one",
-    "JSON: ragged, deep, misplaced lists": "coordinates are not looked at one by one",
-    "collision outlines of foreign formats": "format, version and the place of holes are not looked at",
-    "PNG: bombs and broken headers": "data are unpacked beyond the picture's size",
-}
-"""Attacks that are not held yet, and why."""
-
-
-def known(name: str) -> Any:
-    """The attack, marked where it is not held yet."""
-    run = "bombs" not in name  # each would take its ten seconds
-    marks = [pytest.mark.xfail(reason=NOT_YET[name], strict=False, run=run)] if name in NOT_YET else []
-    return pytest.param(name, marks=marks, id=name)
-
-
-@pytest.mark.parametrize("name", [known(name) for name in ATTACKS])
+@pytest.mark.parametrize("name", ATTACKS)
 def test_known_attacks_are_held(name: str) -> None:
     faults = []
     for number, call in enumerate(ATTACKS[name]()):

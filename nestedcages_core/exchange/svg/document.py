@@ -40,6 +40,8 @@ class Document:
     """A parsed document."""
 
     def __init__(self, text: str | bytes, limits: Limits) -> None:
+        if not isinstance(text, str | bytes | bytearray):
+            raise NestedCagesError(f"An SVG document is read from text or bytes, not from {type(text).__name__}.")
         limits.check("bytes", len(text))
         try:
             self.root = ET.fromstring(text)
