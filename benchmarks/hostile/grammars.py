@@ -19,8 +19,20 @@ EXTREME = [
 ]  # fmt: skip
 """Numbers that readers trip over, and texts that are none."""
 
+
+def rarely(draw: Draw, odds: int) -> bool:
+    """About once in so many times and one; zero and the largest number are drawn more often than others."""
+    return bool(draw(st.integers(0, odds)) == odds // 2)
+
+
+@st.composite
+def mostly(draw: Draw, often: st.SearchStrategy[Any], seldom: st.SearchStrategy[Any], odds: int) -> Any:
+    """The second strategy once in so many times and one."""
+    return draw(seldom if rarely(draw, odds) else often)
+
+
 plain_numbers = st.one_of(st.integers(-20, 20).map(str), st.floats(-100, 100).map(lambda x: f"{x:.6g}"))
-numbers = st.one_of(plain_numbers, plain_numbers, plain_numbers, st.sampled_from(EXTREME))
+numbers = mostly(plain_numbers, st.sampled_from(EXTREME), 20)
 coordinates = st.one_of(
     st.integers(-20, 20),
     st.floats(-10, 10),
@@ -32,7 +44,7 @@ coordinates = st.one_of(
 def mutated(draw: Draw, documents: st.SearchStrategy[bytes]) -> bytes:
     """A document with a few bytes replaced, removed or repeated, or its end cut off; often untouched."""
     data = bytearray(draw(documents))
-    for _ in range(draw(st.sampled_from([0, 0, 0, 1, 2, 5]))):
+    for _ in range(draw(st.sampled_from([0] * 9 + [1, 2, 5]))):
         if not data:
             break
         place, length = draw(st.integers(0, len(data) - 1)), draw(st.integers(1, 8))
@@ -69,7 +81,7 @@ def path_data(draw: Draw) -> str:
     parts = ["M 0 0"] if draw(st.integers(0, 9)) else []
     for _ in range(draw(st.integers(0, 8))):
         command = draw(st.sampled_from(sorted(needed)))
-        count = needed[command] * draw(st.integers(1, 2)) - (draw(st.integers(0, 9)) == 0)
+        count = needed[command] * draw(st.integers(1, 2)) - (rarely(draw, 9))
         given = [draw(numbers) for _ in range(max(count, 0))]
         parts.append(draw(st.sampled_from([command, command.lower()])) + draw(st.sampled_from([" ", ","])).join(given))
     return draw(st.sampled_from(["", " "])).join(parts) + draw(st.sampled_from(["", "Z", "z", " x", "M"]))
@@ -82,7 +94,7 @@ def transforms(draw: Draw) -> str:
     text = ""
     for _ in range(draw(st.integers(1, 3))):
         name = draw(st.sampled_from(sorted(needed)))
-        given = [draw(numbers) for _ in range(needed[name] - (draw(st.integers(0, 9)) == 0))]
+        given = [draw(numbers) for _ in range(needed[name] - (rarely(draw, 9)))]
         text += f"{name}({' '.join(given)}{draw(st.sampled_from([')', ') ', '),', '']))}"
     return text
 
@@ -180,7 +192,7 @@ def elements(draw: Draw, depth: int = 3) -> str:
 
 
 PROLOGS = [
-    "", "", "", '<?xml version="1.0"?>', '<?xml version="1.0" encoding="utf-16"?>', '<?xml version="9"?>', "\ufeff",
+    *[""] * 20, '<?xml version="1.0"?>', '<?xml version="1.0" encoding="utf-16"?>', '<?xml version="9"?>', "\ufeff",
     '<?xml version="1.0" encoding="no-such"?>', '<!DOCTYPE svg [<!ENTITY a "aaa"><!ENTITY b "&a;&a;">]>', "<!-- -- -->",
     '<!DOCTYPE svg SYSTEM "file:///etc/passwd">',
 ]  # fmt: skip
@@ -190,11 +202,13 @@ PROLOGS = [
 def svg_texts(draw: Draw) -> bytes:
     """A document with a prolog."""
     prolog = draw(st.sampled_from(PROLOGS))
-    space = draw(st.sampled_from([' xmlns="http://www.w3.org/2000/svg"', "", ' xmlns="x"']))
-    space += draw(st.sampled_from([' xmlns:xlink="http://www.w3.org/1999/xlink"', ""]))
+    space = draw(st.sampled_from([' xmlns="http://www.w3.org/2000/svg"'] * 8 + ["", ' xmlns="x"']))
+    space += draw(st.sampled_from([' xmlns:xlink="http://www.w3.org/1999/xlink"'] * 8 + [""]))
     body = "".join(draw(st.lists(elements(), min_size=1, max_size=4)))
-    text = f"{prolog}<svg{space}{draw(attributes('svg'))}>{body}{draw(st.sampled_from(['', '', '', '&b;', '<']))}</svg>"
-    return text.encode(draw(st.sampled_from(["utf-8", "utf-8", "utf-8", "utf-16", "latin-1"])), "replace")
+    if draw(st.booleans()):
+        body += '<rect x="1" y="2" width="30" height="40"/>'
+    text = f"{prolog}<svg{space}{draw(attributes('svg'))}>{body}{draw(st.sampled_from([''] * 18 + ['&b;', '<']))}</svg>"
+    return text.encode(draw(st.sampled_from(["utf-8"] * 18 + ["utf-16", "latin-1"])), "replace")
 
 
 svg_documents = mutated(svg_texts())
@@ -213,27 +227,24 @@ scraps = st.one_of(
     st.text(max_size=4),
     st.sampled_from(["\ud800", "Polygon", [], {}, [[]], [[[]]]]),
 )
-points = st.one_of(
-    st.lists(st.floats(-10, 10), min_size=2, max_size=2),
-    st.lists(st.integers(-5, 5), min_size=2, max_size=2),
-    st.lists(st.integers(-5, 5), min_size=2, max_size=2),
-    st.lists(st.one_of(json_numbers, scraps), max_size=4),
+points = mostly(
+    st.lists(st.integers(-5, 5), min_size=2, max_size=2), st.lists(st.one_of(json_numbers, scraps), max_size=4), 15
 )
 
 
 @st.composite
 def rings(draw: Draw) -> Any:
-    """A ring, mostly closed; sometimes something else."""
-    if draw(st.integers(0, 19)) == 0:
+    """A ring, mostly simple and closed; sometimes something else."""
+    if rarely(draw, 29):
         return draw(scraps)
-    around = draw(st.integers(0, 3))
-    if around:
-        x, y, size = (draw(st.integers(-9, 9)) for _ in range(3))
-        ring = [[x, y], [x + size, y], [x + size, y + 1], [x, y + draw(st.integers(-3, 9))]]
-        ring[draw(st.integers(0, 3)) : 2] = draw(st.lists(points, max_size=2))
-    else:
+    if rarely(draw, 9):
         ring = draw(st.lists(points, max_size=9))
-    return [*ring, ring[0]] if ring and draw(st.integers(0, 4)) else ring
+    else:
+        x, y, size = (draw(st.integers(-9, 9)) for _ in range(3))
+        ring = [[x, y], [x + size, y], [x + size, y + 1 + abs(size)], [x, y + draw(st.integers(1, 9))]]
+        if rarely(draw, 9):
+            ring[draw(st.integers(0, 3))] = draw(points)
+    return ring if rarely(draw, 9) or not ring else [*ring, ring[0]]
 
 
 @st.composite
@@ -241,17 +252,20 @@ def geometries(draw: Draw, depth: int = 2) -> Any:
     """A geometry; sometimes of a type without an inside or with the wrong nesting."""
     kind = draw(
         st.sampled_from(
-            ["Polygon", "Polygon", "MultiPolygon", "Point", "LineString", "Star"] + ["GeometryCollection"] * (depth > 0)
+            ["Polygon"] * 8
+            + ["MultiPolygon"] * 4
+            + ["Point", "LineString", "Star"]
+            + ["GeometryCollection"] * (depth > 0)
         )
     )
-    if draw(st.integers(0, 19)) == 0:
+    if rarely(draw, 19):
         return draw(scraps)
     if kind == "GeometryCollection":
         return {"type": kind, "geometries": draw(st.one_of(st.lists(geometries(depth - 1), max_size=3), scraps))}
     polygon = st.lists(rings(), max_size=3)
     inside = {"Polygon": polygon, "MultiPolygon": st.lists(polygon, max_size=3)}.get(kind, points)
-    found = {"type": kind, "coordinates": draw(st.one_of(inside, inside, inside, inside, scraps))}
-    return found if draw(st.integers(0, 19)) else {"type": kind}
+    found = {"type": kind, "coordinates": draw(mostly(inside, scraps, 19))}
+    return {"type": kind} if rarely(draw, 19) else found
 
 
 @st.composite
@@ -259,23 +273,27 @@ def maps(draw: Draw) -> Any:
     """A map, a feature or a geometry alone."""
 
     def feature() -> Any:
-        made = {"type": "Feature", "geometry": draw(geometries()), "properties": draw(st.one_of(st.none(), scraps))}
+        made = {
+            "type": "Feature",
+            "geometry": draw(geometries()),
+            "properties": draw(st.one_of(st.none(), st.just({"name": "a"}), scraps)),
+        }
         if draw(st.booleans()):
             made["id"] = draw(scraps)
             made["properties"] = {"name": draw(scraps)}
         return made
 
-    kind = draw(st.integers(0, 5))
-    if kind == 0:
-        return draw(geometries())
-    if kind == 1:
-        return feature()
-    if kind == 2:
+    if rarely(draw, 19):
         return draw(scraps)
+    kind = draw(st.integers(0, 4))
+    if kind == 1:
+        return draw(geometries())
+    if kind == 2:
+        return feature()
     members = [feature() for _ in range(draw(st.integers(0, 3)))]
     return {
         "type": "FeatureCollection",
-        "features": draw(st.sampled_from([members, members, members, None, {}, "x", [1]])),
+        "features": draw(st.sampled_from([*[members] * 12, None, {}, "x", [1]])),
     }
 
 
@@ -283,23 +301,23 @@ def maps(draw: Draw) -> Any:
 def outlines(draw: Draw) -> Any:
     """A collision outline for game engines."""
     parts = [
-        {"outer": draw(rings()), "holes": draw(st.one_of(st.lists(rings(), max_size=2), scraps))}
+        {"outer": draw(rings()), "holes": draw(mostly(st.lists(rings(), max_size=1), scraps, 9))}
         for _ in range(draw(st.integers(0, 3)))
     ]
     document = {
-        "format": draw(st.sampled_from(["nested-cages outline"] * 5 + ["other", None, 7])),
-        "version": draw(st.sampled_from([1, 1, 1, 1, 0, 999, "1", None, 1.5, 10**400])),
-        "polygons": draw(st.sampled_from([parts, parts, parts, parts, None, {}, "x", [[]]])),
+        "format": draw(st.sampled_from(["nested-cages outline"] * 20 + ["other", None, 7])),
+        "version": draw(st.sampled_from([*[1] * 30, 0, 999, "1", None, 1.5, 10**400])),
+        "polygons": draw(st.sampled_from([*[parts] * 20, None, {}, "x", [[]]])),
     }
     for name in draw(st.lists(st.sampled_from(sorted(document)), max_size=1)):
-        if draw(st.integers(0, 3)) == 0:
+        if rarely(draw, 3):
             del document[name]
     return document
 
 
 def as_json(documents: st.SearchStrategy[Any]) -> st.SearchStrategy[bytes]:
     """Texts of JSON values, in some encoding."""
-    encodings = st.sampled_from(["utf-8", "utf-8", "utf-8", "utf-8-sig", "utf-16", "latin-1"])
+    encodings = st.sampled_from([*["utf-8"] * 12, "utf-8-sig", "utf-16", "latin-1"])
     return mutated(st.builds(lambda value, code: json.dumps(value).encode(code), documents, encodings))
 
 
@@ -318,30 +336,35 @@ def chunk(kind: bytes, content: bytes) -> bytes:
 def png_files(draw: Draw) -> bytes:
     """A small picture whose header, data and palette mostly belong together."""
     width, height = (draw(st.sampled_from([1, 2, 3, 7, 8, 9, 0, 2**31 - 1, 2**16])) for _ in range(2))
-    if draw(st.integers(0, 4)):
+    if not rarely(draw, 19):
         width, height = draw(st.integers(1, 9)), draw(st.integers(1, 9))
-    depth, colour = draw(st.sampled_from([1, 2, 4, 8, 8, 8, 16, 3])), draw(st.sampled_from([0, 2, 3, 4, 6, 6, 6, 1]))
-    interlaced = draw(st.sampled_from([0, 0, 0, 1, 2]))
+    depth, colour = draw(
+        st.sampled_from([(8, 6), (8, 6), (16, 6), (8, 2), (1, 0), (4, 0), (2, 3), (8, 3), (8, 4), (16, 4)])
+    )
+    if rarely(draw, 19):
+        depth, colour = draw(st.integers(0, 17)), draw(st.integers(0, 7))
+    interlaced = draw(st.sampled_from([*[0] * 8, 1, 2]))
     channels = {2: 3, 4: 2, 6: 4}.get(colour, 1)
     stride = (min(width, 20) * channels * depth + 7) // 8
     rows = min(height, 20) * (2 if interlaced == 1 else 1)
     data = b"".join(
-        bytes([draw(st.sampled_from([0, 1, 2, 3, 4, 4, 9]))]) + draw(st.binary(min_size=stride, max_size=stride))
+        bytes([draw(st.sampled_from([*range(5), *range(5), *range(5), *range(5), 9]))])
+        + draw(st.binary(min_size=stride, max_size=stride))
         for _ in range(min(rows, 12))
     )
     data += bytes(draw(st.sampled_from([0, 0, 1, 100, 10**6])))
-    packed = zlib.compress(data[: draw(st.sampled_from([len(data)] * 4 + [len(data) // 2]))])
+    packed = zlib.compress(data[: draw(st.sampled_from([len(data)] * 14 + [len(data) // 2]))])
     parts = [chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlaced))]
-    if colour == 3 or draw(st.integers(0, 4)) == 0:
+    if colour == 3 or rarely(draw, 4):
         parts.append(chunk(b"PLTE", draw(st.binary(max_size=30))))
     if draw(st.booleans()):
         parts.append(chunk(b"tRNS", draw(st.binary(max_size=8))))
     cut = draw(st.integers(0, len(packed)))
     parts += [chunk(b"IDAT", packed[:cut]), chunk(b"IDAT", packed[cut:])]
-    if draw(st.integers(0, 4)) == 0:
+    if rarely(draw, 4):
         parts.append(chunk(draw(st.binary(min_size=4, max_size=4)), draw(st.binary(max_size=8))))
     parts.append(chunk(b"IEND", b""))
-    if draw(st.integers(0, 9)) == 0:
+    if rarely(draw, 9):
         parts = draw(st.permutations(parts))
     return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
 
@@ -385,9 +408,9 @@ def commands(draw: Draw) -> tuple[str, bytes, list[str]]:
     values = st.one_of(*[st.sampled_from(["12", "6", "3", "40"])] * 6, numbers)
     options = ["--levels", *draw(st.lists(values, min_size=1, max_size=2))]
     for name in ("--clearance", "--tolerance", "--padding", "--threshold", "--element"):
-        if draw(st.integers(0, 5)) == 0:
+        if rarely(draw, 5):
             options += [name, draw(values)]
     for name in ("--holes", "--flip-y", "--triangles", "--quiet"):
-        if draw(st.integers(0, 3)) == 0:
+        if rarely(draw, 3):
             options.append(name)
     return ending, draw(documents), options
