@@ -13,7 +13,7 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Decimation, SeveralStarts, Start
 from ..decimation.base import clamped, shared_anew
-from ..energies import CageEnergy, signed_area
+from ..energies import Area, CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
@@ -203,6 +203,9 @@ class LevelBuilder:
         if not same_loops:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
             notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
+        if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
+            energy = type(self.settings.energy).__name__
+            notes = (*notes, f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.")
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
         report = self._report(certificate, clearance, start=start, iterations=counts, notes=notes)

@@ -51,6 +51,8 @@ class NestedCagesRun:
     """
 
     def __init__(self, fine: Mesh, levels: Sequence[int | Mesh], settings: Settings | None = None) -> None:
+        if not isinstance(settings, Settings | None):
+            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
         self._work = _hierarchy(fine, levels, settings if settings is not None else Settings())
         self._result: Hierarchy | None = None
         self._over = False

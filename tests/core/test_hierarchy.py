@@ -12,6 +12,7 @@ from nestedcages_core import (
     IPC,
     ArcLength,
     Area,
+    BoundaryARAP,
     FlowError,
     Hierarchy,
     InvalidMeshError,
@@ -281,3 +282,14 @@ def test_a_result_shows_itself_without_its_arrays() -> None:
     shown = repr(nested_cages(star(), [12]))
     assert "array" not in shown
     assert "Mesh(12 vertices" in shown
+
+
+def test_a_cage_that_its_energy_leaves_as_it_starts_says_so() -> None:
+    """Energies that keep a shape have their minimum at the hull."""
+    hull = Settings(energy=BoundaryARAP(), decimation=OuterHull(), starts=1)
+    level = nested_cages(star(), [16], hull).levels[0]
+    assert (level.cage.vertices == level.coarse.vertices).all()
+    assert level.report.notes == (
+        "The cage is the coarse mesh, where BoundaryARAP is smallest; Area() makes it tighter.",
+    )
+    assert not nested_cages(star(), [16], Settings(decimation=OuterHull(), starts=1)).levels[0].report.notes

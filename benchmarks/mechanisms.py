@@ -1,0 +1,162 @@
+"""The mechanisms that the ablation switches off: by settings, or by what takes the place of a name in the core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from nestedcages_core import (
+    IPC,
+    ArcLength,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    SequentialQP,
+    Settings,
+    Tightening,
+    TwoSidedFlow,
+)
+
+
+@dataclass(frozen=True)
+class Around:
+    """What takes the place of a function, made from it."""
+
+    make: Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """What is done without it."""
+
+    room: str
+    """Where it is."""
+    settings: Callable[[], Settings] = Settings
+    """The choices of a run without it."""
+    patches: Mapping[str, Any] = field(default_factory=dict)
+    """"module:name" or "module:Class.name" in the core, and what takes its place."""
+
+
+def first(given: Any, *_: Any, **__: Any) -> Any:
+    """What came in, unchanged."""
+    return given
+
+
+def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
+    """A stage that finds nothing."""
+    return
+    yield
+
+
+def no_level(*_: Any, **__: Any) -> Iterator[Any]:
+    """A stage that fails."""
+    raise NestingError("It is switched off.")
+    yield
+
+
+def all_kept(pairs: Any, *_: Any, **__: Any) -> Any:
+    """Every pair of a mask."""
+    return np.ones(len(pairs), bool)
+
+
+def hulls(restarts: int) -> Callable[[], Settings]:
+    """The defaults with so many restarts of the outer hull."""
+
+    def settings() -> Settings:
+        hull = OuterHull(restarts=restarts)
+        return Settings(decimation=OnCurve(hull), fallback=hull)
+
+    return settings
+
+
+def with_contacts(*contacts: Any) -> Callable[[], Settings]:
+    """The defaults with these contacts in turn."""
+    return lambda: Settings(contact=contacts)
+
+
+def uniform_radius(update: Callable[..., None]) -> Callable[..., None]:
+    """One radius for all vertices, the smallest of all."""
+
+    def updated(self: Any, *arguments: Any, **options: Any) -> None:
+        update(self, *arguments, **options)
+        self.radius = np.full_like(self.radius, float(np.median(self.radius)))
+
+    return updated
+
+
+MECHANISMS: dict[str, Mechanism] = {
+    # where cages begin
+    "second and third start": Mechanism("hierarchy", partial(Settings, starts=1)),
+    "third start": Mechanism("hierarchy", partial(Settings, starts=2)),
+    "early stop of losing starts": Mechanism("hierarchy", patches={"hierarchy.early_stop:FIRST_LOOK": 10**9}),
+    "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
+    "untightened cage as last resort": Mechanism(
+        "hierarchy", patches={"hierarchy.level:LevelBuilder._untightened": no_level}
+    ),
+    "places on the curve by the hull": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
+    "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
+    "restarts (8 to 1)": Mechanism("decimation", hulls(1)),
+    "restarts (8 to 2)": Mechanism("decimation", hulls(2)),
+    "restarts (8 to 5: no random weights)": Mechanism("decimation", hulls(5)),
+    "restarts (8 to 16: more)": Mechanism("decimation", hulls(16)),
+    "further restarts for loops": Mechanism("decimation", patches={"decimation.hull_search:RESTARTS_PER_LOOP": 0}),
+    "spike variations": Mechanism("decimation", patches={"decimation.hull_search:SPIKE_VARIATIONS": ()}),
+    "both weights to the middling size": Mechanism("decimation", patches={"decimation.hull_search:STAGE_TWICE": 0}),
+    "rescues": Mechanism(
+        "decimation",
+        patches={"decimation.hull_search:RESCUES": 1, "decimation.hull_search:FEWEST_RESCUES": 1},
+    ),
+    "rescues from the outline itself": Mechanism("decimation", patches={"decimation.hull_search:RESCUE_WHOLE": 0}),
+    "clearing of gaps": Mechanism("decimation", patches={"decimation.outer_hull:cleared": first}),
+    "filling of gaps like round-off": Mechanism("decimation", patches={"decimation.outer_hull:without_gaps": first}),
+    "trifles filled": Mechanism("decimation", patches={"decimation.outer_hull:without_trifles": first}),
+    "room in small holes": Mechanism("decimation", patches={"decimation.outer_hull:with_room": first}),
+    # flow
+    "flow: steps with samples at vertices (6 to 1)": Mechanism(
+        "flow", partial(Settings, flow=TwoSidedFlow(vertex_limit=1))
+    ),
+    "flow: erosion": Mechanism("flow", patches={"flow.two_sided:_Run.erosion": no_stage}),
+    "flow: geodesic": Mechanism("flow", patches={"flow.two_sided:_Run.geodesic": no_stage}),
+    "flow: correspondence": Mechanism("flow", patches={"flow.two_sided:_Run.correspondence": no_stage}),
+    # contact
+    "IPC first (sequential QPs first)": Mechanism("contact", patches={"hierarchy.attempts:IPC_FIRST": 0}),
+    "IPC only": Mechanism("contact", with_contacts(IPC())),
+    "sequential QPs only": Mechanism("contact", with_contacts(SequentialQP())),
+    "IPC gives way in crowds": Mechanism("contact", patches={"hierarchy.attempts:MAX_IPC_PAIRS": np.inf}),
+    "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}),
+    "IPC: shorter ranges": Mechanism("contact", patches={"contact.ipc:MAX_SHORTENINGS": 0}),
+    "QP: pace per vertex": Mechanism(
+        "contact", patches={"contact.sequential_qp:PACE_GROWTH": 1.0, "contact.sequential_qp:PACE_REDUCTION": 1.0}
+    ),
+    "pruning of implied constraints": Mechanism(
+        "contact",
+        patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},
+    ),
+    "thinning of nearly implied constraints": Mechanism(
+        "tightening", patches={"tightening.quadratic_model:THINNING": 0.0}
+    ),
+    # tightening
+    "escapes from saddles": Mechanism("tightening", patches={"tightening.tightening:MAX_ESCAPES": 0}),
+    "radius per vertex": Mechanism(
+        "tightening", patches={"tightening.trust_region:TrustRegion.update": Around(uniform_radius)}
+    ),
+    "widening in small steps": Mechanism("tightening", patches={"tightening.widening:STEPS": 0}),
+    "every vertex by itself in widening": Mechanism("tightening", patches={"tightening.widening:SHORT_STEP": -1.0}),
+    "shift of the Hessian": Mechanism(
+        "tightening",
+        patches={"tightening.trust_region:FIRST_SHIFT": 0.0, "tightening.trust_region:RAISED_SHIFT": 0.0},
+    ),
+    "soft constraints beyond the closest": Mechanism(
+        "tightening", patches={"tightening.quadratic_model:GIVING_WAY": 0.0}
+    ),
+    "second trials with fewer vertices": Mechanism("tightening", patches={"tightening.trial:ATTEMPTS": 2}),
+    "overshoot of restoration": Mechanism(
+        "tightening", patches={"tightening.restoration:OVERSHOOT": 1.0, "tightening.restoration:LATER_OVERSHOOT": 1.0}
+    ),
+    "patience (3 quiet steps to 1)": Mechanism("tightening", partial(Settings, tightening=Tightening(patience=1))),
+}
+"""Name and what is done without it; "(a to b)" where it is not all or nothing."""
