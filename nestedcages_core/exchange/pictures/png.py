@@ -88,7 +88,8 @@ def _chunks(data: bytes) -> dict[bytes, bytes]:
         if len(stored) < 4:
             raise NestedCagesError("The PNG ends too early; save it again.")
         if zlib.crc32(kind + content) != int.from_bytes(stored, "big"):
-            raise NestedCagesError(f"The {kind.decode('latin-1')} part of the PNG is damaged; save it again.")
+            name = kind.decode("ascii") if kind.isalpha() else "unnamed"
+            raise NestedCagesError(f"The {name} part of the PNG is damaged; save it again.")
         if kind == b"IDAT":
             parts.append(content)
         else:
