@@ -46,12 +46,14 @@ def restore(
         missing *= OVERSHOOT if number < LATE_PASS else LATE_OVERSHOOT
         missing[missing > 0.0] += SMALLEST_OVERSHOOT * required[missing > 0.0]
         x = x.copy()
-        x[: bodies.m] += _correction(bodies, pairs, contacts, x, missing)
+        x[: bodies.m] += outward_correction(bodies, pairs, contacts, x, missing)
         contacts = measure(pairs, x, side)
     return x, contacts
 
 
-def _correction(bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray) -> FloatArray:
+def outward_correction(
+    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray
+) -> FloatArray:
     """(m, 2) motion of the cage that adds the missing distances (K,)."""
     m = bodies.m
     cage = x[:m]

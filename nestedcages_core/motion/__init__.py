@@ -1,0 +1,8 @@
+"""Cages that follow a moving drawing: one topology, certified at every pose and at every instant between."""
+
+from __future__ import annotations
+
+from .animated import animated_cages, stream_cages
+from .results import Key, MotionReport, MovingCages, MovingLevel
+
+__all__ = ["Key", "MotionReport", "MovingCages", "MovingLevel", "animated_cages", "stream_cages"]

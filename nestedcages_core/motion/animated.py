@@ -1,0 +1,87 @@
+"""animated_cages(): cages of constant topology around a drawing that moves, level by level."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import NestedCagesError, NestingError
+from ..geometry.mesh import Mesh
+from ..hierarchy import Progress, Settings
+from .level import LevelMotion
+from .poses import Pose, read_poses
+from .results import Key, MotionReport, MovingCages, MovingLevel
+
+
+def animated_cages(
+    fine: Mesh,
+    poses: ArrayLike | Iterable[ArrayLike],
+    levels: Sequence[int | Mesh],
+    settings: Settings | None = None,
+    *,
+    times: ArrayLike | None = None,
+    cyclic: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+) -> MovingCages:
+    """Cages that follow a moving drawing, each enclosing the one before at every instant.
+
+    fine: its edges are the topology. poses: (T, n, 2), or an iterable of (n, 2) that is read once. levels: for each cage
+    its number of vertices, or a coarse mesh of the first pose. times: (T,) increasing, 0, 1, ... T - 1 by default.
+    cyclic: the last cage is the first one; where the last pose is not the first one, the way back to it is added, as long
+    as the mean interval. ``progress`` may raise to cancel.
+
+    Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
+    NestedCagesError that names the pose; its ``partial`` is the MovingCages up to there.
+    """
+    settings = settings if settings is not None else Settings()
+    wanted = list(levels)
+    if not wanted:
+        raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
+    finished: list[MovingLevel] = []
+    inner, source = fine, read_poses(fine, poses, times)
+    total = len(poses) if hasattr(poses, "__len__") else None
+    for index, count in enumerate(wanted):
+        level, keys, began = LevelMotion(inner, count, settings, cyclic=cyclic), [], perf_counter()
+        try:
+            for key in level.keys(source):
+                keys.append(key)
+                if progress is not None and key.given:
+                    fraction = key.number / total if total else 0.0
+                    message = f"Level {index + 1} of {len(wanted)}: pose {key.number}"
+                    progress(Progress(index, "following", (index + fraction) / len(wanted), message))
+        except NestedCagesError as error:
+            if keys:
+                finished.append(_finished(level, keys, perf_counter() - began))
+            error.partial = MovingCages(fine, tuple(finished))
+            raise
+        finished.append(_finished(level, keys, perf_counter() - began))
+        inner, source = level.topology, iter([Pose(key.number, key.time, key.cage, key.given) for key in keys])
+    return MovingCages(fine, tuple(finished))
+
+
+def stream_cages(
+    fine: Mesh,
+    poses: Iterable[ArrayLike],
+    level: int | Mesh,
+    settings: Settings | None = None,
+    *,
+    times: ArrayLike | None = None,
+) -> Iterator[Key]:
+    """The keys of one level of `animated_cages` as they are certified, a few poses behind those that are read.
+
+    Memory is that of a window of poses, however long the motion.
+    """
+    motion = LevelMotion(fine, level, settings if settings is not None else Settings(), cyclic=False)
+    return motion.keys(read_poses(fine, poses, times))
+
+
+def _finished(level: LevelMotion, keys: list[Key], seconds: float) -> MovingLevel:
+    given = np.flatnonzero([key.given for key in keys])
+    certificates = tuple(key.certificate for key in keys)
+    report = MotionReport(certificates, given, level.clearance.length, seconds, tuple(level.notes))
+    cage = level.topology.moved(keys[0].cage).validated()
+    times = np.array([key.time for key in keys])
+    return MovingLevel(cage, times, np.stack([k.fine for k in keys]), np.stack([k.cage for k in keys]), report)

@@ -1,0 +1,175 @@
+"""Between the keys: room for the straight motion from one to the next, or another key where room would cost more.
+
+Both ends of an interval keep their distance, but on the straight way between them an edge that turns while the drawing
+slides along it cuts the corner. What is missed by is measured at several instants, and the cages of both keys are pushed
+outwards by as much. Pushing only adds area; where it would add too much, a key in the middle quarters what is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..contact.linearisation import measure
+from ..contact.pairs import Pairs, find_pairs
+from ..energies import signed_area
+from ..errors import NestingError
+from ..geometry.arrays import FloatArray
+from ..tightening.restoration import outward_correction
+from .following import REACH, Follower, sides
+from .poses import Pose
+
+INSTANTS = np.arange(1, 8) / 8.0
+"""Instants of an interval at which distances are measured; exact predicates decide over all of it afterwards."""
+
+ROOM = 0.5
+"""Distance that pushing aims at between the keys, in clearances."""
+
+OVERSHOOT, LATER_OVERSHOOT, LATER = 1.3, 2.0, 4
+"""Factor of a push, and a larger one from this round on: what one push leaves is of second order."""
+
+ROUNDS = 12
+"""Pushes of one interval before it gets another key."""
+
+GROWTH = 0.005
+"""Area that pushing may add to a tight cage, as a fraction, before the interval gets another key instead."""
+
+SHORTEST = 1.0 / 32.0
+"""Part of the time between two given poses below which no keys are added and pushing may add any area."""
+
+
+@dataclass(eq=False)
+class Instant:
+    """A key that may still change, and its neighbours in time."""
+
+    pose: Pose
+    fine: FloatArray = field(repr=False)
+    """(n, 2) the pose in the units of the solvers."""
+    cages: list[FloatArray] = field(repr=False)
+    """Each (m, 2): where the drawing carried the cage to, and the steps of its tightening that are taken."""
+    cage: FloatArray = field(init=False, repr=False)
+    """(m, 2) the last of them, with the room that it made for the motion."""
+    handed_out: bool = False
+    """Whether the cage may not change any more."""
+    before: Instant | None = field(default=None, repr=False)
+    after: Instant | None = field(default=None, repr=False)
+    part: float = 1.0
+    """Length of the interval to the next key, as a part of that between two poses."""
+    rounds: int = 0
+    """Pushes of that interval so far."""
+
+    def __post_init__(self) -> None:
+        self.cage = self.cages[-1]
+
+    def loosen(self) -> bool:
+        """Take back half of the steps of tightening; whether there were any."""
+        if self.handed_out or len(self.cages) == 1:
+            return False
+        self.cages = self.cages[: (len(self.cages) + 1) // 2]
+        self.cage = self.cages[-1]
+        return True
+
+    def link(self, after: Instant) -> None:
+        """Make another key the next one."""
+        self.after, after.before = after, self
+
+
+@dataclass(eq=False)
+class Straightener:
+    """Makes the straight motion between keys free of contact."""
+
+    follower: Follower
+    is_free: Callable[[Instant, Instant], bool]
+    """Certifies the motion between two keys."""
+    period: float = 0.0
+    """Time once around, if the keys are a ring."""
+
+    def instant(self, pose: Pose, cages: list[FloatArray]) -> Instant:
+        """A key of a pose with its cages (m, 2)."""
+        return Instant(pose, self.follower.in_solver_units(pose.vertices), cages)
+
+    def settle(self, key: Instant) -> None:
+        """Make the interval that begins at a key free, and those that change with it. Raises NestingError."""
+        open_: list[Instant] = [key]
+        while open_:
+            begin = open_.pop()
+            end = begin.after
+            if end is None or self.is_free(begin, end):
+                continue
+            pushed = self._pushed(begin, end)
+            if pushed is not None:
+                begin.rounds += 1
+                begin.cage, end.cage = pushed
+                open_ += [other for other in (begin.before, end, begin) if other is not None]
+            elif (end.after is None or end.part < 1.0) and end.loosen():
+                begin.rounds = end.rounds = 0
+                open_ += [end, begin]
+            elif begin.part > SHORTEST and not (begin.handed_out and end.handed_out):
+                open_ += self._halved(begin, end)
+            else:
+                raise NestingError(
+                    f"The motion from pose {begin.pose.number} to the next could not be certified free of collisions; give "
+                    "more poses between them, a larger clearance or more cage vertices."
+                )
+
+    def _pushed(self, begin: Instant, end: Instant) -> tuple[FloatArray, FloatArray] | None:
+        """Cages of both keys pushed outwards by what is missing between them; None where a key is the better way."""
+        last_resort = begin.part <= SHORTEST
+        if begin.rounds >= (2 * ROUNDS if last_resort else ROUNDS) or (begin.handed_out and end.handed_out):
+            return None
+        bodies, encloses = self.follower.bodies, self.follower.encloses
+        x0, x1 = (np.concatenate([key.cage, key.fine]) for key in (begin, end))
+        pairs = find_pairs(bodies, 0.5 * (x0 + x1), REACH * bodies.cage_edge_length)
+        missing = self._missing(pairs, x0, x1)
+        missing[missing > 0.0] *= OVERSHOOT if begin.rounds < LATER else LATER_OVERSHOOT
+        share = 2.0 if begin.handed_out or end.handed_out else 1.0
+        cages = []
+        for key, x in ((begin, x0), (end, x1)):
+            if key.handed_out:
+                cages.append(key.cage)
+                continue
+            cage = key.cage + outward_correction(bodies, pairs, measure(pairs, x), x, share * missing)
+            grown = signed_area(cage, bodies.cage_successor) / signed_area(key.cages[-1], bodies.cage_successor) - 1.0
+            if (grown > GROWTH and not last_resort) or not encloses(cage, key.fine):
+                return None
+            cages.append(cage)
+        return cages[0], cages[1]
+
+    def _missing(self, pairs: Pairs, x0: FloatArray, x1: FloatArray) -> FloatArray:
+        """(K,) how far pairs of cage and fine mesh are from keeping their distance between x0 and x1 (m + n, 2)."""
+        side, aim = sides(pairs, x0), ROOM * self.follower.clearance
+        missing = np.full(len(pairs), -np.inf)
+        for s in INSTANTS:
+            missing = np.maximum(missing, aim - measure(pairs, (1.0 - s) * x0 + s * x1, side).distance)
+        missing[pairs.cage_cage] = np.minimum(missing[pairs.cage_cage], 0.0)
+        if not (missing > 0.0).any():  # it is missing between the instants
+            missing[missing > -aim] = aim
+        return missing
+
+    def _halved(self, begin: Instant, end: Instant) -> list[Instant]:
+        """The two intervals around a new key in the middle."""
+        vertices = 0.5 * (begin.pose.vertices + end.pose.vertices)
+        until = end.pose.time if end.pose.time > begin.pose.time else end.pose.time + self.period
+        pose = Pose(begin.pose.number, 0.5 * (begin.pose.time + until), vertices, given=False)
+        cages = self.follower.next(begin.cage, begin.fine, self.follower.in_solver_units(vertices))
+        if cages is None:
+            raise NestingError(
+                f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it half-way; "
+                "give more poses between them, or use more cage vertices."
+            )
+        middle = self.instant(pose, cages)
+        middle.part = begin.part = 0.5 * begin.part
+        middle.link(end)
+        begin.link(middle)
+        begin.rounds = 0
+        return [middle, begin]
+
+
+def around(first: Instant) -> Iterator[Instant]:
+    """The keys from the first one on; once around if they are a ring."""
+    key: Instant | None = first
+    while key is not None:
+        yield key
+        key = key.after if key.after is not first else None

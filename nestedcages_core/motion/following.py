@@ -1,0 +1,143 @@
+"""Following: from the cage of one pose to that of the next one.
+
+The drawing carries the cage along; what came too close is restored to its distance, and the cage is tightened at the
+new pose. Where a cage that is carried in one piece would cross the drawing, the way is cut into parts; where that does
+not help either, the drawing moves on its straight line and pushes the cage, as in reinflation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..contact import SequentialQP
+from ..contact.linearisation import measure
+from ..contact.pairs import Bodies, Pairs, find_pairs
+from ..energies import CageEnergy
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..hierarchy import Settings
+from ..hierarchy.units import Frame
+from ..tightening import Tightening
+from ..tightening.restoration import restore
+from ..verification import verify
+from .carrying import carried
+
+PARTS = (1, 2, 4, 8)
+"""Into how many parts the way to a pose is cut, in turn, until the carried cage can be restored in each."""
+
+REACH = 0.25
+"""How far apart pairs are that restoration looks at, in mean cage edge lengths."""
+
+AIM = 1.01
+"""Distance that restoration aims at, in clearances."""
+
+OWN = 0.1
+"""Fraction of their distance that parts of the cage keep from each other while it is restored."""
+
+
+@dataclass(eq=False)
+class Follower:
+    """Moves a cage from pose to pose; all positions and lengths are in the units of the solvers."""
+
+    frame: Frame
+    """Those units."""
+    topology: Mesh
+    """The cage's."""
+    fine: Mesh
+    """The drawing's."""
+    bodies: Bodies
+    clearance: float
+    energy: CageEnergy
+    tightening: Tightening
+    contact: SequentialQP = field(default_factory=SequentialQP)
+
+    @classmethod
+    def of(cls, cage: Mesh, fine: Mesh, frame: Frame, clearance: float, settings: Settings) -> Follower:
+        """For a cage and a pose that it encloses, and a clearance, in the input's units."""
+        unit_cage, unit_fine = (mesh.moved(frame.inside(mesh.vertices)) for mesh in (cage, fine))
+        bodies, energy = Bodies.of(unit_cage, unit_fine), settings.energy.at(unit_cage)
+        return cls(frame, unit_cage, unit_fine, bodies, frame.length(clearance), energy, settings.tightening)
+
+    def in_solver_units(self, points: FloatArray) -> FloatArray:
+        """Points (k, 2) of the input."""
+        return self.frame.inside(points)
+
+    def next(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> list[FloatArray] | None:
+        """Cages (m, 2) of the pose ``after`` (n, 2) from that of ``before``, from the loosest to the tight one.
+
+        None if the way is blocked.
+        """
+        for parts in PARTS:
+            start = self._carried(cage, before, after, parts)
+            if start is not None:
+                return self.tightened(start, after)
+        start = self._pushed(cage, before, after)
+        return None if start is None else self.tightened(start, after)
+
+    def tightened(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
+        """The cage (m, 2), which must enclose a pose (n, 2), and those after each step on the way to its optimum."""
+        cages = [cage]
+        self.tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=self.energy, on_step=cages.append)
+        return cages
+
+    def restored(self, cage: FloatArray, before: FloatArray, guess: FloatArray, after: FloatArray) -> FloatArray | None:
+        """(m, 2) a cage of the pose ``after`` next to a guess of it; None if there is none so near.
+
+        cage, before: the cage of another pose and that pose: they say on which side of each other things belong.
+        """
+        bodies = self.bodies
+        old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
+        pairs = find_pairs(bodies, new, REACH * bodies.cage_edge_length)
+        required = np.full(len(pairs), AIM * self.clearance)
+        own = OWN * measure(pairs, old).distance[pairs.cage_cage]
+        required[pairs.cage_cage] = np.minimum(required[pairs.cage_cage], own)
+        x, contacts = restore(bodies, pairs, new, required, sides(pairs, old))
+        if bool((contacts.distance < required).any()) or not self.encloses(x[: bodies.m], after):
+            return None
+        return x[: bodies.m]
+
+    def encloses(self, cage: FloatArray, fine: FloatArray) -> bool:
+        """Whether a cage (m, 2) strictly encloses a pose (n, 2), by exact predicates."""
+        return verify(self.topology.moved(cage), self.fine.moved(fine)).holds
+
+    def _carried(self, cage: FloatArray, before: FloatArray, after: FloatArray, parts: int) -> FloatArray | None:
+        """The cage carried along the straight way in so many parts, restored after each."""
+        place, found = before, cage
+        for part in range(1, parts + 1):
+            onward = after if part == parts else before + (part / parts) * (after - before)
+            guess = carried(found, place, onward, self.bodies.fine_weight)
+            restored = self.restored(found, place, guess, onward)
+            if restored is None:
+                return None
+            place, found = onward, restored
+        return found
+
+    def _pushed(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray | None:
+        """The cage pushed by the drawing on its straight way."""
+        steps: list[FloatArray] = []
+        outcome = self.contact.reinflate(
+            self.bodies,
+            np.concatenate([cage, before]),
+            [after],
+            clearance=self.clearance,
+            energy=self.energy,
+            solver=__import__("nestedcages_core").ProjectedNewton(),
+            on_step=steps.append,
+        )
+        return outcome.x[: self.bodies.m] if outcome.came_home else None
+
+
+def sides(pairs: Pairs, x: FloatArray) -> FloatArray:
+    """(K,) the side of the edge on which each point belongs, as it is at x (m + n, 2): 1 left, -1 right, 0 any.
+
+    Beyond the ends of an edge it is the side of its line, where that is the side on which the fine mesh (left of the
+    cage) or the cage (right of the fine mesh) belongs.
+    """
+    side = measure(pairs, x).side
+    edge, to = x[pairs.end] - x[pairs.start], x[pairs.point] - x[pairs.start]
+    left = np.where(edge[:, 0] * to[:, 1] >= edge[:, 1] * to[:, 0], 1.0, -1.0)
+    belongs = np.zeros(len(pairs))
+    belongs[pairs.fine_cage], belongs[pairs.cage_fine] = 1.0, -1.0
+    return np.where((side == 0.0) & (left == belongs), belongs, side)

@@ -1,0 +1,140 @@
+"""One level of a motion: the first cage, the cages that follow it, and free ways between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import chain, islice
+
+import numpy as np
+
+from ..errors import NestedCagesError, NestingError
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..hierarchy import Settings, nested_cages
+from ..hierarchy.units import Clearance, Frame
+from ..verification import verify, verify_motion
+from .between import Instant, Straightener, around
+from .following import Follower
+from .poses import Pose
+from .results import Key
+from .starts import first_cage
+
+WINDOW = 8
+"""Poses behind the newest one whose cages may still be pushed; older ones are handed out."""
+
+LOOK_AHEAD = 64
+"""Poses of a motion that is not cyclic which are looked at before the first cage is chosen."""
+
+
+class LevelMotion:
+    """Makes the moving cage of one level; `keys` gives its keys as they are certified."""
+
+    topology: Mesh
+    """The cage's edges and its vertices at the first pose, before it makes room for the motion."""
+    clearance: Clearance
+
+    def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
+        self.fine, self.wanted, self.settings, self.cyclic = fine, wanted, settings, cyclic
+        self.notes: list[str] = []
+
+    def keys(self, poses: Iterator[Pose]) -> Iterator[Key]:
+        """The keys of all poses, and those added between them. Raises NestedCagesError that names the pose."""
+        ahead = list(poses) if self.cyclic else list(islice(poses, LOOK_AHEAD))
+        first = self.fine.moved(ahead[0].vertices).validated()
+        self.clearance = Clearance.of(self.settings.clearance, first)
+        self.frame = Frame.of(first)
+
+        def follower(cage: Mesh, pose: Mesh) -> Follower:
+            return Follower.of(cage, pose, self.frame, self.clearance.length, self.settings)
+
+        meshes = [self.fine.moved(pose.vertices).validated() for pose in ahead]
+        self.topology = first_cage(meshes, self.wanted, self.settings, follower)
+        self._follower = follower(self.topology, first)
+        self._straightener = Straightener(self._follower, self._is_free)
+        keys = self._ring(ahead) if self.cyclic else self._stream(chain(ahead, poses))
+        for key in keys:
+            yield self._certified(key)
+
+    def _stream(self, poses: Iterable[Pose]) -> Iterator[Instant]:
+        """One pose after the other; no more than a window of them is kept."""
+        oldest: Instant | None = None
+        for newest in self._followed(poses, self.frame.inside(self.topology.vertices)):
+            oldest = newest if oldest is None else oldest
+            while oldest.pose.number < newest.pose.number - WINDOW and oldest.after is not None:
+                oldest.handed_out, oldest.before = True, None
+                yield oldest
+                oldest = oldest.after
+        if oldest is not None:
+            yield from around(oldest)
+
+    def _ring(self, poses: list[Pose]) -> Iterator[Instant]:
+        """Around once to come into step, around again, and into each other; the last key is the first one again."""
+        closing = poses[-1]
+        if not np.array_equal(closing.vertices, poses[0].vertices):
+            time = closing.time + (closing.time - poses[0].time) / (len(poses) - 1)
+            closing = Pose(closing.number + 1, time, poses[0].vertices, closing.given)
+            poses = [*poses, closing]
+        once = list(self._followed(poses, self.frame.inside(self.topology.vertices)))
+        again = list(self._followed(poses, once[-1].cage))
+        keys = self._merged(again, once)
+        for key, after in zip(keys, [*keys[1:], keys[0]], strict=True):
+            key.link(after)
+        self._straightener.period = closing.time - poses[0].time
+        for key in keys:
+            self._straightener.settle(key)
+        yield from around(keys[0])
+        yield self._straightener.instant(closing, [keys[0].cage])
+
+    def _merged(self, begins: list[Instant], ends: list[Instant]) -> list[Instant]:
+        """Keys, all but the last, that go over from the cages of one round to those of another, so that they close."""
+        keys: list[Instant] = []
+        for number, (one, other) in enumerate(zip(begins[:-1], ends[:-1], strict=True)):
+            share = number / (len(ends) - 1)
+            guess = (1.0 - share) * one.cage + share * other.cage
+            blend = self._follower.restored(one.cage, one.fine, guess, one.fine)
+            keys.append(self._straightener.instant(one.pose, [one.cage if blend is None else blend]))
+        return keys
+
+    def _followed(self, poses: Iterable[Pose], cage: FloatArray) -> Iterator[Instant]:
+        """A key for each pose, the first one with the given cage, each with a free way from the one before."""
+        key: Instant | None = None
+        for pose in poses:
+            if key is None:
+                key = self._straightener.instant(pose, [cage])
+            else:
+                cages = self._follower.next(key.cage, key.fine, self.frame.inside(pose.vertices))
+                after = self._straightener.instant(pose, cages or [self._anew(pose, key.cage)])
+                key.link(after)
+                self._straightener.settle(key)
+                key = after
+            yield key
+
+    def _anew(self, pose: Pose, cage: FloatArray) -> FloatArray:
+        """A cage of a pose by the flow, from that of the pose before as the coarse mesh."""
+        fine = self.fine.moved(pose.vertices).validated()
+        try:
+            coarse = self.topology.moved(self.frame.outside(cage)).validated()
+            level = nested_cages(fine, [coarse], replace(self.settings, fallback=None)).levels[0]
+        except NestedCagesError as error:
+            raise NestingError(
+                f"The cage cannot follow to pose {pose.number}: the drawing blocks its way, and no cage with the same "
+                "vertices was found there; give more poses before it, or use more cage vertices."
+            ) from error
+        self.notes.append(f"The way to pose {pose.number} is blocked: its cage was made anew.")
+        return self.frame.inside(level.cage.vertices)
+
+    def _is_free(self, begin: Instant, end: Instant) -> bool:
+        """Certify the straight motion between two keys in the input's units."""
+        cages = self.frame.outside(np.stack([begin.cage, end.cage]))
+        fines = np.stack([begin.pose.vertices, end.pose.vertices])
+        return bool(verify_motion(self.topology, self.fine, cages, fines))
+
+    def _certified(self, key: Instant) -> Key:
+        """The key in the input's units. Raises NestingError if it does not hold."""
+        pose, cage = key.pose, self.frame.outside(key.cage)
+        wanted = 0.0 if self.clearance.negotiable else self.clearance.length
+        certificate = verify(self.topology.moved(cage), self.fine.moved(pose.vertices), wanted)
+        if not certificate:
+            raise NestingError(f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}")
+        return Key(pose.number, pose.time, pose.vertices, cage, certificate, pose.given)

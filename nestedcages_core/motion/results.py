@@ -1,0 +1,90 @@
+"""What a moving drawing gets: levels with their keys, and what was certified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..verification import Certificate
+
+
+@dataclass(frozen=True, eq=False)
+class Key:
+    """One certified instant; between consecutive keys fine mesh and cage move on straight lines."""
+
+    number: int
+    """Of the given pose, or of the one before."""
+    time: float
+    fine: FloatArray = field(repr=False)
+    """(n, 2) vertices of the fine mesh; those of a given pose bit by bit."""
+    cage: FloatArray = field(repr=False)
+    """(m, 2) vertices of the cage."""
+    certificate: Certificate = field(repr=False)
+    given: bool
+    """Whether the key is a given pose, not one added between two of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionReport:
+    """What was certified, key by key."""
+
+    certificates: tuple[Certificate, ...]
+    """(K,) of every key; the motion between keys is certified as well."""
+    given: IntArray
+    """(T,) indices of the keys that are given poses."""
+    wanted_clearance: float
+    """Unit: the input's."""
+    seconds: float
+    """Wall-clock seconds."""
+    notes: tuple[str, ...] = ()
+    """Sentences about what was not done as asked."""
+
+    @property
+    def excess(self) -> FloatArray:
+        """(T,) area(cage) / area(fine) - 1 of the given poses."""
+        return np.array([self.certificates[k].excess for k in self.given])
+
+    @property
+    def clearance(self) -> FloatArray:
+        """(T,) measured distance between cage and fine mesh at the given poses."""
+        return np.array([self.certificates[k].clearance for k in self.given])
+
+    @property
+    def keys_added(self) -> int:
+        """Number of keys between the given poses."""
+        return len(self.certificates) - len(self.given)
+
+    def __str__(self) -> str:
+        excess = 100.0 * self.excess
+        summary = (
+            f"{len(self.given)} poses certified, {self.keys_added} keys added, excess {np.median(excess):.2f} % in the "
+            f"median and {excess.max():.2f} % at most, clearance {self.clearance.min():.3g} "
+            f"(wanted {self.wanted_clearance:.3g}), {self.seconds:.2f} s"
+        )
+        return "\n".join([summary, *self.notes])
+
+
+@dataclass(frozen=True, eq=False)
+class MovingLevel:
+    """One cage that moves."""
+
+    cage: Mesh
+    """Topology, and the vertices at the first pose."""
+    times: FloatArray
+    """(K,) increasing: all given times, and those of the keys added between them."""
+    fine_steps: FloatArray = field(repr=False)
+    """(K, n, 2) what the cage encloses: the given poses bit by bit at their times, or the cage of the level before."""
+    cage_steps: FloatArray = field(repr=False)
+    """(K, m, 2)."""
+    report: MotionReport = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class MovingCages:
+    """Cages of a moving drawing: level k encloses level k - 1 at every instant, and all enclose the drawing."""
+
+    fine: Mesh
+    levels: tuple[MovingLevel, ...]

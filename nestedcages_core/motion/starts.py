@@ -1,0 +1,74 @@
+"""The first cage of a motion: it fixes where vertices stand, so it is chosen for all poses at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ..energies import signed_area
+from ..errors import NestedCagesError
+from ..geometry.mesh import Mesh
+from ..hierarchy import Settings, nested_cages
+from .following import Follower
+
+CANDIDATES = 3
+"""Poses, spread over the motion, whose own cages are tried as the first cage."""
+
+SAMPLES = 4
+"""Poses, spread likewise, at which a candidate is tried."""
+
+
+def first_cage(
+    poses: Sequence[Mesh],
+    wanted: int | Mesh,
+    settings: Settings,
+    follower: Callable[[Mesh, Mesh], Follower],
+) -> Mesh:
+    """A cage of the first pose whose area is small in the mean over the poses. Raises NestedCagesError.
+
+    poses: the meshes of the poses to look at; follower: made from a cage and the pose that it encloses.
+    """
+    first = nested_cages(poses[0], [wanted], settings).levels[0].cage
+    if isinstance(wanted, Mesh):
+        return first
+    best, best_area = first, _mean_area(follower(first, poses[0]), first, poses, 0)
+    for at in sorted({round(k * (len(poses) - 1) / CANDIDATES) for k in range(1, CANDIDATES)} - {0}):
+        try:
+            cage = nested_cages(poses[at], [wanted], settings).levels[0].cage
+        except NestedCagesError:
+            continue
+        moving = follower(cage, poses[at])
+        area = _mean_area(moving, cage, poses, at)
+        if area < best_area:
+            back = _followed_back(moving, cage, poses[: at + 1])
+            if back is not None:
+                best, best_area = back, area
+    return best
+
+
+def _mean_area(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -> float:
+    """Mean area of a cage of pose ``at`` that follows to each of some poses in one go; infinite if it cannot."""
+    unit, successor = follower.in_solver_units, cage.successor
+    areas = []
+    for k in sorted({round(s * (len(poses) - 1) / SAMPLES) for s in range(SAMPLES)}):
+        if k == at:
+            areas.append(signed_area(unit(cage.vertices), successor))
+            continue
+        cages = follower.next(unit(cage.vertices), unit(poses[at].vertices), unit(poses[k].vertices))
+        if cages is None:
+            return np.inf
+        areas.append(signed_area(cages[-1], successor))
+    return float(np.mean(areas))
+
+
+def _followed_back(follower: Follower, cage: Mesh, poses: Sequence[Mesh]) -> Mesh | None:
+    """The cage of the last of the poses, as it follows back to the first one."""
+    unit = follower.in_solver_units
+    vertices = unit(cage.vertices)
+    for before, after in zip(poses[:0:-1], poses[-2::-1], strict=True):
+        cages = follower.next(vertices, unit(before.vertices), unit(after.vertices))
+        if cages is None:
+            return None
+        vertices = cages[-1]
+    return cage.moved(follower.frame.outside(vertices))
