@@ -73,6 +73,12 @@ from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
+from .motion import Key as Key
+from .motion import MotionReport as MotionReport
+from .motion import MovingCages as MovingCages
+from .motion import MovingLevel as MovingLevel
+from .motion import animated_cages
+from .motion import stream_cages as stream_cages
 from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
 from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
 from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
@@ -106,6 +112,8 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "verify_motion",
     "Certificate",
     "MotionCertificate",
+    # cages that follow a moving drawing
+    "animated_cages",
     # cages that move their drawing
     "cage_coordinates",
     "deform",

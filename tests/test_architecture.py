@@ -30,6 +30,7 @@ ROOMS = (
     "tightening",
     "verification",
     "hierarchy",
+    "motion",
     "published",
     "coordinates",
     "exchange",

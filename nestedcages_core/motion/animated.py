@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from time import perf_counter
 
 import numpy as np
@@ -28,9 +28,9 @@ def animated_cages(
 ) -> MovingCages:
     """Cages that follow a moving drawing, each enclosing the one before at every instant.
 
-    fine: its edges are the topology. poses: (T, n, 2), or an iterable of (n, 2) that is read once. levels: for each cage
-    its number of vertices, or a coarse mesh of the first pose. times: (T,) increasing, 0, 1, ... T - 1 by default.
-    cyclic: the last cage is the first one; where the last pose is not the first one, the way back to it is added, as long
+    fine: its edges are the topology. poses: (T, n, 2), or an iterable of (n, 2) that is read once. levels: for each
+    cage its number of vertices, or a coarse mesh of the first pose. times: (T,) increasing, 0, 1, ... by default.
+    cyclic: the last cage is the first one; where the last pose is not the first, the way back to it is added, as long
     as the mean interval. ``progress`` may raise to cancel.
 
     Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
@@ -42,7 +42,7 @@ def animated_cages(
         raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
     finished: list[MovingLevel] = []
     inner, source = fine, read_poses(fine, poses, times)
-    total = len(poses) if hasattr(poses, "__len__") else None
+    total = len(poses) if isinstance(poses, Sized) else None
     for index, count in enumerate(wanted):
         level, keys, began = LevelMotion(inner, count, settings, cyclic=cyclic), [], perf_counter()
         try:

@@ -1,8 +1,8 @@
 """Between the keys: room for the straight motion from one to the next, or another key where room would cost more.
 
 Both ends of an interval keep their distance, but on the straight way between them an edge that turns while the drawing
-slides along it cuts the corner. What is missed by is measured at several instants, and the cages of both keys are pushed
-outwards by as much. Pushing only adds area; where it would add too much, a key in the middle quarters what is missing.
+slides along it cuts the corner. What is missing is measured at several instants, and the cages of both keys are pushed
+outwards by as much. That only adds area; where it would add too much, a key in the middle quarters what is missing.
 """
 
 from __future__ import annotations
@@ -90,6 +90,15 @@ class Straightener:
         """A key of a pose with its cages (m, 2)."""
         return Instant(pose, self.follower.in_solver_units(pose.vertices), cages)
 
+    def append(self, last: Instant, key: Instant) -> None:
+        """Add a key after the last one, with a free way to it. Raises NestingError, and then it is not added."""
+        last.link(key)
+        try:
+            self.settle(last)
+        except NestingError:
+            last.after = None
+            raise
+
     def settle(self, key: Instant) -> None:
         """Make the interval that begins at a key free, and those that change with it. Raises NestingError."""
         open_: list[Instant] = [key]
@@ -110,8 +119,8 @@ class Straightener:
                 open_ += self._halved(begin, end)
             else:
                 raise NestingError(
-                    f"The motion from pose {begin.pose.number} to the next could not be certified free of collisions; give "
-                    "more poses between them, a larger clearance or more cage vertices."
+                    f"The motion from pose {begin.pose.number} to the next could not be certified free of collisions; "
+                    "give more poses between them, a larger clearance or more cage vertices."
                 )
 
     def _pushed(self, begin: Instant, end: Instant) -> tuple[FloatArray, FloatArray] | None:

@@ -19,6 +19,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
 from ..hierarchy.units import Frame
+from ..solver import ProjectedNewton
 from ..tightening import Tightening
 from ..tightening.restoration import restore
 from ..verification import verify
@@ -116,15 +117,14 @@ class Follower:
 
     def _pushed(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray | None:
         """The cage pushed by the drawing on its straight way."""
-        steps: list[FloatArray] = []
         outcome = self.contact.reinflate(
             self.bodies,
             np.concatenate([cage, before]),
             [after],
             clearance=self.clearance,
             energy=self.energy,
-            solver=__import__("nestedcages_core").ProjectedNewton(),
-            on_step=steps.append,
+            solver=ProjectedNewton(),
+            on_step=lambda _: None,
         )
         return outcome.x[: self.bodies.m] if outcome.came_home else None
 

@@ -40,7 +40,7 @@ class LevelMotion:
 
     def keys(self, poses: Iterator[Pose]) -> Iterator[Key]:
         """The keys of all poses, and those added between them. Raises NestedCagesError that names the pose."""
-        ahead = list(poses) if self.cyclic else list(islice(poses, LOOK_AHEAD))
+        ahead, poses = _look_ahead(poses, None if self.cyclic else LOOK_AHEAD)
         first = self.fine.moved(ahead[0].vertices).validated()
         self.clearance = Clearance.of(self.settings.clearance, first)
         self.frame = Frame.of(first)
@@ -52,21 +52,27 @@ class LevelMotion:
         self.topology = first_cage(meshes, self.wanted, self.settings, follower)
         self._follower = follower(self.topology, first)
         self._straightener = Straightener(self._follower, self._is_free)
-        keys = self._ring(ahead) if self.cyclic else self._stream(chain(ahead, poses))
+        keys = self._ring([*ahead, *poses]) if self.cyclic else self._stream(chain(ahead, poses))
         for key in keys:
             yield self._certified(key)
 
     def _stream(self, poses: Iterable[Pose]) -> Iterator[Instant]:
         """One pose after the other; no more than a window of them is kept."""
         oldest: Instant | None = None
-        for newest in self._followed(poses, self.frame.inside(self.topology.vertices)):
-            oldest = newest if oldest is None else oldest
-            while oldest.pose.number < newest.pose.number - WINDOW and oldest.after is not None:
-                oldest.handed_out, oldest.before = True, None
-                yield oldest
-                oldest = oldest.after
+        blocked: NestedCagesError | None = None
+        try:
+            for newest in self._followed(poses, self.frame.inside(self.topology.vertices)):
+                oldest = newest if oldest is None else oldest
+                while oldest.pose.number < newest.pose.number - WINDOW and oldest.after is not None:
+                    oldest.handed_out, oldest.before = True, None
+                    yield oldest
+                    oldest = oldest.after
+        except NestedCagesError as error:  # the keys before it are good
+            blocked = error
         if oldest is not None:
             yield from around(oldest)
+        if blocked is not None:
+            raise blocked
 
     def _ring(self, poses: list[Pose]) -> Iterator[Instant]:
         """Around once to come into step, around again, and into each other; the last key is the first one again."""
@@ -105,8 +111,7 @@ class LevelMotion:
             else:
                 cages = self._follower.next(key.cage, key.fine, self.frame.inside(pose.vertices))
                 after = self._straightener.instant(pose, cages or [self._anew(pose, key.cage)])
-                key.link(after)
-                self._straightener.settle(key)
+                self._straightener.append(key, after)
                 key = after
             yield key
 
@@ -138,3 +143,20 @@ class LevelMotion:
         if not certificate:
             raise NestingError(f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}")
         return Key(pose.number, pose.time, pose.vertices, cage, certificate, pose.given)
+
+
+def _look_ahead(poses: Iterator[Pose], most: int | None) -> tuple[list[Pose], Iterator[Pose]]:
+    """The first poses and an iterator over the others; what is wrong with one of the first is raised by the latter."""
+    ahead: list[Pose] = []
+    try:
+        for pose in islice(poses, most):
+            ahead.append(pose)
+    except NestedCagesError as error:
+        if not ahead:
+            raise
+        return ahead, map(_raised, [error])
+    return ahead, poses
+
+
+def _raised(error: NestedCagesError) -> Pose:
+    raise error

@@ -1,0 +1,185 @@
+"""Cages that follow a moving drawing: certified at every pose and between, the given poses bit by bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nestedcages_core import (
+    InvalidMeshError,
+    Mesh,
+    NestedCagesError,
+    NestingError,
+    Settings,
+    animated_cages,
+    nested_cages,
+    stream_cages,
+    verify,
+    verify_motion,
+)
+from nestedcages_core.motion.carrying import carried
+from shapes import disc, ring, star
+
+
+def turned(points: np.ndarray, angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return points @ np.array([[c, s], [-s, c]])
+
+
+def waving(frames: int = 9, loops: list[np.ndarray] | None = None) -> tuple[Mesh, np.ndarray]:
+    """A star, or other loops, in waves; the last pose is the first one."""
+    fine = Mesh.from_loops(loops) if loops else star()
+    size = fine.diagonal
+    poses = []
+    for phase in np.append(np.linspace(0.0, 2.0 * np.pi, frames)[:-1], 0.0):
+        shift = 0.05 * size * np.sin(phase + 4.0 * fine.vertices[:, ::-1] / size)
+        poses.append(turned(fine.vertices + shift, 0.2 * np.sin(phase)))
+    return fine, np.array(poses)
+
+
+def check(level, fine: Mesh, poses: np.ndarray, clearance: float) -> None:
+    assert np.array_equal(level.fine_steps[level.report.given], poses)
+    assert (np.diff(level.times) > 0.0).all()
+    for cage, pose in zip(level.cage_steps, level.fine_steps, strict=True):
+        assert verify(level.cage.moved(cage), fine.moved(pose), clearance)
+    assert verify_motion(level.cage, fine, level.cage_steps, level.fine_steps)
+
+
+def test_every_pose_and_every_instant_is_certified() -> None:
+    fine, poses = waving()
+    moving = animated_cages(fine, poses, [20, 10], Settings(clearance=1e-3))
+    inner, outer = moving.levels
+    check(inner, fine, poses, 1e-3)
+    check(outer, inner.cage, inner.cage_steps, 1e-3)
+    assert len(inner.cage.vertices) == 20 and len(outer.cage.vertices) == 10
+    assert np.array_equal(inner.report.excess, [inner.report.certificates[k].excess for k in inner.report.given])
+
+
+def test_about_as_tight_as_a_cage_for_the_pose_alone() -> None:
+    fine, poses = waving()
+    level = animated_cages(fine, poses, [20]).levels[0]
+    alone = [nested_cages(fine.moved(pose).validated(), [20]).cages[0].area for pose in poses[::2]]
+    areas = [level.cage.moved(level.cage_steps[k]).area for k in level.report.given[::2]]
+    assert np.median(np.array(areas) / alone) < 1.03
+
+
+def test_holes_and_several_parts_are_followed() -> None:
+    fine, poses = waving(5, [ring(40), ring(16, 0.4), disc(20, 0.3, 2.0, 0.0)])
+    check(animated_cages(fine, poses, [24]).levels[0], fine, poses, 0.0)
+
+
+def test_a_cyclic_motion_closes() -> None:
+    fine, poses = waving()
+    closed = animated_cages(fine, poses, [16], cyclic=True).levels[0]
+    check(closed, fine, poses, 0.0)
+    assert np.array_equal(closed.cage_steps[0], closed.cage_steps[-1])
+    opened = animated_cages(fine, poses[:-1], [16], cyclic=True, times=np.arange(8) / 24.0).levels[0]
+    assert np.array_equal(opened.cage_steps[0], opened.cage_steps[-1])
+    assert np.array_equal(opened.fine_steps[-1], poses[0])
+    assert opened.times[-1] == pytest.approx(8.0 / 24.0)
+
+
+def test_a_rigid_motion_takes_the_cage_along() -> None:
+    fine = star()
+    poses = np.array([turned(fine.vertices, 0.3 * k) + np.array([2.0 * k, 0.0]) for k in range(5)])
+    level = animated_cages(fine, poses, [12]).levels[0]
+    first = level.cage_steps[0]
+    for k, cage in enumerate(level.cage_steps):
+        assert np.abs(turned(first, 0.3 * k) + np.array([2.0 * k, 0.0]) - cage).max() < 0.02 * fine.diagonal
+
+
+def test_an_own_coarse_mesh_keeps_its_edges() -> None:
+    fine, poses = waving(4)
+    coarse = Mesh.from_loops([ring(12, 1.3 * np.abs(fine.vertices).max())])
+    level = animated_cages(fine, poses, [coarse]).levels[0]
+    assert np.array_equal(level.cage.edges, coarse.edges)
+    check(level, fine, poses, 0.0)
+
+
+def test_fast_turns_get_keys_or_room() -> None:
+    """Half-way between poses a quarter turn apart, straight lines cut a thin shape's way short."""
+    bar = np.array([(-1.0, -0.03), (1.0, -0.03), (1.0, 0.03), (-1.0, 0.03)])
+    ends = np.linspace(0.0, 1.0, 12)[:, None]
+    outline = np.concatenate([a + ends[:-1] * (b - a) for a, b in zip(bar, np.roll(bar, -1, axis=0), strict=True)])
+    fine = Mesh.from_loops([outline])
+    poses = []
+    for k in range(4):
+        bent = outline + np.stack([np.zeros(len(outline)), 0.4 * np.sin(1.5 * k) * outline[:, 0] ** 2], axis=1)
+        poses.append(bent)
+    check(animated_cages(fine, np.array(poses), [10]).levels[0], fine, np.array(poses), 0.0)
+
+
+def test_a_stream_is_read_as_it_is_needed() -> None:
+    fine, poses = waving(40)
+    read = []
+
+    def source():
+        for number in range(400):
+            read.append(number)
+            yield poses[number % 39]
+
+    keys = stream_cages(fine, source(), 8)
+    taken = [next(keys) for _ in range(20)]
+    assert [key.number for key in taken if key.given] == sorted(key.number for key in taken if key.given)
+    assert len(read) < 120
+    assert all(key.certificate for key in taken)
+
+
+def test_times_and_progress() -> None:
+    fine, poses = waving(5)
+    seen = []
+    moving = animated_cages(fine, poses, [12, 6], times=[1, 2, 4, 8, 16], progress=seen.append)
+    assert moving.levels[0].times[moving.levels[0].report.given].tolist() == [1, 2, 4, 8, 16]
+    fractions = [progress.fraction for progress in seen]
+    assert fractions == sorted(fractions) and fractions[0] >= 0.0 and fractions[-1] <= 1.0
+
+    class CancelledError(Exception):
+        pass
+
+    def cancel(_progress) -> None:
+        raise CancelledError
+
+    with pytest.raises(CancelledError):
+        animated_cages(fine, poses, [12], progress=cancel)
+
+
+def test_a_pose_that_crosses_itself_is_named_and_those_before_it_are_kept() -> None:
+    fine, poses = waving()
+    poses[6, 0] = -2.0 * poses[6, 0]
+    with pytest.raises(InvalidMeshError, match=r"^Pose 6: ") as caught:
+        animated_cages(fine, iter(poses), [12])
+    (level,) = caught.value.partial.levels
+    assert np.array_equal(level.fine_steps[level.report.given], poses[:6])
+
+
+@pytest.mark.parametrize(
+    ("poses", "times", "sentence"),
+    [
+        (np.zeros((3, 4, 2)), None, "Pose 0: The moved vertices have shape"),
+        (waving()[1][:1], None, "at least two poses, not 1"),
+        (5, None, "The poses must be an array"),
+        (waving()[1], [0.0, 1.0], "9 finite numbers, one per pose"),
+        (waving()[1], [0, 1, 2, 3, 3, 4, 5, 6, 7], "must increase, but that of pose 4 is 3 after 3"),
+        (waving()[1] * [-1.0, 1.0], None, "Pose 0 is turned inside out"),
+    ],
+)
+def test_bad_input_is_named(poses, times, sentence) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
+        animated_cages(waving()[0], poses, [12], times=times)
+
+
+def test_no_levels() -> None:
+    fine, poses = waving(3)
+    with pytest.raises(NestingError, match="There are no levels"):
+        animated_cages(fine, poses, [])
+
+
+def test_points_are_carried_exactly_by_similarities() -> None:
+    random = np.random.default_rng(5)
+    before, cage = random.normal(size=(50, 2)), random.normal(size=(9, 2))
+
+    def similarity(points: np.ndarray) -> np.ndarray:
+        return 1.7 * turned(points, 0.8) + [3.0, -1.0]
+
+    moved = carried(cage, before, similarity(before), np.ones(50))
+    assert np.abs(moved - similarity(cage)).max() < 1e-12
