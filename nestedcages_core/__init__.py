@@ -73,6 +73,7 @@ from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
 from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
+from .motion import AnimatedCagesRun as AnimatedCagesRun
 from .motion import Key as Key
 from .motion import MotionReport as MotionReport
 from .motion import MovingCages as MovingCages

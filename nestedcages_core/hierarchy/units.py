@@ -33,7 +33,11 @@ class SolverUnits:
 
     def from_input(self, mesh: Mesh) -> Mesh:
         """A mesh of the input in the units of the solvers."""
-        return mesh.moved((mesh.vertices - self.centre) / self.scale)
+        return mesh.moved(self.points(mesh.vertices))
+
+    def points(self, points: FloatArray) -> FloatArray:
+        """Points (..., 2) of the input in the units of the solvers."""
+        return (points - self.centre) / self.scale
 
     def to_input(self, points: FloatArray) -> FloatArray:
         """Points (..., 2) in the units of the input."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .animated import animated_cages, stream_cages
+from .animated import AnimatedCagesRun, animated_cages, stream_cages
 from .results import Key, MotionReport, MovingCages, MovingLevel
 
-__all__ = ["Key", "MotionReport", "MovingCages", "MovingLevel", "animated_cages", "stream_cages"]
+__all__ = ["AnimatedCagesRun", "Key", "MotionReport", "MovingCages", "MovingLevel", "animated_cages", "stream_cages"]

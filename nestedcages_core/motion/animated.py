@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..hierarchy import Progress, Settings
+from ..stages import Stage
 from .level import LevelMotion
 from .poses import Pose, read_poses
 from .results import Key, MotionReport, MovingCages, MovingLevel
@@ -36,30 +37,79 @@ def animated_cages(
     Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
     NestedCagesError that names the pose; its ``partial`` is the MovingCages up to there.
     """
-    settings = settings if settings is not None else Settings()
-    wanted = list(levels)
-    if not wanted:
-        raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
-    finished: list[MovingLevel] = []
-    inner, source = fine, read_poses(fine, poses, times)
-    total = len(poses) if isinstance(poses, Sized) else None
-    for index, count in enumerate(wanted):
-        level, keys, began = LevelMotion(inner, count, settings, cyclic=cyclic), [], perf_counter()
+    run = AnimatedCagesRun(fine, poses, levels, settings, times=times, cyclic=cyclic)
+    for step in run:
+        if progress is not None:
+            progress(step)
+    return run.moving
+
+
+class AnimatedCagesRun:
+    """The work of :func:`animated_cages` as an iterator over its progress; dropping it cancels the work."""
+
+    def __init__(
+        self,
+        fine: Mesh,
+        poses: ArrayLike | Iterable[ArrayLike],
+        levels: Sequence[int | Mesh],
+        settings: Settings | None = None,
+        *,
+        times: ArrayLike | None = None,
+        cyclic: bool = False,
+    ) -> None:
+        if not levels:
+            raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
+        self._fine, self._levels, self._cyclic = fine, list(levels), cyclic
+        self._settings = settings if settings is not None else Settings()
+        self._poses, self._count = read_poses(fine, poses, times), len(poses) if isinstance(poses, Sized) else None
+        self._moving: MovingCages | None = None
+        self._work = self._run()
+
+    def __iter__(self) -> Iterator[Progress]:
+        return self
+
+    def __next__(self) -> Progress:
         try:
-            for key in level.keys(source):
-                keys.append(key)
-                if progress is not None and key.given:
-                    fraction = key.number / total if total else 0.0
-                    message = f"Level {index + 1} of {len(wanted)}: pose {key.number}"
-                    progress(Progress(index, "following", (index + fraction) / len(wanted), message))
-        except NestedCagesError as error:
-            if keys:
-                finished.append(_finished(level, keys, perf_counter() - began))
-            error.partial = MovingCages(fine, tuple(finished))
+            return next(self._work)
+        except StopIteration as end:
+            self._moving = end.value if self._moving is None else self._moving
             raise
-        finished.append(_finished(level, keys, perf_counter() - began))
-        inner, source = level.topology, iter([Pose(key.number, key.time, key.cage, key.given) for key in keys])
-    return MovingCages(fine, tuple(finished))
+
+    @property
+    def moving(self) -> MovingCages:
+        """The result; RuntimeError before the run is over."""
+        if self._moving is None:
+            raise RuntimeError("the run has no result: iterate over it to its end first")
+        return self._moving
+
+    def close(self) -> None:
+        """Cancel the work; nothing happens when it is over."""
+        self._work.close()
+
+    def _run(self) -> Stage[Progress, MovingCages]:
+        finished: list[MovingLevel] = []
+        inner, source = self._fine, self._poses
+        for index, wanted in enumerate(self._levels):
+            level, keys, began = LevelMotion(inner, wanted, self._settings, cyclic=self._cyclic), [], perf_counter()
+            try:
+                for key in level.keys(source):
+                    keys.append(key)
+                    yield self._progress(index, key)
+            except NestedCagesError as error:
+                if keys:
+                    finished.append(_finished(level, keys, perf_counter() - began))
+                error.partial = MovingCages(self._fine, tuple(finished))
+                raise
+            finished.append(_finished(level, keys, perf_counter() - began))
+            inner, source = level.topology, iter([Pose(key.number, key.time, key.cage, key.given) for key in keys])
+            self._count = keys[-1].number + 1
+        return MovingCages(self._fine, tuple(finished))
+
+    def _progress(self, index: int, key: Key) -> Progress:
+        """How far the run is with a key of a level; an iterable of unknown length is half-way all along."""
+        done = 0.5 if self._count is None else (key.number + 1) / self._count
+        fraction = (index + min(done, 1.0)) / len(self._levels)
+        return Progress(index, "following", fraction, f"Level {index + 1} of {len(self._levels)}: pose {key.number}")
 
 
 def stream_cages(
@@ -81,7 +131,7 @@ def stream_cages(
 def _finished(level: LevelMotion, keys: list[Key], seconds: float) -> MovingLevel:
     given = np.flatnonzero([key.given for key in keys])
     certificates = tuple(key.certificate for key in keys)
-    report = MotionReport(certificates, given, level.clearance.length, seconds, tuple(level.notes))
+    report = MotionReport(certificates, given, level.clearance, seconds, tuple(level.notes))
     cage = level.topology.moved(keys[0].cage).validated()
     times = np.array([key.time for key in keys])
     return MovingLevel(cage, times, np.stack([k.fine for k in keys]), np.stack([k.cage for k in keys]), report)

@@ -88,7 +88,7 @@ class Straightener:
 
     def instant(self, pose: Pose, cages: list[FloatArray]) -> Instant:
         """A key of a pose with its cages (m, 2)."""
-        return Instant(pose, self.follower.in_solver_units(pose.vertices), cages)
+        return Instant(pose, self.follower.units.points(pose.vertices), cages)
 
     def append(self, last: Instant, key: Instant) -> None:
         """Add a key after the last one, with a free way to it. Raises NestingError, and then it is not added."""
@@ -162,7 +162,7 @@ class Straightener:
         vertices = 0.5 * (begin.pose.vertices + end.pose.vertices)
         until = end.pose.time if end.pose.time > begin.pose.time else end.pose.time + self.period
         pose = Pose(begin.pose.number, 0.5 * (begin.pose.time + until), vertices, given=False)
-        cages = self.follower.next(begin.cage, begin.fine, self.follower.in_solver_units(vertices))
+        cages = self.follower.next(begin.cage, begin.fine, self.follower.units.points(vertices))
         if cages is None:
             raise NestingError(
                 f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it half-way; "

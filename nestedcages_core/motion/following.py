@@ -18,8 +18,8 @@ from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
-from ..hierarchy.units import Frame
-from ..solver import ProjectedNewton
+from ..hierarchy.units import SolverUnits
+from ..stages import drain
 from ..tightening import Tightening
 from ..tightening.restoration import restore
 from ..verification import verify
@@ -42,8 +42,7 @@ OWN = 0.1
 class Follower:
     """Moves a cage from pose to pose; all positions and lengths are in the units of the solvers."""
 
-    frame: Frame
-    """Those units."""
+    units: SolverUnits
     topology: Mesh
     """The cage's."""
     fine: Mesh
@@ -55,15 +54,11 @@ class Follower:
     contact: SequentialQP = field(default_factory=SequentialQP)
 
     @classmethod
-    def of(cls, cage: Mesh, fine: Mesh, frame: Frame, clearance: float, settings: Settings) -> Follower:
+    def of(cls, cage: Mesh, fine: Mesh, units: SolverUnits, clearance: float, settings: Settings) -> Follower:
         """For a cage and a pose that it encloses, and a clearance, in the input's units."""
-        unit_cage, unit_fine = (mesh.moved(frame.inside(mesh.vertices)) for mesh in (cage, fine))
+        unit_cage, unit_fine = units.from_input(cage), units.from_input(fine)
         bodies, energy = Bodies.of(unit_cage, unit_fine), settings.energy.at(unit_cage)
-        return cls(frame, unit_cage, unit_fine, bodies, frame.length(clearance), energy, settings.tightening)
-
-    def in_solver_units(self, points: FloatArray) -> FloatArray:
-        """Points (k, 2) of the input."""
-        return self.frame.inside(points)
+        return cls(units, unit_cage, unit_fine, bodies, units.clearance(clearance), energy, settings.tightening)
 
     def next(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> list[FloatArray] | None:
         """Cages (m, 2) of the pose ``after`` (n, 2) from that of ``before``, from the loosest to the tight one.
@@ -79,9 +74,8 @@ class Follower:
 
     def tightened(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
         """The cage (m, 2), which must enclose a pose (n, 2), and those after each step on the way to its optimum."""
-        cages = [cage]
-        self.tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=self.energy, on_step=cages.append)
-        return cages
+        run = self.tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=self.energy)
+        return [cage, *run]
 
     def restored(self, cage: FloatArray, before: FloatArray, guess: FloatArray, after: FloatArray) -> FloatArray | None:
         """(m, 2) a cage of the pose ``after`` next to a guess of it; None if there is none so near.
@@ -117,16 +111,9 @@ class Follower:
 
     def _pushed(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray | None:
         """The cage pushed by the drawing on its straight way."""
-        outcome = self.contact.reinflate(
-            self.bodies,
-            np.concatenate([cage, before]),
-            [after],
-            clearance=self.clearance,
-            energy=self.energy,
-            solver=ProjectedNewton(),
-            on_step=lambda _: None,
-        )
-        return outcome.x[: self.bodies.m] if outcome.came_home else None
+        start = np.concatenate([cage, before])
+        outcome = drain(self.contact.reinflate(self.bodies, start, [after], clearance=self.clearance))
+        return outcome.x[: self.bodies.m] if outcome.reached_target else None
 
 
 def sides(pairs: Pairs, x: FloatArray) -> FloatArray:

@@ -12,7 +12,8 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, nested_cages
-from ..hierarchy.units import Clearance, Frame
+from ..hierarchy.attempts import clearances_for
+from ..hierarchy.units import SolverUnits
 from ..verification import verify, verify_motion
 from .between import Instant, Straightener, around
 from .following import Follower
@@ -32,7 +33,8 @@ class LevelMotion:
 
     topology: Mesh
     """The cage's edges and its vertices at the first pose, before it makes room for the motion."""
-    clearance: Clearance
+    clearance: float
+    """The wanted one, in the input's units; the default one may be less where gaps are narrow."""
 
     def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
         self.fine, self.wanted, self.settings, self.cyclic = fine, wanted, settings, cyclic
@@ -42,11 +44,11 @@ class LevelMotion:
         """The keys of all poses, and those added between them. Raises NestedCagesError that names the pose."""
         ahead, poses = _look_ahead(poses, None if self.cyclic else LOOK_AHEAD)
         first = self.fine.moved(ahead[0].vertices).validated()
-        self.clearance = Clearance.of(self.settings.clearance, first)
-        self.frame = Frame.of(first)
+        self.clearance = clearances_for(self.settings, first)[0]
+        self.units = SolverUnits.of(first)
 
         def follower(cage: Mesh, pose: Mesh) -> Follower:
-            return Follower.of(cage, pose, self.frame, self.clearance.length, self.settings)
+            return Follower.of(cage, pose, self.units, self.clearance, self.settings)
 
         meshes = [self.fine.moved(pose.vertices).validated() for pose in ahead]
         self.topology = first_cage(meshes, self.wanted, self.settings, follower)
@@ -61,7 +63,7 @@ class LevelMotion:
         oldest: Instant | None = None
         blocked: NestedCagesError | None = None
         try:
-            for newest in self._followed(poses, self.frame.inside(self.topology.vertices)):
+            for newest in self._followed(poses, self.units.points(self.topology.vertices)):
                 oldest = newest if oldest is None else oldest
                 while oldest.pose.number < newest.pose.number - WINDOW and oldest.after is not None:
                     oldest.handed_out, oldest.before = True, None
@@ -81,7 +83,7 @@ class LevelMotion:
             time = closing.time + (closing.time - poses[0].time) / (len(poses) - 1)
             closing = Pose(closing.number + 1, time, poses[0].vertices, closing.given)
             poses = [*poses, closing]
-        once = list(self._followed(poses, self.frame.inside(self.topology.vertices)))
+        once = list(self._followed(poses, self.units.points(self.topology.vertices)))
         again = list(self._followed(poses, once[-1].cage))
         keys = self._merged(again, once)
         for key, after in zip(keys, [*keys[1:], keys[0]], strict=True):
@@ -109,7 +111,7 @@ class LevelMotion:
             if key is None:
                 key = self._straightener.instant(pose, [cage])
             else:
-                cages = self._follower.next(key.cage, key.fine, self.frame.inside(pose.vertices))
+                cages = self._follower.next(key.cage, key.fine, self.units.points(pose.vertices))
                 after = self._straightener.instant(pose, cages or [self._anew(pose, key.cage)])
                 self._straightener.append(key, after)
                 key = after
@@ -119,7 +121,7 @@ class LevelMotion:
         """A cage of a pose by the flow, from that of the pose before as the coarse mesh."""
         fine = self.fine.moved(pose.vertices).validated()
         try:
-            coarse = self.topology.moved(self.frame.outside(cage)).validated()
+            coarse = self.topology.moved(self.units.to_input(cage)).validated()
             level = nested_cages(fine, [coarse], replace(self.settings, fallback=None)).levels[0]
         except NestedCagesError as error:
             raise NestingError(
@@ -127,18 +129,18 @@ class LevelMotion:
                 "vertices was found there; give more poses before it, or use more cage vertices."
             ) from error
         self.notes.append(f"The way to pose {pose.number} is blocked: its cage was made anew.")
-        return self.frame.inside(level.cage.vertices)
+        return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
         """Certify the straight motion between two keys in the input's units."""
-        cages = self.frame.outside(np.stack([begin.cage, end.cage]))
+        cages = self.units.to_input(np.stack([begin.cage, end.cage]))
         fines = np.stack([begin.pose.vertices, end.pose.vertices])
         return bool(verify_motion(self.topology, self.fine, cages, fines))
 
     def _certified(self, key: Instant) -> Key:
         """The key in the input's units. Raises NestingError if it does not hold."""
-        pose, cage = key.pose, self.frame.outside(key.cage)
-        wanted = 0.0 if self.clearance.negotiable else self.clearance.length
+        pose, cage = key.pose, self.units.to_input(key.cage)
+        wanted = 0.0 if self.settings.clearance is None else self.clearance
         certificate = verify(self.topology.moved(cage), self.fine.moved(pose.vertices), wanted)
         if not certificate:
             raise NestingError(f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}")

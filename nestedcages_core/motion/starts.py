@@ -49,7 +49,7 @@ def first_cage(
 
 def _mean_area(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -> float:
     """Mean area of a cage of pose ``at`` that follows to each of some poses in one go; infinite if it cannot."""
-    unit, successor = follower.in_solver_units, cage.successor
+    unit, successor = follower.units.points, cage.successor
     areas = []
     for k in sorted({round(s * (len(poses) - 1) / SAMPLES) for s in range(SAMPLES)}):
         if k == at:
@@ -64,11 +64,11 @@ def _mean_area(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -
 
 def _followed_back(follower: Follower, cage: Mesh, poses: Sequence[Mesh]) -> Mesh | None:
     """The cage of the last of the poses, as it follows back to the first one."""
-    unit = follower.in_solver_units
+    unit = follower.units.points
     vertices = unit(cage.vertices)
     for before, after in zip(poses[:0:-1], poses[-2::-1], strict=True):
         cages = follower.next(vertices, unit(before.vertices), unit(after.vertices))
         if cages is None:
             return None
         vertices = cages[-1]
-    return cage.moved(follower.frame.outside(vertices))
+    return cage.moved(follower.units.to_input(vertices))
