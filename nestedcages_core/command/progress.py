@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TextIO
 
 from ..batch import BatchProgress
@@ -9,6 +10,14 @@ from ..hierarchy import Progress
 
 BAR = 24
 """Characters of the progress bar."""
+
+
+def tell(text: str, stream: TextIO) -> None:
+    """Print a line; a reader that has gone away, such as `head`, loses the words and nothing else."""
+    try:
+        print(text, file=stream, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class ProgressLine:

@@ -12,7 +12,7 @@ from ..errors import NestedCagesError
 from .making import Result, make
 from .options import check_use, of_drawings, parser
 from .outputs import check, entry, format_of, put, report, target, text_of
-from .progress import ProgressLine
+from .progress import ProgressLine, tell
 from .sources import STREAM, Source, expanded, read
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         paths = expanded(given.input)
     except NestedCagesError as error:
-        print(f"error: {error}", file=sys.stderr)
+        tell(f"error: {error}", sys.stderr)
         return FAILED
     check_use(options, given, paths)
     out = sys.stderr if STREAM in (*given.output, given.report) else sys.stdout
@@ -45,11 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             put(given.report, report(entries))
     except OSError as error:
         line.end()
-        print(f"error: {_of_system(error, given.report or '')}", file=sys.stderr)
+        tell(f"error: {_of_system(error, given.report or '')}", sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         line.end()
-        print("interrupted", file=sys.stderr)
+        tell("interrupted", sys.stderr)
         return INTERRUPTED
     return FAILED if failed else DONE
 
@@ -65,7 +65,7 @@ def _file(path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO,
         for file, kind in outputs:
             check(file, source, kind)
         for note in source.notes:
-            print(f"note: {path}: {note}" if several else f"note: {note}", file=sys.stderr)
+            tell(f"note: {path}: {note}" if several else f"note: {note}", sys.stderr)
         result = make(source, given, line)
         line.end()
         _say(result, out, title=path if several else None)
@@ -73,7 +73,7 @@ def _file(path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO,
             put(file, text_of(result, kind, flip_y=given.flip_y, triangles=given.triangles))
             written.append(file)
             if file != STREAM:
-                print(f"Wrote {file}", file=out)
+                tell(f"Wrote {file}", out)
         failures = list(result.failures)
     except NestedCagesError as error:
         failures = [*result.failures, str(error)]
@@ -82,7 +82,7 @@ def _file(path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO,
     line.end()
     for failure in failures:
         prefix = f"{path}: " if several and not failure.startswith(path) else ""
-        print(f"error: {prefix}{failure}", file=sys.stderr)
+        tell(f"error: {prefix}{failure}", sys.stderr)
     return {**entry(result, written), "errors": failures}
 
 
@@ -95,14 +95,14 @@ def _of_system(error: OSError, path: str) -> str:
 def _say(result: Result, out: TextIO, title: str | None) -> None:
     """The certificate of every cage."""
     if title is not None:
-        print(f"{title}:", file=out)
+        tell(f"{title}:", out)
     several = len(result.source.shapes) + len(result.source.failures) > 1
     for each in result.made:
         fine = each.fine
         name = each.shape.name if several else "Drawing"
-        print(f"{name}: {len(fine.vertices)} vertices, {_counted(len(fine.loops), 'loop')}", file=out)
+        tell(f"{name}: {len(fine.vertices)} vertices, {_counted(len(fine.loops), 'loop')}", out)
         for k, cage in enumerate(each.cages):
-            print(f"  Level {k + 1}: {len(cage.mesh.vertices)} vertices, {cage.report}", file=out)
+            tell(f"  Level {k + 1}: {len(cage.mesh.vertices)} vertices, {cage.report}", out)
 
 
 def _counted(number: int, what: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import struct
 import subprocess
@@ -213,6 +214,25 @@ def test_streams_in_and_out(drawing: Path, tmp_path: Path) -> None:
     done = piped(["--levels", "8"], b"hello")
     assert (done.returncode, done.stdout) == (1, b"")
     assert b"error: The standard input is neither" in done.stderr
+
+
+def test_a_reader_that_goes_away_loses_no_file(drawing: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "nestedcages_core", "letter.svg", "--levels", "24", "-o", "out.svg", "--quiet"]
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "wb") as gone:
+        done = subprocess.run(
+            [*command, "--report", "report.json"],
+            cwd=drawing.parent,
+            env={"PYTHONPATH": str(ROOT)},
+            stdout=gone,
+            stderr=subprocess.PIPE,
+            timeout=120,
+            check=False,
+        )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert len(from_svg((tmp_path / "out.svg").read_text(), element="cage-1").vertices) == 24
+    assert json.loads((tmp_path / "report.json").read_text())["inputs"][0]["written"] == ["out.svg"]
 
 
 @pytest.mark.parametrize("name", ["Łódź", "half \ud83d a character", "two\nlines"])
