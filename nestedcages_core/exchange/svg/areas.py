@@ -15,10 +15,10 @@ from ..libraries import load_shapely
 from .curves import flattened
 from .filters import Filter, Layer, filtered
 from .gradients import visible
+from .nodes import Clip, Group, Shape
 from .options import SvgOptions
 from .paints import Paint
 from .path_data import Subpath
-from .scene import Clip, Group, Shape
 from .strokes import Polyline, Stroke, stroked
 from .transforms import moved, scaling, translation
 
@@ -28,7 +28,7 @@ STROKE_FINENESS = 0.25
 MAX_COORDINATE = 1e150
 """Coordinates beyond this cannot be multiplied with each other."""
 
-THIN, MAX_FINER = 0.02, 32.0
+THIN, MAX_FINER = 0.02, 8.0
 """Default tolerance of thin shapes by their thickness, and by how much it is finer than that of others at most."""
 
 

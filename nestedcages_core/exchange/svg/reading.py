@@ -18,9 +18,10 @@ from ..libraries import load_shapely
 from .areas import MAX_COORDINATE, Areas
 from .curves import flattened
 from .document import Document, Frame
+from .nodes import Group, Shape
 from .options import SvgOptions
 from .paints import Paint
-from .scene import Group, Scene, Shape
+from .scene import Scene
 from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
@@ -15,11 +14,12 @@ from .document import Document
 from .filters import Filter, is_known
 from .lengths import Viewport, attribute, fitted, link_of, measure, name_of, numbers, quoted, share, view_box_of
 from .markers import MARKED, PLACES, Vertex, vertices
+from .nodes import Clip, Group, Shape, attach, rectangular_clip
 from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
 from .path_data import Subpath
-from .strokes import Stroke
+from .strokes import stroke_of
 from .style import Style, Styles
 from .transforms import read_transform, scaling, translation, turned
 
@@ -36,53 +36,6 @@ PAINT, CLIP, MASK = "paint", "clip", "mask"
 """What shapes are read for: to be seen, to clip by their outlines, to mask by their luminance."""
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-
-
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """One element with an outline."""
-
-    name: str
-    """As sentences call it."""
-    subpaths: list[Subpath]
-    """In its own units."""
-    matrix: FloatArray
-    """From its units to those of the document, or of the clip that it is part of."""
-    evenodd: bool = False
-    fill: Paint | None = None
-    stroke: Stroke | None = None
-    stroke_paint: Paint | None = None
-    scales: bool = True
-    """Whether the width of its stroke follows its transforms."""
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Shapes that are filtered and clipped together."""
-
-    children: list[Shape | Group] = field(default_factory=list)
-    clips: list[Clip] = field(default_factory=list)
-    filters: list[Filter] = field(default_factory=list)
-
-    def shapes(self) -> Iterator[Shape]:
-        """All shapes, the lowest first."""
-        for child in self.children:
-            if isinstance(child, Shape):
-                yield child
-            else:
-                yield from child.shapes()
-
-
-@dataclass(frozen=True, eq=False)
-class Clip:
-    """What is kept of a group."""
-
-    content: Group
-    matrix: FloatArray
-    """From the units of the group to those of the document."""
-    of_box: bool = False
-    """Whether the content's units are shares of the group's box."""
-    is_mask: bool = False
 
 
 @dataclass(frozen=True)
@@ -175,7 +128,7 @@ class Scene:
             children = list(item) if name != "switch" else _chosen(item)
             for child in children:
                 self._add(child, context, group)
-        _attach(group, to)
+        attach(group, to)
 
     def _add_used(self, item: ET.Element, context: _Context, group: Group) -> None:
         """Add what a `use` element draws."""
@@ -197,7 +150,7 @@ class Scene:
         if style.get("display") != "none" or name_of(target) == "symbol":
             framed = Group()
             self._add_framed(target, replace(context, style=style), framed, x, y, (size[0], size[1]))
-            _attach(framed, group)
+            attach(framed, group)
 
     def _add_framed(
         self,
@@ -223,7 +176,7 @@ class Scene:
         inside = fitted(box, x, y, width or 0.0, height or 0.0, item.get("preserveAspectRatio", ""))
         viewport = Viewport(box[2], box[3]) if box else Viewport(width, height)
         if width is not None and height is not None and context.style.get("overflow", "hidden") in ("hidden", "scroll"):
-            group.clips.append(_rectangular_clip(x, y, width, height, context.matrix))
+            group.clips.append(rectangular_clip(x, y, width, height, context.matrix))
         context = replace(context, matrix=context.matrix @ inside, viewport=viewport)
         for child in item:
             self._add(child, context, group)
@@ -244,7 +197,7 @@ class Scene:
             rule = style.get("clip-rule", "nonzero")
             group.children.append(Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0)))
             return
-        stroke = self._stroke(style, context.viewport)
+        stroke = stroke_of(style, context.viewport)
         group.children.append(
             Shape(
                 name,
@@ -268,33 +221,6 @@ class Scene:
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
         return self.paints.paint(style.get(key, default), opacity, style, bright=context.purpose == MASK)
 
-    def _stroke(self, style: Style, viewport: Viewport) -> Stroke | None:
-        """The stroke of an element, None if it has none."""
-        if style.get("stroke", "none") == "none":
-            return None
-
-        def length(text: str, what: str) -> float:
-            return measure(text, "r", what, viewport)
-
-        width = length(style.get("stroke-width", "1"), "stroke-width")
-        if not width > 0.0:
-            return None
-        dashes: tuple[float, ...] = ()
-        text = style.get("stroke-dasharray", "none")
-        if text != "none":
-            dashes = tuple(length(part, "stroke-dasharray") for part in text.replace(",", " ").split())
-            if min(dashes, default=0.0) < 0.0:
-                dashes = ()
-        limit = numbers(style.get("stroke-miterlimit", "4"))
-        return Stroke(
-            width,
-            style.get("stroke-linecap", "butt"),
-            style.get("stroke-linejoin", "miter"),
-            limit[0] if limit and limit[0] >= 1.0 else 4.0,
-            dashes,
-            length(style.get("stroke-dashoffset", "0"), "stroke-dashoffset"),
-        )
-
     def _add_marker(self, vertex: Vertex, width: float, context: _Context, group: Group) -> None:
         """Add the marker at a vertex of a path (SVG 1.1, section 11.6)."""
         link, _ = link_in(context.style.get(f"marker-{vertex.place}", "none"))
@@ -313,7 +239,7 @@ class Scene:
         style = self.styles.computed(marker, {})
         clips = []
         if style.get("overflow", "hidden") in ("hidden", "scroll"):
-            clips.append(_rectangular_clip(0.0, 0.0, across, down, matrix))
+            clips.append(rectangular_clip(0.0, 0.0, across, down, matrix))
         marked = Group(clips=clips)
         inner = replace(
             context,
@@ -324,7 +250,7 @@ class Scene:
         )
         for child in marker:
             self._add(child, inner, marked)
-        _attach(marked, group)
+        attach(marked, group)
 
     def _clips(self, style: Style, context: _Context) -> list[Clip]:
         """The clip path and the mask of an element."""
@@ -378,22 +304,8 @@ class Scene:
             measure(item.get(key) or default, key, f"{key} of the mask", viewport)
             for key, default in zip(keys, defaults, strict=True)
         ]
-        clip = _rectangular_clip(size[0], size[1], size[2], size[3], context.matrix)
+        clip = rectangular_clip(size[0], size[1], size[2], size[3], context.matrix)
         return replace(clip, of_box=of_box)
-
-
-def _attach(group: Group, to: Group) -> None:
-    """Add a group to another one; without clips its shapes themselves."""
-    if not group.clips and not group.filters:
-        to.children.extend(group.children)
-    elif group.children:
-        to.children.append(group)
-
-
-def _rectangular_clip(x: float, y: float, width: float, height: float, matrix: FloatArray) -> Clip:
-    rect = ET.Element("rect", {"x": repr(x), "y": repr(y), "width": repr(width), "height": repr(height)})
-    shape = Shape("rect", outline(rect, Viewport()), np.eye(3), fill=Paint(1.0))
-    return Clip(Group([shape]), matrix)
 
 
 def _chosen(item: ET.Element) -> list[ET.Element]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray
 from ..limits import Limits
+from .lengths import Viewport, measure, numbers
 
 MAX_ARC_SEGMENTS = 64
 """Chords of a quarter circle at a cap or join."""
@@ -46,6 +47,34 @@ class Polyline:
 
     points: FloatArray
     closed: bool
+
+
+def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
+    """The stroke of an element with these properties, None if it has none. Raises NestedCagesError."""
+    if style.get("stroke", "none") == "none":
+        return None
+
+    def length(text: str, what: str) -> float:
+        return measure(text, "r", what, viewport)
+
+    width = length(style.get("stroke-width", "1"), "stroke-width")
+    if not width > 0.0:
+        return None
+    dashes: tuple[float, ...] = ()
+    text = style.get("stroke-dasharray", "none")
+    if text != "none":
+        dashes = tuple(length(part, "stroke-dasharray") for part in text.replace(",", " ").split())
+        if min(dashes, default=0.0) < 0.0:
+            dashes = ()
+    limit = numbers(style.get("stroke-miterlimit", "4"))
+    return Stroke(
+        width,
+        style.get("stroke-linecap", "butt"),
+        style.get("stroke-linejoin", "miter"),
+        limit[0] if limit and limit[0] >= 1.0 else 4.0,
+        dashes,
+        length(style.get("stroke-dashoffset", "0"), "stroke-dashoffset"),
+    )
 
 
 def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, limits: Limits) -> list[Any]:

@@ -1,0 +1,78 @@
+"""The tree that a document is read as: shapes, and groups that are filtered and clipped together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray
+from .filters import Filter
+from .lengths import Viewport
+from .outlines import outline
+from .paints import Paint
+from .path_data import Subpath
+from .strokes import Stroke
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One element with an outline."""
+
+    name: str
+    """As sentences call it."""
+    subpaths: list[Subpath]
+    """In its own units."""
+    matrix: FloatArray
+    """From its units to those of the document, or of the clip that it is part of."""
+    evenodd: bool = False
+    fill: Paint | None = None
+    stroke: Stroke | None = None
+    stroke_paint: Paint | None = None
+    scales: bool = True
+    """Whether the width of its stroke follows its transforms."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Shapes that are filtered and clipped together."""
+
+    children: list[Shape | Group] = field(default_factory=list)
+    clips: list[Clip] = field(default_factory=list)
+    filters: list[Filter] = field(default_factory=list)
+
+    def shapes(self) -> Iterator[Shape]:
+        """All shapes, the lowest first."""
+        for child in self.children:
+            if isinstance(child, Shape):
+                yield child
+            else:
+                yield from child.shapes()
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """What is kept of a group."""
+
+    content: Group
+    matrix: FloatArray
+    """From the units of the group to those of the document."""
+    of_box: bool = False
+    """Whether the content's units are shares of the group's box."""
+    is_mask: bool = False
+
+
+def attach(group: Group, to: Group) -> None:
+    """Add a group to another one; without clips its shapes themselves."""
+    if not group.clips and not group.filters:
+        to.children.extend(group.children)
+    elif group.children:
+        to.children.append(group)
+
+
+def rectangular_clip(x: float, y: float, width: float, height: float, matrix: FloatArray) -> Clip:
+    rect = ET.Element("rect", {"x": repr(x), "y": repr(y), "width": repr(width), "height": repr(height)})
+    shape = Shape("rect", outline(rect, Viewport()), np.eye(3), fill=Paint(1.0))
+    return Clip(Group([shape]), matrix)
