@@ -68,7 +68,8 @@ class JobOperator(Reporting):
     # Whether the work changes the scene before it is done, so that nothing else may meanwhile.
     exclusive = False
 
-    _job: Job[Outcome] | None = None
+    # Blender evaluates annotations of classes; on generic ones, version 4.2 crashes when it ends.
+    _job = None  # type: Job[Outcome] | None
     _timer: Any = None
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
