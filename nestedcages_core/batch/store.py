@@ -89,7 +89,7 @@ class OutcomeFolder(MutableMapping[Any, Outcome]):
 def _read(path: Path) -> tuple[Any, Outcome]:
     """Key and outcome of a file. Raises KeyError for one that is missing, truncated or foreign."""
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        with np.load(path) as arrays:  # which refuses pickled objects
             known = json.loads(str(arrays["outcome"]))
             if (known["format"], known["version"]) != (FORMAT, VERSION):
                 raise KeyError(path.name)

@@ -175,9 +175,9 @@ def test_what_is_no_polygon_is_said_with_its_place_by_every_reader(name: str, tm
         ('{"type": "GeometryCollection", "geometries": 3}', "list of geometries is 3"),
         (b"\xff\xfe\x00", "not GeoJSON"),
         ("1" * 9999, "not GeoJSON"),
-        (None, "from text or bytes, not from a NoneType"),
-        (5, "from text or bytes, not from a int"),
-        (Path("a.geojson"), "from text or bytes, not from a"),
+        (None, "from text or bytes, not from NoneType"),
+        (5, "from text or bytes, not from int"),
+        (Path("a.geojson"), "from text or bytes, not from"),
     ],
 )
 def test_what_is_no_map_gets_a_sentence(source: Any, sentence: str) -> None:
