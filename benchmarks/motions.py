@@ -16,10 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from nestedcages_core import (  # noqa: E402
+from clone import ROOT
+from nestedcages_core import (
     Mesh,
     NestedCagesError,
     animated_cages,

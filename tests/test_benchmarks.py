@@ -14,7 +14,7 @@ import shapely
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS = ROOT / "benchmarks"
-PARTS = ("bent.py", "clone.py", "peers.py", "random_shapes.py")  # imported by the others
+PARTS = ("bent.py", "clone.py", "mechanisms.py", "peers.py", "random_shapes.py")  # imported by the others
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.name not in PARTS)
 NEEDS = {"bpy", "hypothesis", "ipctk", "matplotlib", "nestedcages_core", "numpy", "scipy", "shapely"}
 

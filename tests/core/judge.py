@@ -288,14 +288,29 @@ def within_the_step(root: Root) -> bool:
     return sign_of_surd(p, q, d) >= 0 and sign_of_surd(p - r, q, d) <= 0
 
 
-def touches(side: Quadratic, past_start: Quadratic, before_end: Quadratic) -> bool:
-    """Whether for some s in [0, 1] the first polynomial is zero and the others are not negative."""
+def touches(
+    side: Quadratic,
+    past_start: Quadratic,
+    before_end: Quadratic,
+    squared_length: Quadratic = (1, 0, 0),
+    squared_distance: Quadratic = (1, 0, 0),
+) -> bool:
+    """Whether for some s in [0, 1] the first polynomial is zero and the next two are not negative.
+
+    Where the edge shrinks to a point, that says nothing: then the distance to its start must be zero.
+    """
     if any(side):
         instants = roots(side)
     else:  # a closed set has its boundary where one of them changes its sign, or at an end
         instants = [(0, 0, 0, 1), (1, 0, 0, 1)]
         instants += [root for polynomial in (past_start, before_end) if any(polynomial) for root in roots(polynomial)]
-    return any(within_the_step(s) and sign_at(past_start, s) >= 0 and sign_at(before_end, s) >= 0 for s in instants)
+    return any(
+        within_the_step(s)
+        and sign_at(past_start, s) >= 0
+        and sign_at(before_end, s) >= 0
+        and (sign_at(squared_length, s) > 0 or sign_at(squared_distance, s) == 0)
+        for s in instants
+    )
 
 
 def quadratic(product: Any, u: tuple[Array, Array], v: tuple[Array, Array]) -> Array:
@@ -346,8 +361,10 @@ def contacts_in_step(before: Array, after: Array, edges: Array, is_cage: Array) 
     )
     side = quadratic(cross, along, from_start)
     past_start, past_end = quadratic(dot, along, from_start), quadratic(dot, along, from_end)
+    length, distance = quadratic(dot, along, along), quadratic(dot, from_start, from_start)
     for k in range(len(point)):
-        if touches(tuple(side[k]), tuple(past_start[k]), tuple(-past_end[k])):
+        polynomials = (side[k], past_start[k], -past_end[k], length[k], distance[k])
+        if touches(*(tuple(polynomial) for polynomial in polynomials)):
             yield f"vertex {point[k]} meets the edge {start[k]}-{end[k]}"
 
 

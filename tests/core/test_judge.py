@@ -150,3 +150,9 @@ def test_every_motion_of_random_shapes_by_the_judge() -> None:
         nested_cages(fine, [min(len(fine.vertices), max(5 * len(fine.loops), 24))])
         judged += 1
     assert judged > 100
+
+
+def test_an_edge_that_shrinks_to_a_point_meets_only_what_is_there() -> None:
+    always = (0, 0, 0)  # the products with an edge of length zero
+    assert not touches(always, always, always, squared_length=always, squared_distance=(9, 0, 0))
+    assert touches(always, always, always, squared_length=always, squared_distance=(0, 0, 0))

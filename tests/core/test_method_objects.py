@@ -19,7 +19,7 @@ BAD = {
     "corners": (lambda: Harmonic(at_corners=2.0), "Harmonic: at_corners must be above 0 and at most 1, not 2.0"),
     "nan": (lambda: Harmonic(spacing=float("nan")), "at most 1, not nan"),
     "length": (lambda: Sampling(-1.0), "must be a positive length, not -1.0"),
-    "growth": (lambda: Sampling(1.0, growth=-0.5), "Sampling: growth must be at least 0, not -0.5"),
+    "growth": (lambda: Sampling(1.0, growth=-0.5), "Sampling: growth must be finite and at least 0, not -0.5"),
 }
 
 
