@@ -103,17 +103,23 @@ MECHANISMS: dict[str, Mechanism] = {
     "restarts (8 to 2)": Mechanism("decimation", hulls(2)),
     "restarts (8 to 5: no random weights)": Mechanism("decimation", hulls(5)),
     "restarts (8 to 16: more)": Mechanism("decimation", hulls(16)),
-    "further restarts for loops": Mechanism("decimation", patches={"decimation.hull_search:RESTARTS_PER_LOOP": 0}),
-    "spike variations": Mechanism("decimation", patches={"decimation.hull_search:SPIKE_VARIATIONS": ()}),
-    "both weights to the middling size": Mechanism("decimation", patches={"decimation.hull_search:STAGE_TWICE": 0}),
+    "further restarts for loops": Mechanism(
+        "decimation", patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0}
+    ),
+    "spike variations": Mechanism("decimation", patches={"decimation.hull_search:SPIKE_WEIGHTS": ()}),
+    "both weights to the middling size": Mechanism(
+        "decimation", patches={"decimation.hull_search:MAX_SIZE_OF_TWO_STAGES": 0}
+    ),
     "rescues": Mechanism(
         "decimation",
-        patches={"decimation.hull_search:RESCUES": 1, "decimation.hull_search:FEWEST_RESCUES": 1},
+        patches={"decimation.hull_search:MAX_RESCUES": 1, "decimation.hull_search:MIN_RESCUES": 1},
     ),
-    "rescues from the outline itself": Mechanism("decimation", patches={"decimation.hull_search:RESCUE_WHOLE": 0}),
+    "rescues from the outline itself": Mechanism(
+        "decimation", patches={"decimation.hull_search:MAX_SIZE_OF_WHOLE_RESCUE": 0}
+    ),
     "clearing of gaps": Mechanism("decimation", patches={"decimation.outer_hull:cleared": first}),
     "filling of gaps like round-off": Mechanism("decimation", patches={"decimation.outer_hull:without_gaps": first}),
-    "trifles filled": Mechanism("decimation", patches={"decimation.outer_hull:without_trifles": first}),
+    "small details filled": Mechanism("decimation", patches={"decimation.outer_hull:without_small_details": first}),
     "room in small holes": Mechanism("decimation", patches={"decimation.outer_hull:with_room": first}),
     # flow
     "flow: steps with samples at vertices (6 to 1)": Mechanism(
@@ -128,7 +134,7 @@ MECHANISMS: dict[str, Mechanism] = {
     "sequential QPs only": Mechanism("contact", with_contacts(SequentialQP())),
     "IPC gives way in crowds": Mechanism("contact", patches={"hierarchy.attempts:MAX_IPC_PAIRS": np.inf}),
     "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}),
-    "IPC: shorter ranges": Mechanism("contact", patches={"contact.ipc:MAX_SHORTENINGS": 0}),
+    "IPC: shorter ranges": Mechanism("contact", patches={"contact.ipc:MAX_RANGE_REDUCTIONS": 0}),
     "QP: pace per vertex": Mechanism(
         "contact", patches={"contact.sequential_qp:PACE_GROWTH": 1.0, "contact.sequential_qp:PACE_REDUCTION": 1.0}
     ),
@@ -137,25 +143,27 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},
     ),
     "thinning of nearly implied constraints": Mechanism(
-        "tightening", patches={"tightening.quadratic_model:THINNING": 0.0}
+        "tightening", patches={"tightening.quadratic_model:REDUNDANCY": 0.0}
     ),
     # tightening
     "escapes from saddles": Mechanism("tightening", patches={"tightening.tightening:MAX_ESCAPES": 0}),
     "radius per vertex": Mechanism(
         "tightening", patches={"tightening.trust_region:TrustRegion.update": Around(uniform_radius)}
     ),
-    "widening in small steps": Mechanism("tightening", patches={"tightening.widening:STEPS": 0}),
-    "every vertex by itself in widening": Mechanism("tightening", patches={"tightening.widening:SHORT_STEP": -1.0}),
+    "widening in small steps": Mechanism("tightening", patches={"tightening.widening:MAX_STEPS": 0}),
+    "every vertex by itself in widening": Mechanism(
+        "tightening", patches={"tightening.widening:SHORTEST_COMMON_STEP": -1.0}
+    ),
     "shift of the Hessian": Mechanism(
         "tightening",
         patches={"tightening.trust_region:FIRST_SHIFT": 0.0, "tightening.trust_region:RAISED_SHIFT": 0.0},
     ),
-    "soft constraints beyond the closest": Mechanism(
-        "tightening", patches={"tightening.quadratic_model:GIVING_WAY": 0.0}
+    "the cage gives way to itself": Mechanism(
+        "tightening", patches={"tightening.quadratic_model:REQUIRED_OWN_DISTANCE": 1.0}
     ),
-    "second trials with fewer vertices": Mechanism("tightening", patches={"tightening.trial:ATTEMPTS": 2}),
+    "trials of shortened steps (10 to 2)": Mechanism("tightening", patches={"tightening.trial:MAX_ATTEMPTS": 2}),
     "overshoot of restoration": Mechanism(
-        "tightening", patches={"tightening.restoration:OVERSHOOT": 1.0, "tightening.restoration:LATER_OVERSHOOT": 1.0}
+        "tightening", patches={"tightening.restoration:OVERSHOOT": 1.0, "tightening.restoration:LATE_OVERSHOOT": 1.0}
     ),
     "patience (3 quiet steps to 1)": Mechanism("tightening", partial(Settings, tightening=Tightening(patience=1))),
 }
