@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -73,7 +73,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
             [shape.content for shape in meshes],
             dict(enumerate(asked)),
             settings,
-            executor=(lambda: ProcessPoolExecutor(given.jobs)) if given.jobs > 1 else None,
+            executor=partial(_processes, given.jobs) if given.jobs > 1 else None,
             progress=line.of_batch,
         )
         for shape, outcome in zip(meshes, outcomes, strict=True):
@@ -81,6 +81,12 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     if given.borders:
         made = _at_borders(made, given.clearance)
     return Result(source, made, failures)
+
+
+def _processes(count: int) -> Executor:
+    from concurrent.futures import ProcessPoolExecutor  # brings multiprocessing, which few need
+
+    return ProcessPoolExecutor(count)
 
 
 def _add(
