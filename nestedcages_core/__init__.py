@@ -53,6 +53,7 @@ from .exchange import (
     from_svg,
     read_geojson,
     read_svg,
+    swept,
     to_engine_json,
     to_geojson,
     to_svg,
@@ -60,6 +61,8 @@ from .exchange import (
     write_geojson,
     write_svg,
 )
+from .exchange import frames_from_engine_json as frames_from_engine_json
+from .exchange import frames_to_engine_json as frames_to_engine_json
 from .exchange import from_engine_json as from_engine_json
 from .exchange import is_engine_json as is_engine_json
 from .exchange.pictures import alpha_channel as alpha_channel
@@ -115,6 +118,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "MotionCertificate",
     # cages that follow a moving drawing
     "animated_cages",
+    "swept",
     # cages that move their drawing
     "cage_coordinates",
     "deform",

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from .engine_json import from_engine_json, is_engine_json, to_engine_json, write_engine_json
+from .engine_json import (
+    frames_from_engine_json,
+    frames_to_engine_json,
+    from_engine_json,
+    is_engine_json,
+    to_engine_json,
+    write_engine_json,
+)
 from .files import read_whole, write_whole
 from .fill import Painted, solid
 from .geojson import (
@@ -29,6 +36,7 @@ from .svg import (
     to_svg,
     write_svg,
 )
+from .swept import swept
 
 __all__ = [
     "Cut",
@@ -41,6 +49,8 @@ __all__ = [
     "SvgOptions",
     "cut_at_borders",
     "features_from_geojson",
+    "frames_from_engine_json",
+    "frames_to_engine_json",
     "from_engine_json",
     "from_geojson",
     "from_svg",
@@ -53,6 +63,7 @@ __all__ = [
     "read_whole",
     "solid",
     "svg_drawing",
+    "swept",
     "to_engine_json",
     "to_geojson",
     "to_svg",

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
@@ -19,6 +20,7 @@ from .limits import Limits
 from .rings import polygons_of, shown
 
 FORMAT = "nested-cages outline"
+FRAMES = "nested-cages frames"
 VERSION = 1
 """What the documents call themselves; the version counts changes that readers have to know of."""
 
@@ -32,21 +34,56 @@ def to_engine_json(
     apart. flip_y: y is written as `flip_y - y`, so the height of a picture turns it over, and 0 mirrors it.
     triangles: also {"points": [[x, y], …], "triangles": [[i, j, k], …]}, for engines whose pieces must be convex.
     """
-    polygons: list[dict[str, Any]] = [{"outer": [], "holes": []} for _ in range(int(mesh.component_of_loop.max()) + 1)]
-    for k, loop in enumerate(mesh.loops):
-        points = _flipped(mesh.vertices[loop], flip_y)
-        rows = (points if flip_y is None else points[::-1]).tolist()
-        polygon = polygons[mesh.component_of_loop[k]]
-        if mesh.loop_signs[k] > 0:
-            polygon["outer"] = rows
-        else:
-            polygon["holes"].append(rows)
-    document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": polygons}
+    document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
     if triangles:
         corners = triangulate(mesh).triangles
         document["points"] = _flipped(mesh.vertices, flip_y).tolist()
         document["triangles"] = (corners if flip_y is None else corners[:, ::-1]).tolist()
     return json.dumps(document, indent=indent, allow_nan=False)
+
+
+def frames_to_engine_json(
+    outlines: Sequence[Mesh], times: ArrayLike | None = None, *, flip_y: float | None = None, indent: int | None = None
+) -> str:
+    """Outlines of an animation as JSON: {"format", "version", "frames": [{"time", "polygons": [...]}]}.
+
+    The polygons of a frame are those of `to_engine_json`; outlines of one moving cage list its vertices in the same
+    order in all frames. times: (K,) 0, 1, ... by default.
+    """
+    if not outlines:
+        raise NestedCagesError("There are no frames to write.")
+    moments = np.arange(len(outlines), dtype=float) if times is None else np.asarray(times, dtype=float)
+    if moments.shape != (len(outlines),) or not np.isfinite(moments).all():
+        raise NestedCagesError(f"The times must be {len(outlines)} finite numbers, one per frame.")
+    frames = [
+        {"time": time, "polygons": _polygons(outline, flip_y)}
+        for time, outline in zip(moments.tolist(), outlines, strict=True)
+    ]
+    return json.dumps({"format": FRAMES, "version": VERSION, "frames": frames}, indent=indent, allow_nan=False)
+
+
+def frames_from_engine_json(
+    text: str | bytes, *, flip_y: float | None = None, limits: Limits | None = None
+) -> tuple[tuple[float, Mesh], ...]:
+    """Time and outline of each frame written by `frames_to_engine_json`.
+
+    Raises NestedCagesError like `from_engine_json`, with the number of the frame.
+    """
+    limits = limits or Limits()
+    frames = _checked(text, FRAMES, "an animation of outlines", limits).get("frames")
+    if not isinstance(frames, list):
+        raise NestedCagesError(f"The animation of outlines has {shown(frames)} where its list of frames belongs.")
+    limits.check("elements", len(frames))
+    read = []
+    for k, frame in enumerate(frames):
+        time = frame.get("time") if isinstance(frame, Mapping) else None
+        if not isinstance(time, int | float) or isinstance(time, bool):
+            raise NestedCagesError(f"Frame {k} of the animation of outlines is not an object with a time and polygons.")
+        try:
+            read.append((float(time), _mesh_of(frame, flip_y, limits)))
+        except (NestedCagesError, OverflowError) as error:
+            raise NestedCagesError(f"Frame {k}: {error}") from error
+    return tuple(read)
 
 
 def write_engine_json(
@@ -72,14 +109,39 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     where loops cross or touch, or a hole is not in its polygon.
     """
     limits = limits or Limits()
-    document, _ = loaded_json(text, "a collision outline", limits)
-    if not isinstance(document, Mapping) or document.get("format") != FORMAT:
-        raise NestedCagesError(f'This is not a collision outline: its format is not "{FORMAT}".')
+    return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, limits)
+
+
+def _checked(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
+    """The document, of the wanted format and a version that is read."""
+    document, _ = loaded_json(text, what, limits)
+    if not isinstance(document, Mapping) or document.get("format") != kind:
+        raise NestedCagesError(f'This is not {what}: its format is not "{kind}".')
     version = document.get("version")
     if type(version) is not int or version != VERSION:
         raise NestedCagesError(
-            f"The collision outline is of version {shown(version)}, but version {VERSION} is read; export it anew."
+            f"{what.replace(what.split()[0], 'The', 1)} is of version {shown(version)}, but version {VERSION} is read; "
+            "export it anew."
         )
+    return document
+
+
+def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
+    """Outer loop and holes of each component."""
+    polygons: list[dict[str, Any]] = [{"outer": [], "holes": []} for _ in range(int(mesh.component_of_loop.max()) + 1)]
+    for k, loop in enumerate(mesh.loops):
+        points = _flipped(mesh.vertices[loop], flip_y)
+        rows = (points if flip_y is None else points[::-1]).tolist()
+        polygon = polygons[mesh.component_of_loop[k]]
+        if mesh.loop_signs[k] > 0:
+            polygon["outer"] = rows
+        else:
+            polygon["holes"].append(rows)
+    return polygons
+
+
+def _mesh_of(document: Mapping[str, Any], flip_y: float | None, limits: Limits) -> Mesh:
+    """The mesh of the polygons of a document or a frame."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
         raise NestedCagesError(f"The collision outline has {shown(parts)} where its list of polygons belongs.")

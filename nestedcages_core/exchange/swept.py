@@ -1,0 +1,50 @@
+"""The region that a moving drawing sweeps: for one still cage around a whole animation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..motion.poses import read_poses
+from .fill import Painted, mesh_of, regions
+from .libraries import load_shapely
+
+PARTS = 4
+"""Parts of the way between two poses. In each an edge is taken to sweep the convex hull of its two places. That is more
+than it sweeps only where it turns over, by an amount that falls with the square of the number of parts."""
+
+SEAM = 1e-6
+"""Width of gaps that are closed, as a fraction of the drawing's diagonal: they come from rounding where hulls abut."""
+
+
+def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
+    """The union of all positions of a drawing that moves on straight lines from pose to pose.
+
+    fine: its edges are the topology; poses: (T, n, 2), or an iterable of (n, 2). Covers a little more than the union
+    where edges turn over between poses. Raises InvalidMeshError that names a pose, NestedCagesError without shapely.
+    """
+    shapely = load_shapely("the region that a motion sweeps")
+    places = [pose.vertices for pose in read_poses(fine, poses, None)]
+    solids = regions(shapely, [Painted([place[loop] for loop in fine.loops]) for place in places])
+    ways = [_swept_edges(fine, before, after) for before, after in pairwise(places)]
+    corners = np.concatenate(ways).reshape(-1, 2)
+    hulls = shapely.convex_hull(shapely.multipoints(corners, indices=np.repeat(np.arange(len(corners) // 4), 4)))
+    areas = hulls[shapely.get_dimensions(hulls) == 2]
+    gap = SEAM * fine.diagonal
+    union = mesh_of(shapely, [*solids, *areas], seam=gap)
+    kept = np.flatnonzero(np.abs(union.loop_areas) > gap * gap)
+    return union if len(kept) == len(union.loops) else Mesh.from_loops([union.vertices[union.loops[k]] for k in kept])
+
+
+def _swept_edges(fine: Mesh, before: FloatArray, after: FloatArray) -> FloatArray:
+    """(PARTS · n, 4, 2) the two places of each edge in each part of the way."""
+    share = np.linspace(0.0, 1.0, PARTS + 1)[:, None, None]
+    at = before + share * (after - before)
+    at[-1] = after
+    ends = at[:, fine.successor]
+    return np.stack((at[:-1], ends[:-1], at[1:], ends[1:]), axis=2).reshape(-1, 4, 2)

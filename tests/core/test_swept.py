@@ -1,0 +1,95 @@
+"""The region that a motion sweeps, and outlines of an animation for engines."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from nestedcages_core import (
+    InvalidMeshError,
+    Mesh,
+    NestedCagesError,
+    animated_cages,
+    frames_from_engine_json,
+    frames_to_engine_json,
+    nested_cages,
+    swept,
+    verify,
+)
+from shapes import ring, star
+
+shapely = pytest.importorskip("shapely")
+
+
+def test_a_square_that_is_moved_sweeps_a_hexagon() -> None:
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    union = swept(Mesh.from_loops([square]), [square, square + np.array([2.0, 1.0])])
+    assert union.area == pytest.approx(1.0 + 2.0 + 1.0)
+    assert len(union.loops) == 1
+
+
+def test_all_positions_lie_in_it_and_it_is_hardly_more() -> None:
+    fine = star()
+    angles = np.linspace(0.0, 1.0, 7)
+    turns = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in angles]
+    poses = np.array([fine.vertices @ turn.T + np.array([2.0 * a, 0.0]) for turn, a in zip(turns, angles, strict=True)])
+    union = shapely.geometry.shape(swept(fine, poses).__geo_interface__)
+    inside = union.buffer(1e-9)
+    between = []
+    for before, after in pairwise(poses):
+        for share in np.linspace(0.0, 1.0, 9):
+            place = shapely.geometry.shape(fine.moved(before + share * (after - before)).__geo_interface__)
+            assert inside.contains(place)
+            between.append(place)
+    assert union.area < 1.02 * shapely.union_all(between).area
+    still = nested_cages(swept(fine, poses), [24]).cages[0]
+    assert all(verify(still, fine.moved(pose), same_loops=False) for pose in poses)
+
+
+def test_a_hole_that_stays_open_is_kept() -> None:
+    fine = Mesh.from_loops([ring(40), ring(30, 0.6)])
+    union = swept(fine, [fine.vertices, fine.vertices + np.array([0.2, 0.0])])
+    assert len(union.loops) == 2
+
+
+def test_a_bad_pose_is_named() -> None:
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    with pytest.raises(InvalidMeshError, match=r"^Pose 1: "):
+        swept(Mesh.from_loops([square]), [square, square[[0, 2, 1, 3]]])
+
+
+def test_frames_keep_order_and_numbers() -> None:
+    fine = star()
+    poses = [fine.vertices * (1.0 + 0.1 * k) for k in range(4)]
+    level = animated_cages(fine, poses, [10]).levels[0]
+    text = frames_to_engine_json([level.cage.moved(step) for step in level.cage_steps], level.times, flip_y=3.0)
+    back = frames_from_engine_json(text, flip_y=3.0)
+    assert [time for time, _ in back] == level.times.tolist()
+    for (_, outline), step in zip(back, level.cage_steps, strict=True):
+        assert np.allclose(sorted(outline.vertices.tolist()), sorted(step.tolist()), atol=1e-14)
+    first, last = back[0][1].vertices, back[-1][1].vertices
+    assert np.abs(last - 1.3 * first).max() < 0.05
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ('{"format": "nested-cages outline", "version": 1}', "This is not an animation of outlines"),
+        ('{"format": "nested-cages frames", "version": 2, "frames": []}', "version 2, but version 1"),
+        ('{"format": "nested-cages frames", "version": 1, "frames": 3}', "3 where its list of frames belongs"),
+        ('{"format": "nested-cages frames", "version": 1, "frames": [{}]}', "Frame 0 of the animation"),
+        ('{"format": "nested-cages frames", "version": 1, "frames": [{"time": 0}]}', "Frame 0: The collision outline"),
+    ],
+)
+def test_bad_frames_are_named(text: str, sentence: str) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
+        frames_from_engine_json(text)
+
+
+def test_times_of_frames_are_checked() -> None:
+    with pytest.raises(NestedCagesError, match="2 finite numbers, one per frame"):
+        frames_to_engine_json([star(), star()], [0.0, np.nan])
+    with pytest.raises(NestedCagesError, match="no frames"):
+        frames_to_engine_json([])
