@@ -47,4 +47,5 @@ def _swept_edges(fine: Mesh, before: FloatArray, after: FloatArray) -> FloatArra
     at = before + share * (after - before)
     at[-1] = after
     ends = at[:, fine.successor]
-    return np.stack((at[:-1], ends[:-1], at[1:], ends[1:]), axis=2).reshape(-1, 4, 2)
+    places: FloatArray = np.stack((at[:-1], ends[:-1], at[1:], ends[1:]), axis=2).reshape(-1, 4, 2)
+    return places
