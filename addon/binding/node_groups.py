@@ -116,7 +116,7 @@ def _whole(tree: Tree) -> None:
 
 
 def _coordinates(tree: Tree) -> None:
-    """Puts each vertex where its weights and the vertices of the object say, and its edit beside it, turned along.
+    """Moves each vertex to the weighted sum of the vertices of the object, plus its edit, rotated along.
 
     The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned.
     """

@@ -21,14 +21,14 @@ KINDS: dict[str, Callable[[], Any]] = {
     HARMONIC: lambda: core.Harmonic(),
     LINEAR: lambda: core.PiecewiseLinear(),
 }
-# Vertices times vertices of the cage, at the most: Blender sums this many weights in a few hundredths of a second, on
-# every frame.
-MOST_WEIGHTS = 1_000_000
+# Maximum number of vertices times vertices of the cage: Blender sums this many weights in a few hundredths of a second,
+# on every frame.
+MAX_WEIGHTS = 1_000_000
 
 
 def fits(obj: bpy.types.Object, cage: bpy.types.Object) -> bool:
     """Whether the weights are few enough to be summed while the cage is moved."""
-    return len(obj.data.vertices) * len(cage.data.vertices) <= MOST_WEIGHTS
+    return len(obj.data.vertices) * len(cage.data.vertices) <= MAX_WEIGHTS
 
 
 def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: str) -> bpy.types.Modifier:

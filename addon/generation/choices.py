@@ -1,4 +1,4 @@
-"""The methods to choose from: what each is called, what it is for, and the object of the core that does it.
+"""The methods to choose from: name, purpose, and the object of the core.
 
 Nothing else in the add-on knows their keys.
 """
@@ -34,7 +34,7 @@ Make = Callable[[Chosen], Any]
 
 @dataclass(frozen=True)
 class Choice:
-    """One method. `uses`: settings that have a part in it. `partners`: what automatic settings become with it."""
+    """One method. `uses`: settings that apply to it. `partners`: what automatic settings become with it."""
 
     name: str
     description: str
@@ -74,7 +74,7 @@ DECIMATIONS = {
     ),
     "OUTER_HULL": Choice(
         "Outer Hull",
-        "Coarse meshes start outside of the drawing, which need not shrink: the tightest cages",
+        "Coarse meshes start outside the drawing, which does not have to shrink: the tightest cages",
         lambda _: core.OuterHull(),
     ),
     "ARC_LENGTH": Choice(
@@ -94,52 +94,52 @@ DECIMATIONS = {
     ),
     "EDGE_COLLAPSE": Choice(
         "Edge Collapse",
-        "Merges neighbours by quadric error, as the decimation of meshes does: near the drawing, within and without",
+        "Merges neighbours by quadric error, as in mesh decimation: close to the drawing, on both sides",
         lambda _: core.EdgeCollapse(),
     ),
     "LEVEL_SET": Choice(
         "Level Set",
-        "The closest contour around the drawing that still encloses it with so few vertices: Simple Nested Cages. "
-        "Where holes would close or parts merge, it starts from the outer hull",
+        "The closest contour that encloses the drawing after decimation, as in Simple Nested Cages. Where holes would "
+        "close or parts merge, it starts from the outer hull",
         lambda _: core.LevelSet(),
     ),
     "LEVEL_SET_MERGING": Choice(
         "Level Set, Merging",
-        "The same contour, but holes may close and parts may merge: for very few vertices around many parts",
+        "The same contour, but holes may close and parts may merge: for few vertices around many parts",
         lambda _: core.LevelSet(change_loops=True),
     ),
 }
 
 ENERGIES = {
-    "AREA": Choice("Least Area", "As tight as the number of vertices allows", lambda _: core.Area()),
+    "AREA": Choice("Least Area", "As tight as the vertex count allows", lambda _: core.Area()),
     "SHAPE_KEEPING": Choice(
         "Keep Shape",
-        "Tight, but straight stays straight, level stays level and symmetric symmetric",
+        "Tight, but keeps straight lines, horizontal and vertical edges, and symmetry",
         lambda _: core.ShapeKeeping(),
     ),
     "INITIAL_DISPLACEMENT": Choice(
-        "Least Motion", "As close to the coarse mesh as can be", lambda _: core.InitialDisplacement()
+        "Least Motion", "As close to the coarse mesh as possible", lambda _: core.InitialDisplacement()
     ),
     "STEP_DISPLACEMENT": Choice(
         "Least Step",
-        "Moves as little as can be from each step to the next, and forgets where it came from",
+        "Moves as little as possible from each step to the next",
         lambda _: core.StepDisplacement(),
     ),
     "BOUNDARY_ARAP": Choice(
         "Rigid Outline",
-        "The outline of the coarse mesh bends and stretches as little as can be",
+        "Bends and stretches the outline of the coarse mesh as little as possible",
         lambda _: core.BoundaryARAP(),
     ),
     "INTERIOR_ARAP": Choice(
         "Rigid Inside",
-        "What is inside the coarse mesh bends and stretches as little as can be",
+        "Bends and stretches the inside of the coarse mesh as little as possible",
         lambda _: core.InteriorARAP(),
     ),
     "NONE": Choice("None", "Moves only where contact pushes it: loose, for comparisons", lambda _: core.NoEnergy()),
 }
 
 EXPANSION_ENERGIES = {
-    "SAME": Choice("Same Energy", "What the finished cage minimises as well", lambda _: None),
+    "SAME": Choice("Same Energy", "The same energy as the finished cage", lambda _: None),
     **ENERGIES,
 }
 
@@ -152,7 +152,7 @@ CONTACTS = {
     ),
     "IPC": Choice(
         "IPC",
-        "Barriers that adapt to the gaps push the cage out: smooth motion, for small and middling drawings",
+        "Barriers that adapt to the gaps push the cage out: smooth motion, for small and medium drawings",
         lambda chosen: core.IPC(
             solver=chosen.part("solver"),
             energy=chosen.expansion(),
@@ -163,20 +163,19 @@ CONTACTS = {
     ),
     "SEQUENTIAL_QP": Choice(
         "Sequential QP",
-        "The cage gives way by quadratic programs with few long steps: the quickest for large drawings",
+        "Quadratic programs move the cage out in a few long steps: the fastest for large drawings",
         lambda _: core.SequentialQP(),
     ),
     "VELOCITY_FILTER": Choice(
         "Velocity Filter",
-        "The contact of Nested Cages of 2015: velocities that would collide are corrected. For comparisons",
+        "The contact of Nested Cages (2015): corrects velocities that would collide. For comparisons",
         lambda chosen: core.VelocityFilter(energy=chosen.expansion()),
         uses=("expansion_energy",),
         partners={"expansion_energy": "NONE"},
     ),
     "PAPER": Choice(
         "The Paper's",
-        "Barriers as in Augmenting Nested Cages with IPC of 2022, with repairs by choice: slow and loose, for "
-        "comparisons",
+        "Barriers as in Augmenting Nested Cages with IPC (2022), with optional repairs: slow, loose, for comparison",
         lambda chosen: core.PaperContact(
             solver=chosen.part("solver"),
             energy=chosen.expansion(),
@@ -197,18 +196,18 @@ CONTACTS = {
 FLOWS = {
     "TWO_SIDED": Choice(
         "Two-sided",
-        "Looks from both boundaries, keeps the drawing's shape and says where it cannot get in: for everyday use",
+        "Samples both boundaries, preserves the drawing's shape and reports where it fails: for everyday use",
         lambda _: core.TwoSidedFlow(),
     ),
     "SIGNED_DISTANCE": Choice(
         "Signed Distance",
-        "The papers' flow down the distance to the coarse mesh, with the quadrature below and exact tests",
+        "The flow of the papers along the gradient of the distance to the coarse mesh, with exact tests",
         lambda chosen: core.SignedDistanceFlow(quadrature=chosen.part("quadrature")),
         uses=("quadrature",),
     ),
     "PAPER": Choice(
         "The Paper's",
-        "The flow of the paper's program with its step and its test of parity, with repairs by choice. For comparisons",
+        "The flow of the paper's program, with optional repairs. For comparisons",
         lambda chosen: core.PaperFlow(exact_parity="PARITY" in chosen.repairs),
         uses=("repairs",),
     ),
@@ -217,12 +216,12 @@ FLOWS = {
 QUADRATURES = {
     "QUADRATIC_FALL_OFF": Choice(
         "Fall-off",
-        "Four samples whose weight falls off from the vertex: the paper's",
+        "Four samples per edge whose weight falls off from the vertex, as in the paper",
         lambda _: core.QuadraticFallOff(),
     ),
     "MIDPOINT": Choice(
         "Midpoints",
-        "One sample in the middle of each edge: that of Nested Cages of 2015",
+        "One sample in the middle of each edge, as in Nested Cages (2015)",
         lambda _: core.Midpoint(),
     ),
     "GAUSS_1": Choice("Gauss, 1 Point", "One Gauss point per edge", lambda _: core.GaussLegendre(1)),
@@ -233,11 +232,11 @@ QUADRATURES = {
 
 SOLVERS = {
     "PROJECTED_NEWTON": Choice(
-        "Projected Newton", "Second derivatives: a handful of steps", lambda _: core.ProjectedNewton()
+        "Projected Newton", "Uses second derivatives: a handful of steps", lambda _: core.ProjectedNewton()
     ),
     "GRADIENT_DESCENT": Choice(
         "Gradient Descent",
-        "A hundred steps downhill, as the paper does: slow, for comparisons",
+        "A hundred steps, as in the paper: slow, for comparisons",
         lambda chosen: core.GradientDescent(refuse_infinite="FINITE" in chosen.repairs),
         uses=("repairs",),
     ),
@@ -246,17 +245,17 @@ SOLVERS = {
 STEP_FILTERS = {
     "TIME_OF_IMPACT": Choice(
         "Time of Impact",
-        "Up to the first contact, from quadratic equations: the longest safe steps",
+        "Steps up to the first contact, from quadratic equations: the longest safe steps",
         lambda _: core.TimeOfImpact(),
     ),
     "SMALLEST_DISTANCE": Choice(
         "Smallest Distance",
-        "By the smallest distance that is known: safe without equations, but short steps",
+        "Limits steps by the smallest distance: safe, but short steps",
         lambda _: core.SmallestDistance(),
     ),
     "NONE": Choice(
         "None",
-        "Any step, as the paper does; what passes through a contact is refused in the end",
+        "Any step, as in the paper; a motion that passes through a contact is rejected at the end",
         lambda _: core.NoFilter(),
     ),
 }
@@ -265,26 +264,26 @@ BROAD_PHASES = {
     "CELLS": Choice("Uniform Grid", "Pairs near each other, kept while little moves", lambda _: core.UniformGrid()),
     "ALL_PAIRS": Choice(
         "All Pairs",
-        "Every point with every edge, as the paper does: slow, for comparisons",
+        "Every point with every edge, as in the paper: slow, for comparisons",
         lambda _: core.AllPairs(),
     ),
 }
 
 REPAIRS: Items = (
-    ("PARITY", "Parity", "Exact predicates decide what is inside, instead of rays, which a vertex deceives"),
-    ("FINITE", "Energies", "A step to an infinite energy is refused, even from an infinite one"),
-    ("HOME", "Home-coming", "The drawing comes back exactly, instead of resting a hair short of it"),
+    ("PARITY", "Parity", "Test for inside by exact predicates instead of rays, which fail at vertices"),
+    ("FINITE", "Energies", "Reject steps to an infinite energy, even from an infinite one"),
+    ("HOME", "Exact Return", "Return the drawing to its exact coordinates instead of stopping just short of them"),
 )
 
 SETTINGS = {
-    "decimation": Setting("Coarse Meshes", "How the coarse mesh that becomes a cage is made", DECIMATIONS),
+    "decimation": Setting("Coarse Meshes", "How coarse meshes are made", DECIMATIONS),
     "energy": Setting("Energy", "What a cage minimises", ENERGIES),
-    "contact": Setting("Contact", "How the drawing pushes the cage out while it grows back", CONTACTS),
+    "contact": Setting("Contact", "How the drawing pushes the cage out as it grows back", CONTACTS),
     "expansion_energy": Setting(
         "While Growing",
-        "What a cage minimises while the drawing grows back",
+        "What a cage minimises as the drawing grows back",
         EXPANSION_ENERGIES,
-        ("SAME", "The same energy; none for the velocity filter, which then only clears the way"),
+        ("SAME", "The same energy; none for the velocity filter"),
     ),
     "flow": Setting(
         "Flow",
@@ -294,25 +293,25 @@ SETTINGS = {
     ),
     "quadrature": Setting(
         "Quadrature",
-        "Where the gradient of the distance is sampled, for the signed distance flow",
+        "Where the signed distance flow samples the gradient of the distance",
         QUADRATURES,
-        ("QUADRATIC_FALL_OFF", "That of the flow"),
+        ("QUADRATIC_FALL_OFF", "The quadrature of the flow"),
     ),
     "solver": Setting(
         "Solver",
-        "How a contact that minimises does so",
+        "How contacts that minimise an energy do so",
         SOLVERS,
         ("PROJECTED_NEWTON", "Projected Newton, or gradient descent with the paper's contact"),
     ),
     "step_filter": Setting(
         "Step Filter",
-        "What keeps a step of IPC or the paper's contact from passing through another edge",
+        "What keeps steps of IPC or the paper's contact from passing through edges",
         STEP_FILTERS,
         ("TIME_OF_IMPACT", "Time of impact, or none with the paper's contact"),
     ),
     "broad_phase": Setting(
         "Broad Phase",
-        "Which pairs of points and edges IPC or the paper's contact look at",
+        "Which pairs of points and edges IPC or the paper's contact check",
         BROAD_PHASES,
         ("CELLS", "A uniform grid, or all pairs with the paper's contact"),
     ),

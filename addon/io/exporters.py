@@ -43,7 +43,7 @@ SHAPES: dict[str, Callable[[str, filling.Points, core.Mesh, float], bpy.types.ID
 def make(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], shape: str, height: float
 ) -> list[bpy.types.Object]:
-    """New objects of a kind of `SHAPES`, one for each object as it is evaluated now, beside it. Raises: UserError."""
+    """New objects of a kind of `SHAPES`, one per object as evaluated now, in its collection. Raises: UserError."""
     drawings = [convert.fine_drawing(convert.read(context, obj)) for obj in objects]
     meshes = [drawing.mesh() for drawing in drawings]
     made = []
@@ -63,7 +63,7 @@ def make(
 
 
 def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
-    """A copy of each animated level beside it, with its shape keys, its action, and triangles between its vertices.
+    """A copy of each animated level, with its shape keys, its action, and triangles between its vertices.
 
     Alembic keeps only the points of a mesh without faces; glTF carries either, lone edges as lines if asked for them.
     The triangles fill the result, and only follow on the way to it. The copies are seen on all frames, because

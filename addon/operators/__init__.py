@@ -1,4 +1,4 @@
-"""The add-on's operators: thin, over the public functions of the rooms beside this folder."""
+"""The operators, thin wrappers of the public functions of other rooms."""
 
 from __future__ import annotations
 

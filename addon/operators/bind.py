@@ -77,7 +77,7 @@ class OBJECT_OT_nested_cages_bind(Binding, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_rebind(Binding, bpy.types.Operator):
-    """Binds again, in the shapes of now."""
+    """Binds again to edited cages."""
 
     bl_idname = "object.nested_cages_rebind"
     bl_label = "Rebind"

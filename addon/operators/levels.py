@@ -1,4 +1,4 @@
-"""The buttons beside the list of levels."""
+"""Buttons next to the list of levels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The levels as a list, one by one, beside their text: each writes the other."""
+"""The levels as a list, kept in step with their text."""
 
 from __future__ import annotations
 

@@ -116,7 +116,7 @@ def test_the_method_chosen_is_exact_where_triangles_are_thin(extension, core) ->
 
 def test_large_drawings_take_surface_deform(extension, monkeypatch) -> None:
     weights = sys.modules[f"{extension.__name__}.addon.binding.weights"]
-    monkeypatch.setattr(weights, "MOST_WEIGHTS", 60 * 12 - 1)
+    monkeypatch.setattr(weights, "MAX_WEIGHTS", 60 * 12 - 1)
     poly_curve("Drawing", [star() * 2.0])
     bpy.ops.object.nested_cages_generate(levels="12")
     bpy.ops.object.nested_cages_bind()
@@ -127,7 +127,7 @@ def test_large_drawings_take_surface_deform(extension, monkeypatch) -> None:
 
 def test_mesh_deform_steps_in_where_surface_deform_refuses(extension, monkeypatch) -> None:
     following, weights = following_of(extension), sys.modules[f"{extension.__name__}.addon.binding.weights"]
-    monkeypatch.setattr(weights, "MOST_WEIGHTS", 0)
+    monkeypatch.setattr(weights, "MAX_WEIGHTS", 0)
 
     def without_faces(follower, cage):
         mesh = bpy.data.meshes.new("Lines")
