@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Where something is wrong: the number that Blender knows the object by in this session, and world coordinates."""
+
+    identity: int
+    places: tuple[tuple[float, float, float], ...]
+
 
 class UserError(Exception):
-    """Invalid input, setting or state. The message names the object and the remedy; operators report it as it is."""
+    """Invalid input, setting or state. The message names the object and the remedy; operators report it as it is.
+
+    `fault`: the place, if there is one to go to.
+    """
+
+    def __init__(self, message: str, fault: Fault | None = None) -> None:
+        super().__init__(message)
+        self.fault = fault
 
 
 def counted(count: int, noun: str) -> str:

@@ -15,14 +15,24 @@ import bpy
 # All custom properties begin with this.
 PREFIX = "nested_cages_"
 
-# Of an output collection: the object it was made from, the name that object had, the number of levels, the markers
-# (JSON: pairs of name and frame), the scene's last frame before and after, and the method that it is bound by.
+# Of an output collection: the object it was made from, the others that share its cages, the name that object had, the
+# number of levels, the markers (JSON: pairs of name and frame), the method that it is bound by, the number of its
+# colours, the first frame of its animation, that of the result and the last one, and which originals it hides
+# meanwhile. Of earlier versions: the scene's last frame before and after.
 SOURCE = "nested_cages_source"
+OTHERS = "nested_cages_others"
 NAME = "nested_cages_name"
 LEVELS = "nested_cages_levels"
 MARKERS = "nested_cages_markers"
 FRAME_END = "nested_cages_frame_end"
 BOUND = "nested_cages_bound"
+COLOURS = "nested_cages_colours"
+FRAMES = "nested_cages_frames"
+HIDES = "nested_cages_hides"
+# Of an object: the fine mesh that it fills.
+FILLS = "nested_cages_fills"
+# Of a scene: its first and last frame before the animation, and as the animation set them.
+RANGE = "nested_cages_range"
 
 # Of its objects: the level, 0 for the fine mesh, and the number of vertices. Of cages: the certificate and report.
 LEVEL = "nested_cages_level"

@@ -12,7 +12,7 @@ from .. import keys
 from ..errors import UserError
 from ..scene import ownership
 from ..scene.filling import mesh_of, points_of
-from . import shape_keys, timeline, visibility
+from . import shape_keys, stage, timeline, visibility
 
 # What a keyframe consists of: names, numbers per keyframe and their type.
 KEYFRAME = (
@@ -73,6 +73,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     Raises: UserError.
     """
     _check(collection)
+    stage.leave(collection)
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
         if obj.data.shape_keys is not None:

@@ -1,10 +1,11 @@
-"""When each level plays: frames of its phases and steps, their markers, and the scene's last frame."""
+"""When each level plays: frames of its phases and steps, the marker of the result, and the scene's range."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from itertools import pairwise
 from typing import Protocol, TypeVar
 
 import bpy
@@ -21,7 +22,7 @@ class Timing:
     """Frame of the first step, frames from one step to the next, and whether the flow is part of the animation.
 
     `ease`: each phase begins and ends slowly, in the same frames. `loop_back`: after the result all plays back to the
-    start.
+    start. `fit_length`: everything takes `length` frames, whatever the number of steps.
     """
 
     start_frame: int = 1
@@ -29,6 +30,8 @@ class Timing:
     show_flow: bool = True
     ease: bool = False
     loop_back: bool = False
+    fit_length: bool = False
+    length: int = 120
 
 
 class Phases(Protocol):
@@ -78,16 +81,27 @@ class Span:
 def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
     """When each level plays: one after the other, with a pause of one step between them."""
     found: list[Span] = []
-    start = timing.start_frame
+    start, per_step = float(timing.start_frame), _frames_per_step(levels, timing)
     for level in levels:
         skipped = 0 if timing.show_flow else level.flow_end
-
-        def at(step: int, start: int = start, skipped: int = skipped) -> int:
-            return start + (step - skipped) * timing.frames_per_step
-
-        found.append(Span(start, at(level.flow_end), at(level.tightening), at(level.last)))
-        start = found[-1].end + timing.frames_per_step
+        frames = [round(start)]
+        for before, after in pairwise((skipped, level.flow_end, level.tightening, level.last)):
+            # A phase that has steps takes a frame at least.
+            frames.append(max(round(start + (after - skipped) * per_step), frames[-1] + (after > before)))
+        found.append(Span(*frames))
+        start = max(start + (level.last - skipped + 1) * per_step, frames[-1] + 1.0)
     return tuple(found)
+
+
+def _frames_per_step(levels: Sequence[Phases], timing: Timing) -> float:
+    """Frames from one step to the next, not rounded where a length is to be met."""
+    if not timing.fit_length:
+        return float(timing.frames_per_step)
+    frames = float(timing.length - 1)
+    if timing.loop_back:
+        frames = 0.5 * (frames - timing.frames_per_step)
+    shown = sum(level.last - (0 if timing.show_flow else level.flow_end) for level in levels) + len(levels) - 1
+    return max(frames, 1.0) / max(shown, 1)
 
 
 def last_frame(played: Sequence[Span], timing: Timing) -> int:
@@ -109,13 +123,13 @@ def step_frames(level: Phases, span: Span, timing: Timing) -> NDArray[np.float64
     """
     first = 0 if timing.show_flow else level.flow_end
     indices = np.arange(first, level.last + 1)
-    frames = span.flow + (indices - first) * float(timing.frames_per_step)
-    if timing.ease:
-        for start, end in ((first, level.flow_end), (level.flow_end, level.tightening), (level.tightening, level.last)):
-            if end > start:
-                part = (indices[start - first : end - first + 1] - start) / (end - start)
-                length = (end - start) * timing.frames_per_step
-                frames[start - first : end - first + 1] = frames[start - first] + length * _when(part)
+    frames = np.full(len(indices), float(span.flow))
+    phases = zip((first, level.flow_end, level.tightening, level.last), astuple(span), strict=True)
+    for (start, start_frame), (end, end_frame) in pairwise(phases):
+        if end > start:
+            done, length = indices[start - first : end - first + 1] - start, end_frame - start_frame
+            moved = length * _when(done / (end - start)) if timing.ease else length * done / (end - start)
+            frames[start - first : end - first + 1] = start_frame + moved
     return frames
 
 
@@ -125,17 +139,10 @@ def _when(part: NDArray[np.float64]) -> NDArray[np.float64]:
     return times
 
 
-def add_markers(scene: bpy.types.Scene, played: Sequence[Span]) -> list[tuple[str, int]]:
-    """Marks where the phases of each level begin; returns the markers' names and frames."""
-    wanted: list[tuple[str, int]] = []
-    for number, span in enumerate(played, 1):
-        if span.reinflation > span.flow:
-            wanted.append((f"Flow {number}", span.flow))
-        wanted.append((f"Reinflation {number}", span.reinflation))
-        wanted.append((f"Tightening {number}", span.tightening))
-    for name, frame in wanted:
-        scene.timeline_markers.new(name, frame=frame)
-    return wanted
+def add_markers(scene: bpy.types.Scene, name: str, frame: int) -> list[tuple[str, int]]:
+    """Marks the result of a drawing by its name; returns the markers' names and frames."""
+    scene.timeline_markers.new(name, frame=frame)
+    return [(name, frame)]
 
 
 def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str, int]]) -> None:
@@ -149,21 +156,43 @@ def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str,
 def extend_scene(
     scene: bpy.types.Scene, collection: bpy.types.Collection, played: Sequence[Span], timing: Timing
 ) -> None:
-    """Adds the markers of an output and lets the scene last as long; the collection stores both for `restore_scene`."""
-    collection[keys.MARKERS] = json.dumps(add_markers(scene, played))
-    last = last_frame(played, timing)
-    if scene.frame_end < last:
-        collection[keys.FRAME_END] = [scene.frame_end, last]
-        scene.frame_end = last
+    """Adds the marker of an output and lets the scene last as long; the collection stores both for `restore_scene`."""
+    name, result = keys.text(collection, keys.NAME) or collection.name, played[-1].end
+    collection[keys.MARKERS] = json.dumps(add_markers(scene, name, result))
+    collection[keys.FRAMES] = [played[0].flow, result, last_frame(played, timing)]
+    _fit_range(scene)
 
 
 def restore_scene(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
-    """Removes the markers of an output and the frames by which it made the scene longer."""
+    """Removes the marker of an output; the scene is as long as other outputs need, or as it was before all of them."""
     remove_markers(scene, _stored_markers(collection))
     found = keys.numbers(collection, keys.FRAME_END, 2)
     if found is not None and found[0] > 0 and scene.frame_end == found[1]:
         scene.frame_end = int(found[0])
-    keys.remove(collection, [keys.MARKERS, keys.FRAME_END])
+    keys.remove(collection, [keys.MARKERS, keys.FRAME_END, keys.FRAMES])
+    _fit_range(scene)
+
+
+def frames_of(collection: bpy.types.Collection) -> tuple[int, int, int] | None:
+    """First frame of an output's animation, frame of its result, and last frame; None if it has no animation."""
+    found = keys.numbers(collection, keys.FRAMES, 3)
+    return None if found is None else (int(found[0]), int(found[1]), int(found[2]))
+
+
+def _fit_range(scene: bpy.types.Scene) -> None:
+    """Makes the scene as long as the animations in it; each end that the user has changed since counts as theirs."""
+    now = (float(scene.frame_start), float(scene.frame_end))
+    stored = keys.numbers(scene, keys.RANGE, 4) or (*now, *now)
+    start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
+    played = [frames for c in scene.collection.children_recursive if (frames := frames_of(c)) is not None]
+    first = min([start, *(max(frames[0], 0) for frames in played)])
+    last = max([end, *(frames[2] for frames in played)])
+    if not played:
+        keys.remove(scene, [keys.RANGE])
+    if (first, last) != now:
+        scene.frame_start, scene.frame_end = int(first), int(last)
+    if played and (first, last) != (start, end):
+        scene[keys.RANGE] = [start, end, first, last]
 
 
 def _stored_markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:

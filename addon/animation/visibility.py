@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,10 +17,27 @@ VISIBILITY = ("hide_viewport", "hide_render")
 
 def hide_until(obj: bpy.types.Object, frame: int, last: int | None = None) -> None:
     """Hides the object, in the viewport and in renders, on all frames before `frame`, and after `last` if given."""
-    keyframes = [float(frame - 1), 1.0, float(frame), 0.0]
+    switches = [(frame - 1, True), (frame, False)]
     if last is not None:
-        keyframes += [float(last + 1), 1.0]
+        switches.append((last + 1, True))
+    switch(obj, switches)
+
+
+def switch(obj: bpy.types.Object, frames: Sequence[tuple[int, bool]]) -> None:
+    """Hides or shows the object, in the viewport and in renders, from each of some frames on."""
+    keyframes = [float(number) for pair in frames for number in pair]
     shape_keys.animate(obj, [(path, keyframes) for path in VISIBILITY], shape_keys.CONSTANT, obj.name)
+
+
+def is_free(obj: bpy.types.Object) -> bool:
+    """Whether an object is seen, and nothing of the user's own decides when."""
+    if not obj.is_editable or obj.hide_viewport or obj.hide_render:
+        return False
+    data = obj.animation_data
+    if data is None:
+        return True
+    curves = shape_keys.curves_of(obj) if data.action is not None else ()
+    return not any(curve.data_path in VISIBILITY for curve in (*curves, *data.drivers))
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import keys
+from ..animation import stage
 from ..animation.shape_keys import remove_mesh
 from ..core import core
 from ..errors import UserError
@@ -42,6 +43,7 @@ def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: s
     levels = _levels(context, collection)
     yield Progress(0.0, STAGE)
     try:
+        stage.leave(collection)
         for obj in levels:
             _park(obj)
         context.view_layer.update()
@@ -75,6 +77,7 @@ def unbind(collection: bpy.types.Collection) -> None:
     for obj in levels:
         _unpark(obj)
     keys.remove(collection, [keys.BOUND])
+    stage.enter(collection)
 
 
 def forget(collection: bpy.types.Collection) -> str:
@@ -222,13 +225,14 @@ def _connect(
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:
     for obj in levels:
         deform_modifiers.release(obj)
+        display.render_lines(obj, True)
         keys.remove(obj, [keys.LINK])
     originals.release(collection)
     for helper in ownership.helpers(collection):
         owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)
         if lines_back and owner is not None:
             thickness = keys.number(helper, keys.LINE_THICKNESS) or 0.0
-            display.set_thickness(owner, ownership.level_of(owner) or 0, thickness)
+            display.set_thickness(owner, thickness)
     _remove_helpers(ownership.helpers(collection))
 
 
@@ -249,10 +253,11 @@ def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
 
 def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:
     """Lets another object show the thick lines, because those that follow an object need its plain shape in renders."""
-    thickness, level = display.thickness_of(obj), ownership.level_of(obj) or 0
+    display.render_lines(obj, False)
+    thickness = display.thickness_of(obj)
     if thickness <= 0.0:
         return
-    display.set_thickness(obj, level, 0.0)
+    display.set_thickness(obj, 0.0)
     name = f"{obj.name} Lines"
     helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     keys.store(helper, {keys.HELPER: True, keys.LINES_OF: obj, keys.LINE_THICKNESS: thickness})
@@ -260,4 +265,5 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     helper.parent = obj
     collection.objects.link(helper)
     node_groups.add(helper, node_groups.EDGES, Object=obj)
-    display.set_thickness(helper, level, thickness)
+    helper.color = obj.color
+    display.set_thickness(helper, thickness)

@@ -110,6 +110,9 @@ DECIMATIONS = {
     ),
 }
 
+# Those by which holes may close and parts may merge.
+MERGING = ("LEVEL_SET_MERGING",)
+
 ENERGIES = {
     "AREA": Choice("Least Area", "As tight as the vertex count allows", lambda _: core.Area()),
     "SHAPE_KEEPING": Choice(

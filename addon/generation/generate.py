@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -12,7 +11,10 @@ from numpy.typing import NDArray
 from ..core import core
 from ..errors import UserError
 from ..scene.convert import Drawing
+from .advice import check_room, excess_note, smallest_found
 from .job import Progress
+from .levels import Level, Wanted, wanted_levels
+from .memory import Memory, key_of
 from .methods import Methods
 
 # Automatic clearances as parts of the drawing's diagonal: the core's default, and one for drawings whose gaps leave no
@@ -26,7 +28,6 @@ MARGIN = 2.0 * np.sqrt(2.0)
 # How many of these margins to try: rounding can also close a gap that the cage has with itself.
 MARGINS = (1.0, 64.0)
 
-Percent = float
 # What the stages of the core are called for users.
 STAGES = {
     "decimation": "making a coarse mesh",
@@ -35,9 +36,6 @@ STAGES = {
     "tightening": "tightening",
     "verification": "checking",
 }
-# Stands for an own coarse drawing in a list of levels.
-OWN = "*"
-Level = int | Percent | str
 Steps = NDArray[np.float32]
 
 
@@ -97,106 +95,90 @@ class Result:
     levels: tuple[CageLevel, ...]
 
 
-def parse_levels(text: str) -> tuple[Level, ...]:
-    """Counts, percentages and own drawings from a text such as "64, 24", "10% 3%" or "64, *". Raises: UserError."""
-    levels: list[Level] = []
-    words = re.findall(r"[^\s,;]+", re.sub(r"\s+%", "%", text)) or [text]
-    for word in words:
-        if re.fullmatch(r"\d+", word):
-            levels.append(int(word))
-        elif re.fullmatch(r"\d+(\.\d*)?%|\.\d+%", word):
-            levels.append(float(word[:-1]))
-        elif word == OWN:
-            levels.append(OWN)
-        else:
-            raise UserError(
-                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas, or * for an "
-                f"object of your own; '{word}' is none of these"
-            )
-    return tuple(levels)
-
-
-def counts(levels: Sequence[int | Percent], fine: core.Mesh, name: str) -> tuple[int, ...]:
-    """Vertex counts for a drawing's ``Mesh``, at least three per loop. Raises: UserError unless they decrease."""
-    total, least = len(fine.vertices), 3 * len(fine.loops)
-    found: list[int] = []
-    for level in levels:
-        count = level if isinstance(level, int) else max(least, round(total * level / 100.0))
-        before = found[-1] if found else total
-        if count > before:
-            problem = (
-                f"the {before} of the level before it; list levels from finest to coarsest"
-                if found
-                else f"the {before} of the drawing; list fewer, or give the drawing a higher resolution"
-            )
-            raise UserError(f"'{name}': a level of {count} vertices is more than {problem}")
-        if count < least:
-            problem = (
-                "an outline needs three vertices"
-                if len(fine.loops) == 1
-                else f"its {len(fine.loops)} loops need three vertices each"
-            )
-            raise UserError(f"'{name}': a level of {count} is too small: {problem}")
-        found.append(count)
-    return tuple(found)
-
-
-def _wanted(
-    levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.Mesh], name: str
-) -> tuple[int | core.Mesh, ...]:
-    """The vertex count or own ``Mesh`` of each level. Raises: UserError."""
-    if not levels:
-        return tuple(own)
-    if levels.count(OWN) != len(own):
-        raise UserError(
-            f"'{name}': own objects (*) in the levels: {levels.count(OWN)}, objects named: {len(own)}; "
-            "name one for each"
-        )
-    numbers = iter(counts([level for level in levels if not isinstance(level, str)], fine, name))
-    meshes = iter(own)
-    return tuple(next(meshes) if level == OWN else next(numbers) for level in levels)
+_memory: Memory[tuple[CageLevel, ...]] = Memory()
+"""Levels that were computed in this session: what is asked for again is not computed again."""
 
 
 class Generation:
     """Cages for several drawings as an iterator of `Progress`; ``results`` is complete when it ends. Dropping it
     cancels.
 
-    Everything that can be refused without computing is refused by the constructor. Raises: UserError.
+    Of several drawings, those that cannot be caged are left out: ``problems`` says why. Everything that can be known
+    without computing is known to the constructor. Raises: UserError if no drawing is left.
     """
 
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
         self.options = options
         options.methods.check()
         self.results: list[Result] = []
-        self._plans: list[tuple[Request, core.Mesh, tuple[int | core.Mesh, ...]]] = []
+        self.problems: list[UserError] = []
+        self._plans: list[tuple[Request, core.Mesh, tuple[Wanted, ...]]] = []
         for request in requests:
-            fine = request.fine.mesh()
-            own = tuple(drawing.mesh() for drawing in request.coarse)
-            if not own and not options.levels:
-                raise UserError("Give a vertex count for at least one level, such as 64")
-            self._plans.append((request, fine, _wanted(options.levels, fine, own, request.fine.name)))
+            try:
+                self._plans.append(self._plan(request))
+            except UserError as error:
+                self.problems.append(error)
+        self._check_some(self._plans)
+
+    def _plan(self, request: Request) -> tuple[Request, core.Mesh, tuple[Wanted, ...]]:
+        """What is to be made for a drawing. Raises: UserError."""
+        fine, options = request.fine.mesh(), self.options
+        own = tuple(drawing.mesh() for drawing in request.coarse)
+        if not own and not options.levels:
+            raise UserError("Give a vertex count for at least one level, such as 64")
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name)
+        if options.clearance > 0.0 and not own and options.methods.keeps_loops():
+            check_room(fine, self._clearances(request, fine)[0], len(wanted), request.fine)
+        return request, fine, wanted
+
+    def _check_some(self, found: Sequence[object]) -> None:
+        """Raises: UserError, the first problem, if nothing is found."""
+        if self.problems and not found:
+            raise self.problems[0]
 
     def __iter__(self) -> Iterator[Progress]:
         total = sum(len(levels) for _, _, levels in self._plans)
         done, reached = 0, 0.0
         for request, fine, levels in self._plans:
-            clearances = self._clearances(request, fine)
-            inner, finished = fine, []
-            for number, wanted in enumerate(levels, 1):
-                name = f"{request.fine.name}, level {number}"
-                yield Progress(reached, name)  # before anything is computed, so that it can be shown
-                for step in self._level(name, inner, wanted, clearances):
-                    if isinstance(step, CageLevel):
-                        finished.append(step)
-                        inner = core.Mesh(step.cage.astype(np.float64), step.cage_edges)
-                    else:
+            key = key_of(fine, levels, self._clearances(request, fine), self.options.methods)
+            known = _memory.get(key)
+            if known is None:
+                finished: list[CageLevel] = []
+                try:
+                    for progress in self._levels(request, fine, levels, finished):
                         # A level that starts anew, from another coarse mesh, goes back; what is shown does not.
-                        reached = max(reached, (done + step.fraction) / total)
-                        yield Progress(reached, f"{name}: {STAGES[step.stage]}")
-                done += 1
-                reached = done / total
-                yield Progress(reached, name)
-            self.results.append(Result(request.fine, tuple(finished)))
+                        reached = max(reached, (done + progress.fraction) / total)
+                        yield Progress(reached, progress.message)
+                except UserError as error:
+                    self.problems.append(error)
+                    done += len(levels)
+                    continue
+                known = tuple(finished)
+                _memory.put(key, known, sum(level.fine_steps.nbytes + level.cage_steps.nbytes for level in known))
+            done += len(levels)
+            reached = done / total
+            yield Progress(reached, f"{request.fine.name}, level {len(levels)}")
+            self.results.append(Result(request.fine, known))
+        self._check_some(self.results)
+
+    def _levels(
+        self, request: Request, fine: core.Mesh, levels: Sequence[Wanted], finished: list[CageLevel]
+    ) -> Iterator[Progress]:
+        """Fills `finished`; the fraction of the progress is in levels. Raises: UserError."""
+        clearances, inner = self._clearances(request, fine), fine
+        for number, wanted in enumerate(levels, 1):
+            name = f"{request.fine.name}, level {number}"
+            yield Progress(number - 1.0, name)  # before anything is computed, so that it can be shown
+            for step in self._level(name, inner, wanted.level, clearances):
+                if isinstance(step, CageLevel):
+                    cage = core.Mesh(step.cage.astype(np.float64), step.cage_edges)
+                    advice = excess_note(fine, cage, wanted.level, clearances[0])
+                    notes = (*wanted.notes, *step.report.notes, *advice)
+                    finished.append(replace(step, report=replace(step.report, notes=tuple(dict.fromkeys(notes)))))
+                    inner = cage
+                else:
+                    yield Progress(number - 1.0 + step.fraction, f"{name}: {STAGES[step.stage]}")
+            yield Progress(float(number), name)
 
     def _clearances(self, request: Request, fine: core.Mesh) -> tuple[float, ...]:
         """The wanted clearance in the drawing's units, or the automatic ones, to be tried in turn."""
@@ -219,6 +201,12 @@ class Generation:
                     yield from run
                     level = self._stored(fine, run.hierarchy.levels[0], clearance)
                 except core.NestedCagesError as error:
+                    least = smallest_found(str(error))
+                    if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):
+                        note = f"{wanted} vertices are too few for loops in each other's way: the cage has {least}."
+                        for step in self._level(name, fine, least, clearances):
+                            yield _noted(step, note) if isinstance(step, CageLevel) else step
+                        return
                     problem = problem or str(error)
                     break
                 finally:
@@ -266,3 +254,8 @@ class Generation:
             if motion.free or motion.step is None:
                 return first
             first += motion.step + 1
+
+
+def _noted(level: CageLevel, note: str) -> CageLevel:
+    """The level with one more note."""
+    return replace(level, report=replace(level.report, notes=(note, *level.report.notes)))

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..core import core
 from ..errors import UserError
-from .choices import AUTOMATIC, CONTACTS, REPAIRS, SETTINGS, Choice
+from .choices import AUTOMATIC, CONTACTS, MERGING, REPAIRS, SETTINGS, Choice
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,10 @@ class Methods:
     def part(self, name: str) -> Any:
         """The core's object for one of the settings, none of which is automatic."""
         return self._choice(name).make(self)
+
+    def keeps_loops(self) -> bool:
+        """Whether every cage has a loop for each loop of the drawing."""
+        return self.decimation not in MERGING
 
     def expansion(self) -> Any:
         """The core's energy of the cage while the drawing grows back."""

@@ -13,11 +13,11 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from .. import keys
-from ..animation import shape_keys, timeline, visibility
+from ..animation import shape_keys, stage, timeline, visibility
 from ..animation.timeline import Span, StoredPhases, Timing
 from ..errors import UserError
 from ..scene import display
-from ..scene.ownership import collection_of, copy_transform, level_of, member, members
+from ..scene.ownership import collection_of, colours_of, copy_transform, level_of, member, members
 from .generate import CageLevel, Result
 from .rollback import Rollback
 
@@ -47,13 +47,27 @@ def write(
             for result, collection in zip(results, earlier, strict=True)
         ]
         for result, collection in zip(results, collections, strict=True):
-            for obj in members(collection):
-                display.set_thickness(obj, level_of(obj) or 0, thickness / result.drawing.frame.scale)
+            _set_thickness(collection, result, thickness)
     except BaseException:
         rollback.restore()
         raise
     rollback.finish()
+    for collection in collections:
+        stage.enter(collection)
     return collections
+
+
+def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: float) -> None:
+    """Gives the lines of an output a thickness, a length of the scene, in renders; if it is 0, the cages alone, in
+    proportion to the drawing.
+    """
+    automatic = display.AUTOMATIC_PART * float(np.linalg.norm(np.ptp(result.levels[0].fine_steps[-1], axis=0)))
+    for obj in members(collection):
+        if thickness > 0.0:
+            display.set_thickness(obj, thickness / result.drawing.frame.scale)
+        else:
+            wanted = automatic if level_of(obj) else 0.0
+            display.set_thickness(obj, wanted, display.AUTOMATIC_THICKNESS)
 
 
 def _earlier(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
@@ -83,6 +97,7 @@ def _write_one(
     if collection is None:
         collection = bpy.data.collections.new(f"{name} Cages")
         scene.collection.children.link(collection)
+    collection[keys.COLOURS] = colours_of(scene, collection)
     for obj in members(collection):
         rollback.set_aside(obj)
     _rename(collection, name)
@@ -113,6 +128,10 @@ def _write_one(
 
     if source is not None:
         collection[keys.SOURCE] = source
+    others = {str(number): obj for number, part in enumerate(result.drawing.others) if (obj := part.source) is not None}
+    keys.remove(collection, [keys.OTHERS])
+    if others:
+        collection[keys.OTHERS] = others
     keys.store(collection, {keys.NAME: name, keys.LEVELS: len(result.levels), keys.END: played[-1].end})
     timeline.extend_scene(scene, collection, played, timing)
     return collection
@@ -157,7 +176,7 @@ def _member_with_mesh(
         obj = bpy.data.objects.new(name, mesh)
         obj[keys.LEVEL] = level
         collection.objects.link(obj)
-        display.apply_display(obj, level)
+        display.apply_display(obj, level, keys.integer(collection, keys.COLOURS) or 0)
     else:
         obj.data = mesh
     _place(obj, result)

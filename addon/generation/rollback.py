@@ -14,7 +14,7 @@ from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..scene import display
 from ..scene.filling import mesh_of
-from ..scene.ownership import TRANSFORM, level_of, members
+from ..scene.ownership import TRANSFORM, members
 
 
 class Rollback:
@@ -23,7 +23,7 @@ class Rollback:
     def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
         found = list(collections)
         self._scene = scene
-        self._frame_end = scene.frame_end
+        self._range = (scene.frame_start, scene.frame_end, _properties(scene))
         self._markers = [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers]
         self._collections = [(c, c.name, _properties(c)) for c in found]
         self._members = [_Member(obj) for c in found for obj in members(c)]
@@ -72,7 +72,8 @@ class Rollback:
             collection.name = name
             _set_properties(collection, properties)
         scene = self._scene
-        scene.frame_end = self._frame_end
+        scene.frame_start, scene.frame_end, properties = self._range
+        _set_properties(scene, properties)
         if [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers] != self._markers:
             scene.timeline_markers.clear()
             for name, frame, select, camera in self._markers:
@@ -98,8 +99,7 @@ class _Member:
         self.transform = {name: _plain(getattr(obj, name)) for name in TRANSFORM}
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
         self.properties = _properties(obj)
-        self.level = level_of(obj) or 0
-        self.thickness = display.thickness_of(obj)
+        self.thickness = {name: display.thickness_of(obj, name) for name in display.THICKNESSES}
         self.visibility: VisibilityAnimation | None = None
 
     def restore(self) -> None:
@@ -109,7 +109,9 @@ class _Member:
             setattr(obj, name, value)
         if self.visibility is not None:
             self.visibility.restore(obj)
-        display.set_thickness(obj, self.level, self.thickness)
+        for name, thickness in self.thickness.items():
+            if thickness or not any(self.thickness.values()):
+                display.set_thickness(obj, thickness, name)
         _set_properties(obj, self.properties)
 
 
@@ -137,4 +139,6 @@ def _set_properties(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
 
 def _plain(value: Any) -> Any:
     """A copy of arrays, which would change with what they belong to."""
+    if hasattr(value, "to_dict"):
+        return dict(value)
     return value if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__") else list(value)

@@ -82,7 +82,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
         if new.animation_data is not None and new.animation_data.action is not None:
             _own_action(new)
             visibility.always_show(new)
-        display.set_thickness(new, 0, 0.0)
+        display.set_thickness(new, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
         keys.remove(new, keys.ours(new))
         (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)

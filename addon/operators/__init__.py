@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..generation.job import running
-from . import bake, bind, exporters, image_outline, importers, levels
+from . import bake, bind, exporters, fault, image_outline, importers, levels
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -13,6 +13,7 @@ CLASSES = (
     OBJECT_OT_nested_cages_generate,
     OBJECT_OT_nested_cages_cancel,
     OBJECT_OT_nested_cages_verify,
+    *fault.CLASSES,
     *bake.CLASSES,
     *bind.CLASSES,
     *importers.CLASSES,

@@ -7,11 +7,25 @@ from typing import TYPE_CHECKING, Any, Literal
 import bpy
 from bpy.props import BoolProperty
 
-from ..errors import UserError
+from ..errors import Fault, UserError
 from ..generation.job import TICK, Job, Work, completed, running
 from ..scene.selection import collection_of_active
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
+
+# The place that the last message was about, which Select Fault goes to.
+_fault: list[Fault] = []
+
+
+def last_fault() -> Fault | None:
+    """The place that the last message was about, if there is one."""
+    return _fault[0] if _fault else None
+
+
+def remember_fault(fault: Fault | None) -> None:
+    """Makes this the place that the last message was about."""
+    _fault[:] = [] if fault is None else [fault]
+
 
 # Blender reads properties only of bases that it does not know itself.
 if TYPE_CHECKING:
@@ -36,7 +50,8 @@ class Reporting(Mixin):
         return "" if context.mode == "OBJECT" else "Switch to Object Mode"
 
     def fail(self, error: UserError) -> Outcome:
-        """Reports the error; the operator has changed nothing."""
+        """Reports the error; the operator has changed nothing. The panel then offers to go to the place."""
+        remember_fault(error.fault)
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 

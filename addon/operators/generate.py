@@ -10,13 +10,14 @@ from .. import keys
 from ..binding import binding, originals
 from ..errors import UserError, counted
 from ..generation import output
-from ..generation.generate import OWN, Generation, Request, Result
+from ..generation.generate import Generation, Request, Result
 from ..generation.job import Work, completed, running
+from ..generation.levels import OWN
 from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties
 from ..scene import convert, ownership
 from ..scene.selection import scene_of
-from .base import JobOperator, Outcome
+from .base import JobOperator, Outcome, remember_fault
 
 
 class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.types.Operator):
@@ -33,9 +34,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
     def unavailable(cls, context: bpy.types.Context) -> str:
         if context.mode not in {"OBJECT", "EDIT_MESH"}:
             return "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
-        if not sources(context):
-            return "Select a closed curve, a text, a Grease Pencil or a mesh made of edge loops"
-        return ""
+        return "" if sources(context) else why_nothing(context)
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
@@ -54,12 +53,26 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         options, name = conversion.options(self), context.scene.name
         with originals.unposed(sources(context)):
-            generation = Generation(requests(context, self), options)
+            asked, problems = requests(context, self)
+            generation = Generation(asked, options)
         yield from generation
+        problems += generation.problems
         scene = bpy.data.scenes.get(name)
         if scene is None:
             raise UserError("The scene of the drawing is gone, so its cages were dropped")
-        return self._write(scene, generation.results)
+        done = self._write(scene, generation.results)
+        self._tell_skipped(problems)
+        return done
+
+    def _tell_skipped(self, problems: Sequence[UserError]) -> None:
+        """Lists the drawings that could not be caged; the others were."""
+        remember_fault(next((problem.fault for problem in problems if problem.fault is not None), None))
+        for problem in problems:
+            self.report({"WARNING"}, f"Skipped: {problem}")
+        if problems:
+            self.report(
+                {"WARNING"}, f"{counted(len(problems), 'drawing')} skipped, see the Info editor; the rest is made"
+            )
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Lets the 3D view show wires in the colours of their objects, unless that was chosen."""
@@ -122,26 +135,50 @@ class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
 def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode.
 
-    Output of a drawing that is selected itself is about to be replaced, not to be caged.
+    Output of a drawing that is selected itself is about to be replaced, not to be caged. With nothing selected, the
+    active object counts if it is a drawing that makes way for its animation on this frame.
     """
     if context.mode == "EDIT_MESH":
         return list(context.objects_in_mode_unique_data)
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
+    active = context.view_layer.objects.active
+    if not context.selected_objects and active is not None and _makes_way(context, active):
+        return [active]
     return [obj for obj in selected if not _is_output_of(obj, selected)]
 
 
+def why_nothing(context: bpy.types.Context) -> str:
+    """Why there is nothing to cage: nothing is selected, it is hidden, or it has no outline."""
+    wanted = "a closed curve, a text, a Grease Pencil or a mesh made of edge loops"
+    active = context.view_layer.objects.active
+    if context.selected_objects:
+        obj = active if active in context.selected_objects else context.selected_objects[0]
+        kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
+        return f"'{obj.name}' has no outline, it is of the kind {kind}: select {wanted}"
+    if active is not None and not active.visible_get():
+        return f"'{active.name}' is hidden: show it (Alt H, or the Outliner) and select it"
+    return f"Nothing is selected: select {wanted}"
+
+
+def _makes_way(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    """Whether an original is hidden on this frame by the animation of its cages."""
+    collection = ownership.collection_of(scene_of(context), obj) if convert.readable(obj) else None
+    return collection is not None and keys.has(collection, keys.HIDES) and not obj.visible_get()
+
+
 def _is_output_of(obj: bpy.types.Object, drawings: Sequence[bpy.types.Object]) -> bool:
+    if keys.block(obj, keys.FILLS, bpy.types.Object) is not None:
+        return True
     if ownership.level_of(obj) is None:
         return False
     collection = ownership.collection_about(scene_of(bpy.context), obj)
     return collection is not None and ownership.source_of(collection) in drawings
 
 
-def requests(context: bpy.types.Context, values: GenerationProperties) -> list[Request]:
+def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[list[Request], list[UserError]]:
     """What the selection asks for: each drawing with its own cages, all in common ones, or the active one with the
-    others as its levels. Raises: UserError.
+    others as its levels; and of several drawings, why some cannot be caged. Raises: UserError if none can.
     """
-    reading = conversion.reading_options(values)
     selected, active = sources(context), context.view_layer.objects.active
     if values.use_selected_as_levels:
         if active not in selected or len(selected) < 2:
@@ -157,16 +194,32 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> list[R
         drawings = [alone] if values.together else [[obj] for obj in alone]
         if not alone:
             raise UserError("Select the drawing too: all that is selected is one of its levels")
-    found = []
+    found, problems = [], []
     for objects in drawings:
-        outlines = [convert.read(context, obj, reading) for obj in objects]
-        fine = convert.fine_drawing(outlines[0], reading)
-        fine = convert.joined(fine, [convert.drawing_in(fine.frame, outline, reading) for outline in outlines[1:]])
-        coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
-        if values.use_selected_as_levels:
-            coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
-        found.append(Request(fine, tuple(coarse)))
-    return found
+        try:
+            found.append(_request(context, objects, own, values))
+        except UserError as error:
+            problems.append(error)
+    if problems and not found:
+        raise problems[0]
+    return found, problems
+
+
+def _request(
+    context: bpy.types.Context,
+    objects: Sequence[bpy.types.Object],
+    own: Sequence[bpy.types.Object],
+    values: GenerationProperties,
+) -> Request:
+    """One drawing, of all objects, and the user's own levels for it. Raises: UserError."""
+    reading = conversion.reading_options(values)
+    outlines = [convert.read(context, obj, reading) for obj in objects]
+    fine = convert.fine_drawing(outlines[0], reading)
+    fine = convert.joined(fine, [convert.drawing_in(fine.frame, outline, reading) for outline in outlines[1:]])
+    coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
+    if values.use_selected_as_levels:
+        coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
+    return Request(fine, tuple(coarse))
 
 
 def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:

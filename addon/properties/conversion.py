@@ -6,7 +6,8 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from ..animation.timeline import Timing
-from ..generation.generate import Options, parse_levels
+from ..generation.generate import Options
+from ..generation.levels import parse_levels
 from ..generation.methods import Methods
 from ..scene.convert import ReadingOptions
 from . import level_list

@@ -8,7 +8,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from ..errors import UserError
-from ..generation.generate import OWN, parse_levels
+from ..generation.levels import OWN, parse_levels
 
 KIND_ITEMS = (
     ("COUNT", "Vertices", "A vertex count"),

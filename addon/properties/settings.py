@@ -91,6 +91,19 @@ class GenerationProperties:
         min=1,
         soft_max=24,
     )
+    fit_length: BoolProperty(
+        name="Fit to Length",
+        description="Let the whole animation take the frames below, whatever the number of steps",
+        default=False,
+    )
+    length: IntProperty(
+        name="Length",
+        description="Frames of the whole animation",
+        default=120,
+        min=2,
+        soft_min=24,
+        soft_max=500,
+    )
     show_flow: BoolProperty(
         name="Show Flow",
         description="Start with the drawing shrinking into the coarse mesh",
@@ -113,7 +126,10 @@ class GenerationProperties:
     )
     thickness: FloatProperty(
         name="Line Thickness",
-        description="Thickness of the lines in renders; 0 leaves them out",
+        description=(
+            "Thickness of the lines in renders; 0 shows the cages alone, in proportion to the drawing. To leave a cage "
+            "out, disable it in renders"
+        ),
         default=0.0,
         min=0.0,
         soft_max=1.0,
@@ -179,6 +195,12 @@ NAMES = tuple(GenerationProperties.__annotations__)
 class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
     """The scene's settings for the next cages; the levels also as a list, which writes the text and is filled by it."""
 
+    # The panel fits the animation to a length; scripts that give frames per step get what they ask for.
+    fit_length: BoolProperty(
+        name="Fit to Length",
+        description="Let the whole animation take the frames below, whatever the number of steps",
+        default=True,
+    )
     level_list: CollectionProperty(
         name="Level List", description="The levels, one by one", type=level_list.NestedCagesLevel
     )

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import core
-from ..errors import UserError
+from ..errors import Fault, UserError
+from . import faults
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform
 from .reading import READERS, lines_of
@@ -50,12 +51,14 @@ class Outline:
 class Drawing:
     """An outline in a plane: loops (k, 2) whose numbers are those that Blender stores, float32 given as float64, in
     ``frame``. ``identity`` finds its object even if that has been renamed, and undone and redone, meanwhile.
+    ``others``: drawings of other objects that were joined to it, whose loops are its last ones.
     """
 
     name: str
     frame: Frame
     loops: tuple[NDArray[np.float64], ...]
     identity: int = 0
+    others: tuple[Drawing, ...] = ()
 
     @property
     def source(self) -> bpy.types.Object | None:
@@ -67,7 +70,19 @@ class Drawing:
         try:
             return core.Mesh.from_loops(self.loops)
         except core.NestedCagesError as error:
-            raise UserError(f"'{self.name}': {error}") from error
+            message = str(error)
+            raise UserError(f"'{self.name}': {faults.with_names(message, self._parts)}", self.fault(message)) from error
+
+    def fault(self, message: str) -> Fault | None:
+        """Where a message of the core is about, if it names a place."""
+        return faults.fault(message, self._parts, self.frame)
+
+    @property
+    def _parts(self) -> list[faults.Part]:
+        """The loops of each object."""
+        own = len(self.loops) - sum(len(other.loops) for other in self.others)
+        parts = [(self, self.loops[:own]), *((other, other.loops) for other in self.others)]
+        return [faults.Part(part.name, part.identity, loops) for part, loops in parts]
 
 
 def readable(obj: bpy.types.Object) -> bool:
@@ -115,7 +130,9 @@ def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = Reading
 
 def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
     """A drawing and others in the same frame as one, as if their objects were joined."""
-    return replace(drawing, loops=tuple(loop for part in (drawing, *others) for loop in part.loops))
+    return replace(
+        drawing, loops=tuple(loop for part in (drawing, *others) for loop in part.loops), others=tuple(others)
+    )
 
 
 def _closed_loops(
@@ -126,13 +143,16 @@ def _closed_loops(
     if len(found.branching):
         raise UserError(
             f"'{obj.name}' branches at ({_place(vertices[found.branching[0]])}): at each point of an outline two edges "
-            "meet, so separate or delete the others"
+            "meet, so separate or delete the others",
+            _fault(obj, vertices[found.branching[:1]]),
         )
     # A cyclic spline of two points is one edge to and fro, which Blender shows as one edge.
     opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not _all_cyclic(obj)]
     if opened and not options.close_open:
         raise _open_error(obj, opened)
     loops = [vertices[line] for line in (*found.closed, *found.opened)]
+    if not loops and len(vertices) and not len(edges):
+        raise UserError(f"'{obj.name}' is a solid and has no outline: select a flat drawing, or delete faces")
     if not loops:
         raise UserError(f"'{obj.name}' has no outline: neither edges without faces nor an open boundary")
     extent = extent_of(loops)
@@ -140,7 +160,8 @@ def _closed_loops(
         loops[number] = without_doubles(loop, extent)
         if len(loops[number]) < SMALLEST_LOOP:
             raise UserError(
-                f"'{obj.name}' has a loop with fewer than three different points at ({_place(loop[0])}): delete it"
+                f"'{obj.name}' has a loop with fewer than three different points at ({_place(loop[0])}): delete it",
+                _fault(obj, loop[:1]),
             )
     return tuple(loops)
 
@@ -154,14 +175,23 @@ def _open_error(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> 
     """Says which line of the object is open, by the number of its spline if that is known."""
     splines = obj.data.splines if obj.type == "CURVE" else ()
     number = next((i for i, spline in enumerate(splines, 1) if not spline.use_cyclic_u), None)
+    ends = _fault(obj, lines[0][[0, -1]])
     if number is not None:
         return UserError(
-            f"'{obj.name}' is open: make its spline {number} cyclic (Alt C in Edit Mode), or tick 'Close Open Lines'"
+            f"'{obj.name}' is open: make its spline {number} cyclic (Alt C in Edit Mode), or tick 'Close Open Lines'",
+            ends,
         )
     start, end = _place(lines[0][0]), _place(lines[0][-1])
     return UserError(
-        f"'{obj.name}' is open: join the ends of its line at ({start}) and ({end}), or tick 'Close Open Lines'"
+        f"'{obj.name}' is open: join the ends of its line at ({start}) and ({end}), or tick 'Close Open Lines'",
+        ends,
     )
+
+
+def _fault(obj: bpy.types.Object, points: NDArray[np.float32]) -> Fault:
+    """Points (k, 3) in an object's own space as the fault to go to."""
+    world = transform(np.array(obj.matrix_world, dtype=np.float64), points.astype(np.float64)).tolist()
+    return Fault(obj.session_uid, tuple((x, y, z) for x, y, z in world))
 
 
 def _place(point: NDArray[np.float32]) -> str:

@@ -1,39 +1,50 @@
-"""How the output looks: wires in front in a colour per level, and a thickness for renders, where wires do not show."""
+"""How the output looks: wires in front in a colour per drawing and level, and a thickness for renders."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from colorsys import hsv_to_rgb
 from typing import Any, Literal
 
 import bpy
 
-# The fine mesh nearly white, the cages in colours that are easy to tell apart, also for the colour-blind (after Okabe
-# and Ito), bright enough for thin lines on a dark background.
+# The fine mesh is nearly white. The cages' hues go once around the colour circle between yellow and red, and leave out
+# the orange that Blender shows selected objects in. They step by these parts of the way from drawing to drawing (the
+# golden section, so that no two of the first ones are close) and from level to level.
 FINE_COLOUR = (0.95, 0.95, 0.95, 1.0)
-CAGE_COLOURS = (
-    (1.00, 0.45, 0.00, 1.0),
-    (0.25, 0.75, 1.00, 1.0),
-    (0.00, 0.80, 0.45, 1.0),
-    (0.95, 0.50, 0.80, 1.0),
-    (1.00, 0.90, 0.15, 1.0),
-)
+HUES, FIRST_HUE = (0.16, 0.95), 0.5
+DRAWING_STEP, LEVEL_STEP = 0.381966, 0.19
+# Saturation and value in turn from level to level: bright enough for lines on a dark background.
+TONES = ((0.85, 1.0), (0.5, 1.0), (0.95, 0.8))
 
 # Kinds of inputs that name a data-block.
 NAMING = ("NodeSocketObject", "NodeSocketMaterial")
 THICKNESS = "Nested Cages Thickness"
+AUTOMATIC_THICKNESS = "Nested Cages Automatic Thickness"
+THICKNESSES = (THICKNESS, AUTOMATIC_THICKNESS)
+# Automatic thickness as a part of the drawing's size: some five pixels where the drawing fills a picture.
+AUTOMATIC_PART = 0.005
 # Corners of the tube's cross-section.
 TUBE_CORNERS = 8
 
 
-def colour(level: int) -> tuple[float, float, float, float]:
-    """The colour of a level, of which 0 is the fine mesh."""
-    return CAGE_COLOURS[(level - 1) % len(CAGE_COLOURS)] if level else FINE_COLOUR
+def colour(level: int, drawing: int = 0) -> tuple[float, float, float, float]:
+    """The colour of a level, of which 0 is the fine mesh, of a drawing by its number."""
+    if not level:
+        return FINE_COLOUR
+    way = (FIRST_HUE + DRAWING_STEP * drawing + LEVEL_STEP * (level - 1)) % 1.0
+    saturation, value = TONES[(level - 1) % len(TONES)]
+    return (*hsv_to_rgb(HUES[0] + (HUES[1] - HUES[0]) * way, saturation, value), 1.0)
 
 
-def apply_display(obj: bpy.types.Object, level: int) -> None:
-    """Makes a new output object a wire in front of everything, in the colour of its level."""
+def apply_display(obj: bpy.types.Object, level: int, drawing: int = 0) -> None:
+    """Makes a new output object a wire in front of everything, in the colour of its level. Of a mesh with faces, the
+    outline alone is seen.
+    """
     obj.display_type = "WIRE"
     obj.show_in_front = True
-    obj.color = colour(level)
+    obj.show_all_edges = False
+    obj.color = colour(level, drawing)
 
 
 def new_node(tree: bpy.types.NodeTree | None, kind: str) -> Any:
@@ -60,21 +71,31 @@ def add_nodes_modifier(obj: bpy.types.Object, name: str, tree: bpy.types.NodeTre
     return modifier
 
 
-def set_thickness(obj: bpy.types.Object, level: int, thickness: float) -> None:
-    """Gives the object's edges a thickness in its own unit, in renders only; 0 takes it away.
+def set_thickness(obj: bpy.types.Object, thickness: float, name: str = THICKNESS) -> None:
+    """Gives the object's edges a thickness in its own unit and its colour, in renders only; 0 takes it away.
 
-    In the viewport the object stays the wire that was certified.
+    In the viewport the object stays the wire that was certified. `name`: that of a thickness that was chosen, or
+    `AUTOMATIC_THICKNESS`.
     """
-    modifier = nodes_modifier(obj, THICKNESS)
-    if thickness <= 0.0:
-        if modifier is not None:
+    for other in THICKNESSES:
+        modifier = nodes_modifier(obj, other)
+        if modifier is not None and (other != name or thickness <= 0.0):
             remove_modifier(obj, modifier)
+    if thickness <= 0.0:
         return
+    modifier = nodes_modifier(obj, name)
     if modifier is None:
-        modifier = add_nodes_modifier(obj, THICKNESS, _thickness_nodes())
+        modifier = add_nodes_modifier(obj, name, _thickness_nodes())
         modifier.show_viewport = False
     set_input(modifier, "Radius", 0.5 * thickness)
-    set_input(modifier, "Material", _material(level))
+    set_input(modifier, "Material", _material(obj.color))
+
+
+def render_lines(obj: bpy.types.Object, shown: bool) -> None:
+    """Whether the lines of automatic thickness are rendered: those that follow an object need its plain shape."""
+    modifier = nodes_modifier(obj, AUTOMATIC_THICKNESS)
+    if modifier is not None:
+        modifier.show_render = shown
 
 
 def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
@@ -104,9 +125,9 @@ def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
     return modifier[identifier]
 
 
-def thickness_of(obj: bpy.types.Object) -> float:
-    """The thickness that `set_thickness` gave, 0 for none."""
-    modifier = nodes_modifier(obj, THICKNESS)
+def thickness_of(obj: bpy.types.Object, name: str = THICKNESS) -> float:
+    """The thickness that `set_thickness` gave under a name, 0 for none."""
+    modifier = nodes_modifier(obj, name)
     return 0.0 if modifier is None else 2.0 * float(get_input(modifier, "Radius"))
 
 
@@ -158,20 +179,20 @@ def _thickness_nodes() -> bpy.types.NodeTree:
     return tree
 
 
-def _material(level: int) -> bpy.types.Material:
-    """A material that shines in the colour of a level, so that lines look the same in any light; the file has one."""
-    name = f"Nested Cages Level {level}"
+def _material(shade: Sequence[float]) -> bpy.types.Material:
+    """A material that shines in a colour, so that lines look the same in any light; the file has one."""
+    name = "Nested Cages #" + "".join(f"{round(255.0 * part):02X}" for part in shade[:3])
     material = bpy.data.materials.get(name)
     if material is not None:
         return material
     material = bpy.data.materials.new(name)
-    material.diffuse_color = colour(level)
+    material.diffuse_color = tuple(shade)
     if material.node_tree is None:  # Blender 5.0 always has one
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     glow, end = new_node(tree, "ShaderNodeEmission"), new_node(tree, "ShaderNodeOutputMaterial")
-    glow.inputs["Color"].default_value = colour(level)
+    glow.inputs["Color"].default_value = tuple(shade)
     tree.links.new(glow.outputs["Emission"], end.inputs["Surface"])
     end.location = (200.0, 0.0)
     return material

@@ -55,6 +55,22 @@ def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
     return source if source is not None and source.users_scene else None
 
 
+def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """The objects that an output was made of, the one that it is named after first; those that are gone left out."""
+    others = collection.get(keys.OTHERS)
+    stored = [collection.get(keys.SOURCE), *(others.values() if hasattr(others, "values") else ())]
+    return [obj for obj in stored if isinstance(obj, bpy.types.Object) and obj.users_scene]
+
+
+def colours_of(scene: bpy.types.Scene, collection: bpy.types.Collection) -> int:
+    """The number of the colours of an output, one that no other output in the scene has."""
+    own = keys.integer(collection, keys.COLOURS)
+    if own is not None and own >= 0:
+        return own
+    used = {keys.integer(other, keys.COLOURS) for other in scene.collection.children_recursive}
+    return next(number for number in range(len(used) + 1) if number not in used)
+
+
 def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | None:
     """The object of a level in an output collection; level 0 is the fine mesh."""
     return next((o for o in collection.objects if level_of(o) == level), None)

@@ -46,6 +46,7 @@ def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int)
         return
     copy = obj.copy()
     try:
+        copy.animation_data_clear()  # which may hide it on this frame; what else it animates is as it is now
         copy.hide_viewport = False
         context.scene.collection.objects.link(copy)
         yield copy
@@ -60,6 +61,7 @@ def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: i
     data: Any = obj.data.copy()
     try:
         copy.data = data
+        copy.animation_data_clear()
         data.bevel_mode = "ROUND"
         data.bevel_depth = data.extrude = 0.0
         data.bevel_object = data.taper_object = None

@@ -34,9 +34,14 @@ class Bound:
         )
 
 
+def least_room(fine: Mesh) -> Bound | None:
+    """The tightest place for cages with the loops of a mesh; None if there is no such place."""
+    return min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
+
+
 def too_narrow(fine: Mesh, wanted: float) -> str:
     """Why no cage with the loops of a mesh can keep a clearance, as a sentence; empty if no bound says so."""
-    bound = min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
+    bound = least_room(fine)
     return "" if bound is None or bound.clearance > (1.0 + ROUND_OFF) * wanted else bound.message(wanted)
 
 

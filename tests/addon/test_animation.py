@@ -103,12 +103,11 @@ def test_an_object_is_hidden_until_its_frame(addon) -> None:
         assert obj.hide_viewport is hidden and obj.hide_render is hidden
 
 
-def test_markers_are_taken_back_once_each(addon, level) -> None:
+def test_markers_are_taken_back_once_each(addon) -> None:
     scene = bpy.context.scene
-    timing = addon.animation.timeline.Timing(1, PER_STEP)
-    mine = addon.animation.timeline.add_markers(scene, addon.animation.timeline.spans([level], timing))
-    addon.animation.timeline.add_markers(scene, addon.animation.timeline.spans([level], timing))
-    assert [name for name, _ in mine] == ["Flow 1", "Reinflation 1", "Tightening 1"]
+    mine = addon.animation.timeline.add_markers(scene, "Drawing", 30)
+    addon.animation.timeline.add_markers(scene, "Drawing", 30)
+    assert mine == [("Drawing", 30)]
     addon.animation.timeline.remove_markers(scene, mine)
     assert sorted((marker.name, marker.frame) for marker in scene.timeline_markers) == sorted(mine)
 

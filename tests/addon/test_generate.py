@@ -23,13 +23,13 @@ from drawings import circle, poly_curve, star
     ],
 )
 def test_levels_are_counts_or_percentages(addon, text, levels) -> None:
-    assert addon.generation.generate.parse_levels(text) == levels
+    assert addon.generation.levels.parse_levels(text) == levels
 
 
 @pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3"])
 def test_other_texts_are_refused(addon, text) -> None:
     with pytest.raises(addon.errors.UserError, match="Levels are vertex counts such as 64, 24"):
-        addon.generation.generate.parse_levels(text)
+        addon.generation.levels.parse_levels(text)
 
 
 def request(addon, loops, name="Drawing"):
@@ -40,25 +40,31 @@ def request(addon, loops, name="Drawing"):
 
 @pytest.mark.parametrize(
     ("levels", "counts"),
-    [((24, 9), (24, 9)), ((50.0, 10.0), (30, 6)), ((1.0,), (6,)), ((100.0, 60), (60, 60))],
+    [((24, 9), (24, 9)), ((50.0, 10.0), (30, 8)), ((1.0,), (8,)), ((100.0, 60), (60, 60)), ((5,), (6,))],
 )
-def test_percentages_are_of_the_drawing_and_leave_three_vertices_per_loop(addon, levels, counts) -> None:
+def test_percentages_are_of_the_drawing_and_leave_enough_vertices_per_loop(addon, levels, counts) -> None:
     fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh()
-    assert addon.generation.generate.counts(levels, fine, "Drawing") == counts
+    found = addon.generation.levels.wanted_levels(levels, fine, (), "Drawing")
+    assert tuple(wanted.level for wanted in found) == counts
 
 
 @pytest.mark.parametrize(
-    ("levels", "sentence"),
+    ("levels", "counts", "note"),
     [
-        ((61,), "a level of 61 vertices is more than the 60 of the drawing"),
-        ((20, 21), "a level of 21 vertices is more than the 20 of the level before it"),
-        ((5,), "a level of 5 is too small: its 2 loops need three"),
+        ((61,), [60], "61 vertices were asked for, but the mesh inside has 60"),
+        ((20, 21), [20, 20], "21 vertices were asked for, but the mesh inside has 20"),
+        ((5,), [6], "A level of 5 is too small: its 2 loops need 6 vertices"),
+        ((1.0,), [8], "1 % of 60 vertices is too few: its 2 loops need 8 for a close fit"),
     ],
 )
-def test_levels_go_down_but_not_below_three_per_loop(addon, levels, sentence) -> None:
+def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, counts, note) -> None:
     options = addon.generation.generate.Options(levels=levels)
-    with pytest.raises(addon.errors.UserError, match="^'Drawing': " + sentence):
-        addon.generation.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
+    generation = addon.generation.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
+    for _ in generation:
+        pass
+    (result,) = generation.results
+    assert [len(level.cage) for level in result.levels] == counts
+    assert any(note in text for text in result.levels[-1].report.notes)
 
 
 def test_a_drawing_that_crosses_itself_is_refused_by_name(addon) -> None:

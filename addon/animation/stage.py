@@ -1,0 +1,46 @@
+"""While the animation plays, the originals make way for a copy of the drawing that moves with the fine mesh, filled
+with the drawing's own materials.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import keys
+from ..scene import filled_copy, ownership
+from . import shape_keys, timeline, visibility
+
+
+def enter(collection: bpy.types.Collection) -> None:
+    """Hides the originals of an output before and after its result, and shows the moving copy in their place."""
+    leave(collection)
+    frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
+    if frames is None or fine is None or ownership.is_bound(collection):
+        return
+    first, result, last = frames
+    # Between the result and the way back, if there is one, the result stays as long as after it.
+    back = [] if last == result else [(result + 1 + (last - 2 * result + first), True), (last + 1, False)]
+    playing = [(first - 1, False), (first, True), (result, False), *back]
+    originals = ownership.originals(collection)
+    hides = [visibility.is_free(original) for original in originals]
+    for original, hidden in zip(originals, hides, strict=True):
+        if hidden:
+            visibility.switch(original, playing)
+    collection[keys.HIDES] = hides
+    copy = filled_copy.make(collection, fine, originals[0] if originals else None)
+    visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing])
+
+
+def leave(collection: bpy.types.Collection) -> None:
+    """Shows the originals again and removes the moving copy."""
+    originals = ownership.originals(collection)
+    stored = collection.get(keys.HIDES)
+    hides = list(stored) if hasattr(stored, "__len__") and not isinstance(stored, str) else []
+    for original, hidden in zip(originals, hides, strict=False):
+        if hidden:
+            visibility.always_show(original)
+    keys.remove(collection, [keys.HIDES])
+    fine = ownership.member(collection, 0)
+    for copy in filled_copy.copies_of(fine) if fine is not None else []:
+        shape_keys.remove_animation(copy)
+        filled_copy.remove(copy)

@@ -1,0 +1,64 @@
+"""What a user is told besides the result: whether there is room for a clearance, and why a cage is loose."""
+
+from __future__ import annotations
+
+import re
+from math import ceil
+
+from ..core import core
+from ..errors import UserError
+from ..scene.convert import Drawing
+
+# Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
+LOOSE, GOOD = 0.5, 0.25
+# Each count that is tried is larger than the one before by this factor; drawings above so many vertices are not tried.
+STEP, LARGEST_TRIED = 1.3, 5000
+
+
+def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing) -> None:
+    """Raises: UserError if holes and gaps have no room for so many cages at a clearance, in the drawing's units.
+
+    Each level keeps its own clearance, so that the last one is as many clearances away from the drawing.
+    """
+    bound = core.hierarchy.least_room(fine)
+    if bound is None or bound.clearance > levels * clearance:
+        return
+    scale, most = drawing.frame.scale, bound.clearance / levels
+    several = f" on {levels} levels" if levels > 1 else ""
+    raise UserError(
+        f"'{drawing.name}': No cage keeps the clearance of {clearance * scale:.6g}{several} {bound.where}: "
+        f"{bound.why}; ask for less than {most * scale:.6g}, or {bound.remedy}.",
+        drawing.fault(bound.why),
+    )
+
+
+def smallest_found(message: str) -> int | None:
+    """The smallest number of vertices that a refusal of the core says it found."""
+    found = re.search(r"ask for at least (\d+)", message)
+    return int(found[1]) if found else None
+
+
+def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: int | core.Mesh, clearance: float) -> tuple[str, ...]:
+    """Why a cage is much larger than the drawing, and what number of vertices would do; nothing if it is not."""
+    excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
+    if excess <= LOOSE or not isinstance(wanted, int):
+        return ()
+    loops = len(fine.loops)
+    share = f" for its {loops} loops" if loops > 1 else ""
+    better = _enough(fine, count, clearance)
+    remedy = f"{better} would make it less than {100.0 * GOOD:.0f} % larger" if better else "ask for more of them"
+    return (f"{100.0 * excess:.0f} % larger than the drawing: {count} vertices are few{share}; {remedy}.",)
+
+
+def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
+    """A count whose outer hull, before any tightening, is close enough; None if there is none."""
+    total = len(fine.vertices)
+    while count < total <= LARGEST_TRIED:
+        count = min(ceil(STEP * count), total)
+        try:
+            hull = core.OuterHull().decimate(fine, count, clearance=clearance)
+        except core.NestedCagesError:
+            continue
+        if hull.area <= (1.0 + GOOD) * fine.area:
+            return count
+    return None

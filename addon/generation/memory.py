@@ -1,0 +1,51 @@
+"""Results of this session, so that what is asked for again, or only timed anew, is not computed again."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import OrderedDict
+from collections.abc import Sequence
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from ..core import core
+from .levels import Wanted
+
+Value = TypeVar("Value")
+
+# Bytes of results that are kept; the last one is kept whatever its size.
+MOST_BYTES = 256 * 2**20
+
+
+class Memory(Generic[Value]):
+    """Values by key; those used longest ago are forgotten when they take too much room."""
+
+    def __init__(self) -> None:
+        self._values: OrderedDict[str, tuple[Value, int]] = OrderedDict()
+
+    def get(self, key: str) -> Value | None:
+        """The value of a key, if it is known."""
+        if key not in self._values:
+            return None
+        self._values.move_to_end(key)
+        return self._values[key][0]
+
+    def put(self, key: str, value: Value, size: int) -> None:
+        """Keeps a value of so many bytes."""
+        self._values[key] = (value, size)
+        while len(self._values) > 1 and sum(held for _, held in self._values.values()) > MOST_BYTES:
+            self._values.popitem(last=False)
+
+
+def key_of(fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], methods: object) -> str:
+    """What a result depends on, to the last bit."""
+    chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in vars(methods).items()]
+    found = hashlib.sha256(repr((tuple(clearances), chosen)).encode())
+    for part in (fine, *(wanted.level for wanted in levels)):
+        if isinstance(part, core.Mesh):
+            found.update(np.ascontiguousarray(part.vertices).tobytes())
+            found.update(np.ascontiguousarray(part.edges).tobytes())
+        else:
+            found.update(f" {part} ".encode())
+    return found.hexdigest()

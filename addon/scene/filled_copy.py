@@ -1,0 +1,110 @@
+"""The moving copy: an object that fills what a fine mesh outlines, frame by frame, in the drawing's own materials."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .. import keys
+from .display import add_nodes_modifier, add_socket, new_node, remove_modifier, set_input
+
+FILL = "Nested Cages Fill"
+
+
+def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.types.Object | None) -> bpy.types.Object:
+    """A new object that fills the outline of `fine`, beside the drawing that it stands for."""
+    name = f"{source.name if source is not None else fine.name} Moving"
+    mesh = bpy.data.meshes.new(name)
+    copy = bpy.data.objects.new(name, mesh)
+    copy[keys.FILLS] = fine
+    copy.parent = fine
+    copy.location.z = fine.data.vertices[0].co.z  # what is filled is flat, at height 0
+    copy.hide_select = True
+    if source is not None:
+        copy.color = source.color
+    for home in (source.users_collection if source is not None else ()) or (collection,):
+        home.objects.link(copy)
+    modifier = add_nodes_modifier(copy, FILL, _nodes())
+    set_input(modifier, "Object", fine)
+    set_input(modifier, "Material", main_material(source) if source is not None else None)
+    return copy
+
+
+def copies_of(fine: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that fill a fine mesh."""
+    return [child for child in fine.children if child.get(keys.FILLS) == fine]
+
+
+def remove(copy: bpy.types.Object) -> None:
+    """Removes a copy with its mesh."""
+    mesh = copy.data
+    for modifier in list(copy.modifiers):
+        remove_modifier(copy, modifier)
+    bpy.data.objects.remove(copy)
+    if isinstance(mesh, bpy.types.Mesh) and mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+
+
+def main_material(source: bpy.types.Object) -> bpy.types.Material | None:
+    """The material that most faces of an object have; of one without faces, the active one."""
+    slots = [slot.material for slot in source.material_slots]
+    if source.type == "MESH" and len(source.data.polygons) and len(slots) > 1:
+        counts = [0] * len(slots)
+        for polygon in source.data.polygons:
+            counts[min(polygon.material_index, len(slots) - 1)] += 1
+        return slots[counts.index(max(counts))]
+    found = source.active_material or next((material for material in slots if material is not None), None)
+    return _of_strokes(found) if found is not None and getattr(found, "is_grease_pencil", False) else found
+
+
+def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
+    """A material for faces in the colour of a Grease Pencil material, which faces cannot have; the file has one."""
+    name = f"{material.name} Fill"
+    found = bpy.data.materials.get(name)
+    if found is None:
+        found = bpy.data.materials.new(name)
+        style: Any = material.grease_pencil
+        found.diffuse_color = style.fill_color if style.show_fill else style.color
+        if found.node_tree is None:  # Blender 5.0 always has one
+            found.use_nodes = True
+        shader = next((node for node in found.node_tree.nodes if "Base Color" in node.inputs), None)
+        if shader is not None:
+            shader.inputs["Base Color"].default_value = found.diffuse_color
+    return found
+
+
+def _nodes() -> bpy.types.NodeTree:
+    """The node group that fills the outline of an object; the file has one."""
+    tree = bpy.data.node_groups.get(FILL)
+    if tree is not None:
+        return tree
+    tree = bpy.data.node_groups.new(FILL, "GeometryNodeTree")
+    add_socket(tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
+    add_socket(tree, "INPUT", "NodeSocketGeometry", "Geometry")
+    add_socket(tree, "INPUT", "NodeSocketObject", "Object")
+    add_socket(tree, "INPUT", "NodeSocketMaterial", "Material")
+    start, source, lines, fill, paint, end = (
+        new_node(tree, kind)
+        for kind in (
+            "NodeGroupInput",
+            "GeometryNodeObjectInfo",
+            "GeometryNodeMeshToCurve",
+            "GeometryNodeFillCurve",
+            "GeometryNodeSetMaterial",
+            "NodeGroupOutput",
+        )
+    )
+    source.transform_space = "RELATIVE"
+    for output, target in (
+        (start.outputs["Object"], source.inputs["Object"]),
+        (source.outputs["Geometry"], lines.inputs["Mesh"]),
+        (lines.outputs["Curve"], fill.inputs[0]),
+        (fill.outputs[0], paint.inputs["Geometry"]),
+        (start.outputs["Material"], paint.inputs["Material"]),
+        (paint.outputs["Geometry"], end.inputs["Geometry"]),
+    ):
+        tree.links.new(output, target)
+    for place, node in enumerate((start, source, lines, fill, paint, end)):
+        node.location = (200.0 * place, 0.0)
+    return tree
