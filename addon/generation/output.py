@@ -128,7 +128,9 @@ def _write_one(
 
     if source is not None:
         collection[keys.SOURCE] = source
-    others = {str(number): obj for number, part in enumerate(result.drawing.others) if (obj := part.source) is not None}
+    others = {
+        str(number): made for number, part in enumerate(result.drawing.others) if (made := part.source) is not None
+    }
     keys.remove(collection, [keys.OTHERS])
     if others:
         collection[keys.OTHERS] = others

@@ -56,7 +56,7 @@ class OBJECT_OT_nested_cages_select_fault(Reporting, bpy.types.Operator):
                 bpy.ops.view3d.view_selected()
             else:
                 bpy.ops.view3d.view_center_cursor()
-        names = ", ".join(f"{x:.4g}" for x in middle)
+        names = ", ".join(f"{x:.4g}" for x in (middle.x, middle.y, middle.z))
         self.report({"INFO"}, f"'{obj.name}' at ({names}), where the 3D cursor is now")
         return {"FINISHED"}
 

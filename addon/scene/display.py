@@ -88,7 +88,7 @@ def set_thickness(obj: bpy.types.Object, thickness: float, name: str = THICKNESS
         modifier = add_nodes_modifier(obj, name, _thickness_nodes())
         modifier.show_viewport = False
     set_input(modifier, "Radius", 0.5 * thickness)
-    set_input(modifier, "Material", _material(obj.color))
+    set_input(modifier, "Material", _material(obj.color[:]))
 
 
 def render_lines(obj: bpy.types.Object, shown: bool) -> None:
