@@ -186,8 +186,9 @@ class DialogJobOperator(JobOperator):
     def execute(self, context: bpy.types.Context) -> Outcome:
         if not self._asked:
             return super().execute(context)
-        category, _, name = self.bl_idname.partition(".")
-        again = getattr(getattr(bpy.ops, category), name)
+        rna: Any = self.bl_rna
+        category, _, name = rna.identifier.partition("_OT_")
+        again = getattr(getattr(bpy.ops, category.lower()), name)
         options: Any = self.as_keywords()  # type: ignore[func-returns-value]
         for key, value in options.items():
             if isinstance(value, bpy.types.bpy_prop_collection):

@@ -280,6 +280,31 @@ def test_every_job_works_on_ticks_to_its_end(addon, modal, other) -> None:
     assert addon.generation.job.running() is None and None in modal.log
 
 
+@pytest.mark.parametrize("name", ["import", "from_image"])
+def test_a_dialog_is_followed_by_the_job(addon, modal, monkeypatch, tmp_path, name) -> None:
+    """After a dialog Blender executes the operator: it then invokes itself once more, with the options given."""
+    values = JOBS[name](tmp_path)
+    options = {key: value for key, value in values.items() if key != "answered"}
+    operator = modal.other(name, **options | {"answered": False})
+    kind = next(cls for cls in addon.operators.CLASSES if cls.bl_idname == f"object.nested_cages_{name}")
+    registered = getattr(bpy.types, f"OBJECT_OT_nested_cages_{name}")
+    operator.bl_rna, operator.as_keywords = registered.bl_rna, lambda: dict(options)
+    operator.ask = lambda *_: {"RUNNING_MODAL"}
+    asked = []
+    monkeypatch.setattr(
+        addon.operators.base.bpy,
+        "ops",
+        SimpleNamespace(
+            object=SimpleNamespace(**{f"nested_cages_{name}": lambda *given, **named: asked.append((given, named))})
+        ),
+    )
+    assert operator.invoke(on_selection(modal), None) == {"RUNNING_MODAL"}
+    assert addon.generation.job.running() is None
+    assert operator.execute(modal.context) == {"CANCELLED"}
+    assert asked == [(("INVOKE_DEFAULT",), options | {"answered": True})]
+    assert kind.bl_rna == registered.bl_rna
+
+
 @pytest.mark.parametrize("ticks", [0, 1, 2])
 def test_every_job_can_be_cancelled_and_leaves_the_scene(addon, modal, other, ticks) -> None:
     operator, _ = other
