@@ -52,7 +52,7 @@ def line(axes: plt.Axes, mesh: Mesh, colour: str, width: float = 1.5, dots: floa
     """The loops, with their vertices as dots of a size in points."""
     axes.add_patch(patch(mesh, facecolor="none", edgecolor=colour, linewidth=width, joinstyle="round"))
     if dots:
-        axes.plot(*mesh.vertices.T, ".", color=colour, markersize=dots, markeredgewidth=0.0)
+        axes.plot(*mesh.vertices.T, ".", color=colour, markersize=dots, markeredgewidth=0.0, zorder=1)
 
 
 def panels(count: int, *, width: float = 5.0, height: float = 5.0) -> tuple[plt.Figure, list[plt.Axes]]:
