@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from nestedcages_core import features_from_geojson, from_engine_json, read_geojson, read_svg, verify
+from nestedcages_core import features_from_geojson, frames_from_engine_json, from_engine_json, read_geojson, read_svg, verify
 
 pytest.importorskip("matplotlib")
 from matplotlib.image import imread
 
 ROOT = Path(__file__).resolve().parents[1]
-STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "regions", "sprite_outline", "waving")
+STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "regions", "sprite_outline", "walk", "waving")
 NEED_BLENDER = ("waving",)
 
 
@@ -59,5 +59,9 @@ def _check_files(story: str, folder: Path) -> None:
     elif story == "regions":
         features = features_from_geojson((folder / "regions.geojson").read_bytes())
         assert len({feature.properties["name"] for feature in features}) == len(features) > 3
+    elif story == "walk":
+        frames = frames_from_engine_json((folder / "walk_body.json").read_text())
+        assert len(frames) >= 9
+        assert {len(outline.vertices) for _, outline in frames} == {8}
     elif story == "waving":
         assert (folder / "waving.blend").stat().st_size > 0
