@@ -39,11 +39,12 @@ def first_cage(
         except NestedCagesError:
             continue
         moving = follower(cage, poses[at])
-        area = _mean_area(moving, cage, poses, at)
-        if area < best_area:
-            back = _followed_back(moving, cage, poses[: at + 1])
-            if back is not None:
-                best, best_area = back, area
+        if _mean_area(moving, cage, poses, at) >= best_area:
+            continue
+        back = _followed_back(moving, cage, poses[: at + 1])
+        area = np.inf if back is None else _mean_area(follower(back, poses[0]), back, poses, 0)
+        if back is not None and area < best_area:
+            best, best_area = back, area
     return best
 
 
