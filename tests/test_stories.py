@@ -11,7 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from nestedcages_core import features_from_geojson, frames_from_engine_json, from_engine_json, read_geojson, read_svg, verify
+from nestedcages_core import (
+    features_from_geojson,
+    frames_from_engine_json,
+    from_engine_json,
+    read_geojson,
+    read_svg,
+    verify,
+)
 
 pytest.importorskip("matplotlib")
 from matplotlib.image import imread
