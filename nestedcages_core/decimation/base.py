@@ -42,6 +42,8 @@ class Start(NamedTuple):
     """What it is, such as "outer hull"."""
     on_curve: Mesh | None = None
     """The same with its vertices on the fine mesh, where that is preferred: it leads to its cage by the flow."""
+    makeshift_for: NestingError | None = None
+    """Why it is not what was asked for; the error to raise if it does not lead to a cage."""
 
 
 @runtime_checkable

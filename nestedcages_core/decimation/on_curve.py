@@ -34,8 +34,10 @@ class OnCurve:
 
         Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
         """
-        on_curve = drain(self.starts(fine, count, clearance=clearance, most=1))[0].on_curve
-        return on_curve if on_curve is not None else ArcLength().decimate(fine, count, clearance=clearance)
+        start = drain(self.starts(fine, count, clearance=clearance, most=1))[0]
+        if start.makeshift_for is not None:
+            return start.coarse
+        return start.on_curve or ArcLength().decimate(fine, count, clearance=clearance)
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
         """Up to `most` outer hulls, least area first, with their meshes on the curve.
@@ -45,9 +47,12 @@ class OnCurve:
         request = Request.of(fine, count)
         try:
             hulls = yield from self.hull.hulls(request, clearance, most)
-        except NestingError:
-            coarse = ArcLength().decimate(fine, count, clearance=clearance)
-            return [Start(coarse, "arc length", coarse)]
+        except NestingError as error:
+            try:
+                coarse = ArcLength().decimate(fine, count, clearance=clearance)
+            except NestingError:
+                raise error from None
+            return [Start(coarse, "arc length", makeshift_for=error)]
         return [Start(mesh, SOURCE, _put_on_curve(hull, request)) for mesh, hull in hulls]
 
 

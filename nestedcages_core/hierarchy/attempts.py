@@ -63,7 +63,10 @@ class Attempt:
 
 
 def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
-    """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh."""
+    """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh.
+
+    The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
+    """
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
     contacts = contacts_for(settings, size, len(fine.vertices))
     if isinstance(wanted, Mesh):
@@ -72,7 +75,7 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
         may_fall_back = settings.fallback is not None
         last = Attempt(settings.decimation, wanted, settings.starts, contacts, clearances, may_fall_back=may_fall_back)
     yield last
-    if settings.fallback is not None and settings.fallback != last.source:
+    if settings.fallback is not None and settings.fallback not in (last.source, getattr(last.source, "hull", None)):
         last = Attempt(settings.fallback, _counts(fine, wanted), settings.starts, contacts, clearances, fallback=True)
         yield last
     if not isinstance(last.source, Mesh):
@@ -97,7 +100,7 @@ def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[
     prefers_curve = starts[0].on_curve is not None
     for number, start in enumerate(starts):
         if number == 0 and start.on_curve is not None:
-            outcome = yield Start(start.on_curve, "on curve")
+            outcome = yield Start(start.on_curve, "on the curve")
             least = outcome.rank
             if isfinite(least):
                 continue
@@ -109,7 +112,7 @@ def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[
     if prefers_curve and better is not None:
         coarse = closest_on_curve(better, fine)
         if coarse is not None:
-            yield Start(coarse, "on curve")
+            yield Start(coarse, "on the curve")
 
 
 def contacts_for(settings: Settings, cage_vertices: int, fine_vertices: int) -> tuple[Contact, ...]:

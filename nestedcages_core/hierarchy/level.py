@@ -76,7 +76,9 @@ class LevelBuilder:
         cages: list[_Cage] = []
         turn = in_turn(self.starts, self.fine, attempt)
         start: Start | None = next(turn)
+        tried: list[str] = []
         while start is not None:
+            tried.append(start.source)
             self.progress.next_start(len(self.starts))
             best, outcome = min((cage.rank for cage in cages), default=np.inf), Outcome()
             try:
@@ -88,13 +90,16 @@ class LevelBuilder:
                     outcome = Outcome(cage.rank, start.coarse.moved(vertices))
             except FAILURES as error:
                 logger.debug("start from %s failed: %s", start.source, error)
-                errors.append(error)
+                errors.append(start.makeshift_for or error)
             logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, outcome.rank)
             try:
                 start = turn.send(outcome)
             except StopIteration:
                 start = None
         for cage in sorted(cages, key=lambda cage: cage.rank):
+            source = cage.start.source
+            if errors and source != tried[0]:
+                notes = (*notes, f"Started from the {source} instead of a coarse mesh {tried[0]}: {errors[0]}")
             try:
                 return (yield from self._certified(attempt, cage, notes))
             except NestingError as error:
