@@ -20,6 +20,7 @@ def _object_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     self.layout.operator("object.nested_cages_verify", icon="CHECKMARK")
     self.layout.operator("object.nested_cages_bind", icon="LINKED")
     self.layout.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
+    self.layout.operator("object.nested_cages_silhouette", icon="MOD_SOLIDIFY")
     self.layout.operator("object.nested_cages_export", icon="EXPORT")
 
 

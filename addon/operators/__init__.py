@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..generation.job import running
-from . import bake, bind, exporters, fault, image_outline, importers, levels
+from . import bake, bind, exporters, fault, image_outline, importers, levels, silhouette
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -20,6 +20,7 @@ CLASSES = (
     *exporters.CLASSES,
     *levels.CLASSES,
     *image_outline.CLASSES,
+    *silhouette.CLASSES,
 )
 
 

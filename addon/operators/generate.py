@@ -215,7 +215,8 @@ def _request(
     reading = conversion.reading_options(values)
     outlines = [convert.read(context, obj, reading) for obj in objects]
     fine = convert.fine_drawing(outlines[0], reading)
-    fine = convert.joined(fine, [convert.drawing_in(fine.frame, outline, reading) for outline in outlines[1:]])
+    layers = [convert.drawing_in(fine.frame, outline, reading, layer=True) for outline in outlines[1:]]
+    fine = convert.joined(fine, layers)
     coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
     if values.use_selected_as_levels:
         coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))

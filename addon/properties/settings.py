@@ -62,7 +62,7 @@ class GenerationProperties:
     )
     together: BoolProperty(
         name="All in One",
-        description="Wrap all selected drawings in common cages. They must lie in the plane of the active one",
+        description="Wrap all selected drawings in common cages, in the plane of the active one; united if they cross",
         default=False,
     )
     clearance: FloatProperty(

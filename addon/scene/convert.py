@@ -17,6 +17,7 @@ from . import faults
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform
 from .reading import READERS, lines_of
+from .uniting import outline_of, united
 
 
 @dataclass(frozen=True)
@@ -33,13 +34,15 @@ class ReadingOptions:
 @dataclass(frozen=True)
 class Outline:
     """What an object looks like evaluated: closed loops (k, 3) in its own space, float32 as Blender has them, its
-    matrix (4, 4), and the number that Blender knows it by in this session.
+    matrix (4, 4), and the number that Blender knows it by in this session. ``letters``: its loops may cross and touch,
+    as those of a text do.
     """
 
     name: str
     loops: tuple[NDArray[np.float32], ...]
     matrix: NDArray[np.float64]
     identity: int
+    letters: bool = False
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -51,7 +54,8 @@ class Outline:
 class Drawing:
     """An outline in a plane: loops (k, 2) whose numbers are those that Blender stores, float32 given as float64, in
     ``frame``. ``identity`` finds its object even if that has been renamed, and undone and redone, meanwhile.
-    ``others``: drawings of other objects that were joined to it, whose loops are its last ones.
+    ``others``: drawings of other objects that were joined to it, whose loops are its last ones unless all are
+    ``united``.
     """
 
     name: str
@@ -59,6 +63,7 @@ class Drawing:
     loops: tuple[NDArray[np.float64], ...]
     identity: int = 0
     others: tuple[Drawing, ...] = ()
+    united: bool = False
 
     @property
     def source(self) -> bpy.types.Object | None:
@@ -80,6 +85,8 @@ class Drawing:
     @property
     def _parts(self) -> list[faults.Part]:
         """The loops of each object."""
+        if self.united:
+            return [faults.Part(self.name, self.identity, self.loops)]
         own = len(self.loops) - sum(len(other.loops) for other in self.others)
         parts = [(self, self.loops[:own]), *((other, other.loops) for other in self.others)]
         return [faults.Part(part.name, part.identity, loops) for part, loops in parts]
@@ -95,7 +102,8 @@ def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOpti
     context.evaluated_depsgraph_get()  # brings the object's matrix up to date
     vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
-    return Outline(obj.name, loops, np.array(obj.matrix_world, dtype=np.float64), obj.session_uid)
+    matrix = np.array(obj.matrix_world, dtype=np.float64)
+    return Outline(obj.name, loops, matrix, obj.session_uid, letters=obj.type == "FONT")
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
@@ -103,13 +111,17 @@ def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -
     frame = own_frame(outline.matrix, outline.points)
     if frame is None:
         return drawing_in(fitted_frame(outline.matrix, outline.points), outline, options)
-    loops = tuple(loop[:, :2].astype(np.float64) for loop in outline.loops)
-    return Drawing(outline.name, frame, loops, outline.identity)
+    return _drawing(outline, frame, [loop[:, :2].astype(np.float64) for loop in outline.loops])
 
 
-def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
-    """The outline in a given frame, rounded to float32. Raises: UserError if it is not in the frame's plane."""
-    loops, off = [], 0.0
+def drawing_in(
+    frame: Frame, outline: Outline, options: ReadingOptions = ReadingOptions(), *, layer: bool = False
+) -> Drawing:
+    """The outline in a given frame, rounded to float32. Raises: UserError if it is not in the frame's plane.
+
+    layer: a parallel plane will do.
+    """
+    loops, offs = [], []
     there = np.array_equal(outline.matrix, frame.matrix)
     for loop in outline.loops:
         points = loop.astype(np.float64)
@@ -118,21 +130,36 @@ def drawing_in(frame: Frame, outline: Outline, options: ReadingOptions = Reading
         else:
             xy, heights = frame.from_world(transform(outline.matrix, points))
         loops.append(xy.astype(np.float32).astype(np.float64))
-        off = max(off, float(np.abs(heights).max()))
+        offs.append(heights)
+    heights = np.concatenate(offs)
+    off = float(np.abs(heights - (np.median(heights) if layer else 0.0)).max())
     extent = float(np.linalg.norm(np.ptp(np.concatenate(loops), axis=0))) * frame.scale
     if off > PLANARITY * extent and not options.project:
         raise UserError(
             f"'{outline.name}' does not lie in one plane with the drawing: it is up to {off:.3g} off it; flatten it, "
             "or tick 'Project Anyway'"
         )
-    return Drawing(outline.name, frame, tuple(loops), outline.identity)
+    return _drawing(outline, frame, loops)
+
+
+def _drawing(outline: Outline, frame: Frame, loops: Sequence[NDArray[np.float64]]) -> Drawing:
+    """Letters that overlap or touch are united."""
+    kept = outline_of(outline.name, loops) if outline.letters else tuple(loops)
+    return Drawing(outline.name, frame, kept, outline.identity)
 
 
 def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
-    """A drawing and others in the same frame as one, as if their objects were joined."""
-    return replace(
-        drawing, loops=tuple(loop for part in (drawing, *others) for loop in part.loops), others=tuple(others)
-    )
+    """A drawing and others in the same frame as one. Where they cross or touch they are united. Raises: UserError."""
+    parts = (drawing, *others)
+    whole = replace(drawing, loops=tuple(loop for part in parts for loop in part.loops), others=tuple(others))
+    try:
+        core.Mesh.from_loops(whole.loops)
+    except core.NestedCagesError:
+        for part in parts:
+            part.mesh()  # a fault of one drawing is told by its name
+        loops = united(drawing.name, [core.exchange.Painted(part.loops, evenodd=True) for part in parts])
+        return replace(whole, loops=loops, united=True)
+    return whole
 
 
 def _closed_loops(

@@ -23,6 +23,7 @@ OPERATORS = {
     "export": "export",
     "import": "export",
     "from_image": "pictures",
+    "silhouette": "silhouette",
 }
 SETTINGS = {
     "level": "levels",

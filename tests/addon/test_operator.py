@@ -245,11 +245,26 @@ def test_all_selected_drawings_in_common_cages(addon, core) -> None:
     assert snapshot() == once
 
 
-def test_drawings_in_common_cages_must_not_cross(addon) -> None:
+def test_drawings_in_common_cages_are_united_where_they_cross_and_flattened_where_they_are_layers(addon) -> None:
     poly_curve("One", [star()])
-    wire("Two", [circle(40, 1.0, (0.9, 0.0))])
+    two = wire("Two", [circle(40, 1.0, (0.9, 0.0))])
+    two.location.z = 0.01
     bpy.data.objects["One"].select_set(True)
-    with pytest.raises(RuntimeError, match="'One': 'One' and 'Two' cross"):
+    assert generate(levels="30", together=True) == {"FINISHED"}
+    (collection,) = [c for c in bpy.data.collections if "nested_cages_source" in c]
+    fine, cage = sorted(collection.objects, key=lambda obj: obj["nested_cages_level"])
+    depsgraph = at_frame(cage["nested_cages_end"])
+    expected = shapely.Polygon(star()).union(shapely.Polygon(circle(40, 1.0, (0.9, 0.0))))
+    assert solid(fine, depsgraph).symmetric_difference(expected).area < 1e-5
+    assert solid(cage, depsgraph).contains(solid(fine, depsgraph))
+
+
+def test_drawings_in_common_cages_must_be_parallel(addon) -> None:
+    poly_curve("One", [star()])
+    wire("Two", [circle(40, 1.0, (4.0, 0.0))])
+    bpy.data.objects["One"].rotation_euler.x = 0.1
+    bpy.data.objects["One"].select_set(True)
+    with pytest.raises(RuntimeError, match="'One' does not lie in one plane with the drawing"):
         generate(together=True)
 
 

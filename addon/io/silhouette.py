@@ -1,0 +1,128 @@
+"""Several objects and layers as one filled outline in a plane: what they paint, projected and united."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ..core import core
+from ..errors import UserError
+from ..generation.job import Progress, Work
+from ..scene import filling
+from ..scene.areas import Area, Faces, Patch, areas_of, loops_of
+from ..scene.plane import Frame, fitted_frame, own_frame
+from ..scene.reading import READERS, lines_of
+from ..scene.uniting import united
+
+# Directions of the x and y axes of a plane that is seen along an axis of the world.
+AXES = {
+    "TOP": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "FRONT": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "RIGHT": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+}
+# Faces that are seen from the side: their area is at most this part of their size squared.
+EDGE_ON = 1e-12
+
+
+@dataclass(frozen=True)
+class Options:
+    """`strokes`: with the width of strokes. `fill_holes`: without holes. `gap`: parts closer than this length of the
+    scene are joined.
+    """
+
+    strokes: bool = True
+    fill_holes: bool = False
+    gap: float = 0.0
+
+
+def plane_of(context: bpy.types.Context, active: bpy.types.Object, plane: str) -> Frame:
+    """The plane to project onto: "ACTIVE", that of the active object, "VIEW", or a key of `AXES`. Raises: UserError."""
+    if plane == "ACTIVE":
+        points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
+        if active.type in READERS:
+            points = lines_of(context, active).vertices.astype(np.float64)
+        matrix = np.array(active.matrix_world, dtype=np.float64)
+        return own_frame(matrix, points) or fitted_frame(matrix, points)
+    if plane == "VIEW":
+        view = getattr(context, "region_data", None)
+        if view is None:
+            raise UserError("There is no view to look from: call it in a 3D view, or choose another plane")
+        turn = np.array(view.view_matrix.to_3x3(), dtype=np.float64)
+        return _facing(active, turn[0], turn[1])
+    return _facing(active, *map(np.array, AXES[plane]))
+
+
+def _facing(active: bpy.types.Object, x: NDArray[np.float64], y: NDArray[np.float64]) -> Frame:
+    """A frame of unit scale through the origin of the active object."""
+    matrix = np.eye(4)
+    matrix[:3, :] = np.column_stack([x, y, np.cross(x, y), np.array(active.matrix_world.translation)]).astype(
+        np.float32
+    )
+    return Frame(matrix=matrix, height=0.0, scale=1.0, own=False)
+
+
+def outline(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], frame: Frame, options: Options = Options()
+) -> Work[tuple[NDArray[np.float64], ...]]:
+    """The loops (k, 2) of the silhouette of objects in a frame. Raises: UserError."""
+    areas: list[core.exchange.Painted] = []
+    for done, obj in enumerate(objects):
+        yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
+        for area in areas_of(context, obj, strokes=options.strokes):
+            areas += _painted(area, frame)
+    name = objects[0].name
+    if not areas:
+        raise UserError(f"'{name}' is seen from the side: choose another plane")
+    yield Progress(0.5, "uniting what is painted")
+    loops = united(name, areas)
+    if options.gap > 0.0:
+        loops = _changed(name, core.exchange.joined(core.Mesh.from_loops(loops), options.gap / frame.scale))
+    if options.fill_holes:
+        mesh = core.Mesh.from_loops(loops)
+        outer = [mesh.vertices[loop] for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]
+        loops = united(name, [core.exchange.Painted([loop]) for loop in outer])
+    return loops
+
+
+def _changed(name: str, mesh: core.Mesh) -> tuple[NDArray[np.float64], ...]:
+    return united(name, [core.exchange.Painted([mesh.vertices[loop] for loop in mesh.loops], evenodd=True)])
+
+
+def _painted(area: Area, frame: Frame) -> list[core.exchange.Painted]:
+    """An area of the world in a frame, as shapes of float32 coordinates."""
+    if isinstance(area, Patch):
+        loops = [_seen(frame, loop) for loop in area.loops]
+        return [core.exchange.Painted(loops, area.evenodd)] if any(map(_has_room, loops)) else []
+    flat = _seen(frame, area.points)
+    shapes = flat[area.triangles] if isinstance(area, Faces) else loops_of(flat, area.radii / frame.scale)
+    return [core.exchange.Painted([shape]) for shape in shapes if _has_room(shape)]
+
+
+def _seen(frame: Frame, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return frame.from_world(points)[0].astype(np.float32).astype(np.float64)
+
+
+def _has_room(loop: NDArray[np.float64]) -> bool:
+    """Whether a loop is not seen from the side."""
+    x, y = (loop - loop[0]).T
+    twice = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    return twice > EDGE_ON * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)
+
+
+def place(
+    context: bpy.types.Context, active: bpy.types.Object, frame: Frame, loops: Sequence[NDArray[np.float64]]
+) -> bpy.types.Object:
+    """A new flat mesh with the loops as its border, beside the active object, with its material."""
+    mesh = core.Mesh.from_loops(loops)
+    name = f"{active.name} Silhouette"
+    obj = bpy.data.objects.new(name, filling.filled(name, frame.points(mesh.vertices), mesh))
+    if active.active_material is not None and active.type != "GREASEPENCIL":
+        obj.data.materials.append(active.active_material)
+    (active.users_collection or [context.scene.collection])[0].objects.link(obj)
+    obj.matrix_world = Matrix(frame.matrix.tolist())
+    return obj

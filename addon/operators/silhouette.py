@@ -1,0 +1,78 @@
+"""Silhouette: selected objects and layers as one filled outline."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+
+from ..errors import UserError
+from ..generation.job import Work
+from ..io import silhouette
+from ..scene.areas import paints
+from ..scene.selection import select
+from .base import JobOperator, Outcome
+
+PLANE_ITEMS = (
+    ("ACTIVE", "Active Object", "The plane that the active object lies in"),
+    ("VIEW", "View", "As the 3D view shows it"),
+    ("TOP", "Top", "The x and y axes of the world"),
+    ("FRONT", "Front", "The x and z axes of the world"),
+    ("RIGHT", "Right", "The y and z axes of the world"),
+)
+
+
+class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
+    """Unites what the selected objects paint."""
+
+    bl_idname = "object.nested_cages_silhouette"
+    bl_label = "Silhouette"
+    bl_description = (
+        "Unite the selected objects, layers and strokes into one flat outline, also where they overlap or lie in "
+        "different depths"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    plane: EnumProperty(name="Plane", description="Plane to project onto", items=PLANE_ITEMS, default="ACTIVE")
+    strokes: BoolProperty(
+        name="Stroke Width",
+        description="Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are "
+        "left out",
+        default=True,
+    )
+    fill_holes: BoolProperty(name="Fill Holes", description="Leave holes out", default=False)
+    gap: FloatProperty(
+        name="Join Gaps",
+        description="Join parts that are closer than this",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode == "OBJECT" and not any(map(paints, context.selected_objects)):
+            return "Select meshes, curves, texts or Grease Pencil drawings"
+        return super().unavailable(context)
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        chosen = [obj for obj in context.selected_objects if paints(obj)]
+        active = context.view_layer.objects.active
+        objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
+        frame = silhouette.plane_of(context, objects[0], self.plane)
+        options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
+        identity = objects[0].session_uid
+        loops = yield from silhouette.outline(context, objects, frame, options)
+        first = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
+        if first is None:
+            raise UserError("The active object was deleted meanwhile, so its silhouette was dropped")
+        made = silhouette.place(context, first, frame, loops)
+        select(context, made)
+        self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {len(loops)} loops")
+        return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_nested_cages_silhouette,)

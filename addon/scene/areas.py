@@ -1,0 +1,187 @@
+"""What an object paints: filled faces, the width of its strokes and the inside of closed lines, as seen evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from .chains import SMALLEST_LOOP, chains
+from .convert import read
+from .plane import transform
+from .reading import READERS
+
+Points = NDArray[np.float64]
+
+# Corners of the round end of a stroke. It goes around the circle, so that a stroke lies inside of its area.
+ROUND = 24
+# Straight pieces between two points of a smooth stroke, as many as Blender draws.
+SEGMENTS = 12
+# What the type of a stroke is stored as.
+SMOOTH, STRAIGHT = 0, 1
+# Kinds of objects that have faces.
+SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Closed loops (k, 3) in the world. ``evenodd``: inside is where they go around an odd number of times, else where
+    they go around more often in one sense than in the other.
+    """
+
+    loops: tuple[Points, ...]
+    evenodd: bool = False
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Triangles (t, 3) between points (n, 3) in the world."""
+
+    points: Points
+    triangles: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """A line (k, 3) in the world with its radius (k,) at each point, in the world's unit."""
+
+    points: Points
+    radii: Points
+
+
+Area = Patch | Faces | Stroke
+
+
+def areas_of(context: bpy.types.Context, obj: bpy.types.Object, *, strokes: bool = True) -> list[Area]:
+    """All that an object paints; `strokes`: with the width of Grease Pencil strokes. Raises: UserError if nothing."""
+    if obj.type == "GREASEPENCIL":
+        found = list(_drawn(context, obj, strokes))
+    else:
+        found = [*_shape(context, obj)] if obj.type in SOLID else []
+        if obj.type in {"FONT", "CURVES"}:
+            found += _outlines(context, obj)
+    if not found:
+        raise UserError(
+            f"'{obj.name}' has no silhouette: it has neither faces nor closed lines nor strokes with a width"
+        )
+    return found
+
+
+def paints(obj: bpy.types.Object) -> bool:
+    """Whether an object of this kind can have a silhouette."""
+    return obj.type in SOLID or obj.type in READERS
+
+
+def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
+    """The faces of the evaluated object, and the inside of closed lines beside them."""
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    if mesh is None:
+        return
+    try:
+        mesh.calc_loop_triangles()
+        points = np.empty((len(mesh.vertices), 3), np.float32)
+        edges = np.empty((len(mesh.edges), 2), np.int32)
+        used = np.empty(len(mesh.loops), np.int32)
+        triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
+        mesh.vertices.foreach_get("co", points.ravel())
+        mesh.edges.foreach_get("vertices", edges.ravel())
+        mesh.loops.foreach_get("edge_index", used)
+        mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+    finally:
+        evaluated.to_mesh_clear()
+    world = transform(np.array(obj.matrix_world), points.astype(np.float64))
+    if len(triangles):
+        yield Faces(world, triangles)
+    lone = edges[np.bincount(used, minlength=len(edges)) == 0].astype(np.int64)
+    loops = tuple(world[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP)
+    if loops:
+        yield Patch(loops, evenodd=True)
+
+
+def _outlines(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
+    """The inside of all closed lines of a text, whose faces may miss what overlaps, or of hair curves."""
+    outline = read(context, obj)
+    loops = tuple(transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
+    yield Patch(loops, evenodd=obj.type != "FONT")
+
+
+def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool) -> Iterator[Area]:
+    """Fills and strokes of the visible layers of a Grease Pencil drawing on the current frame.
+
+    Raises: UserError for strokes that are not made of straight pieces.
+    """
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    data: Any = evaluated.data
+    for layer in data.layers:
+        frame = layer.current_frame()
+        if layer.hide or frame is None or frame.drawing is None:
+            continue
+        matrix = np.array(obj.matrix_world) @ np.array(layer.matrix_local)
+        scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
+        for stroke in frame.drawing.strokes:
+            drawn = np.array([(*point.position, point.radius) for point in stroke.points], np.float64).reshape(-1, 4)
+            if stroke.curve_type == SMOOTH:
+                drawn = _smooth(drawn, stroke.cyclic)
+            elif stroke.curve_type != STRAIGHT:
+                raise UserError(
+                    f"'{obj.name}' has Bézier or NURBS strokes: convert them to poly curves (Edit Mode, Stroke, Set "
+                    "Curve Type)"
+                )
+            points, radii = transform(matrix, drawn[:, :3]), scale * np.maximum(drawn[:, 3], 0.0)
+            style = _style(evaluated, stroke.material_index)
+            filled = (style is not None and style.show_fill) or (stroke.cyclic and not strokes)
+            if filled and len(points) >= SMALLEST_LOOP:
+                yield Patch((points,), evenodd=True)
+            lined = strokes and (style is None or style.show_stroke)
+            if lined and len(points) and radii.max() > 0.0:
+                line = np.append(np.arange(len(points)), 0) if stroke.cyclic else np.arange(len(points))
+                yield Stroke(points[line], radii[line])
+
+
+def _smooth(values: Points, cyclic: bool) -> Points:
+    """Values (k, c) along the uniform Catmull-Rom spline through values (n, c), which Blender draws."""
+    if len(values) < 2:
+        return values
+    ends = (values[-1:], values[:2]) if cyclic else (values[:1], values[-1:])
+    padded = np.concatenate([ends[0], values, ends[1]])
+    before, start, end, after = (padded[i : len(padded) - 3 + i, None] for i in range(4))
+    t = np.arange(SEGMENTS)[None, :, None] / SEGMENTS
+    slope, bend, twist = end - before, 2 * before - 5 * start + 4 * end - after, 3 * (start - end) + after - before
+    found = (start + 0.5 * t * (slope + t * (bend + t * twist))).reshape(-1, values.shape[1])
+    return found if cyclic else np.concatenate([found, values[-1:]])
+
+
+def _style(obj: bpy.types.Object, index: int) -> Any:
+    """The Grease Pencil style of a material slot, None without a material."""
+    slots = obj.material_slots
+    material = slots[index].material if index < len(slots) else None
+    return material.grease_pencil if material is not None else None
+
+
+def loops_of(stroke: Points, radii: Points) -> list[Points]:
+    """Loops (k, 2) of simple shapes that together cover a stroke (k, 2): a disc around each point, a quad between."""
+    angles = 2.0 * np.pi * (np.arange(ROUND) + 0.5) / ROUND
+    circle = np.column_stack([np.cos(angles), np.sin(angles)]) / np.cos(np.pi / ROUND)
+    around = radii[:, None, None] * circle + stroke[:, None, :]
+    shapes: list[Points] = [disc for disc, radius in zip(around, radii, strict=True) if radius > 0.0]
+    for (start, end), (narrow, wide) in zip(pairwise(stroke), pairwise(radii), strict=True):
+        along = end - start
+        length = float(np.hypot(*along))
+        if length > abs(wide - narrow):  # else one disc covers the other
+            shapes.append(_between(start, end, float(narrow), float(wide), along / length, length))
+    return shapes
+
+
+def _between(start: Points, end: Points, first: float, second: float, along: Points, length: float) -> Points:
+    """The quad (4, 2) between the points where the common tangents touch two circles."""
+    sine = (first - second) / length
+    across, ahead = np.sqrt(1.0 - sine * sine) * np.array([-along[1], along[0]]), sine * along
+    left, right = ahead + across, ahead - across
+    return np.array([start + first * right, end + second * right, end + second * left, start + first * left])

@@ -1,0 +1,143 @@
+"""Silhouettes: what several objects paint, as one outline; and letters that are united before they are caged."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+import shapely
+
+from drawings import Loop, circle, grease_pencil, poly_curve, solid, star, text, wire
+
+NO_STROKES = pytest.mark.skipif(bpy.app.version < (4, 3), reason="another Grease Pencil")
+
+
+def silhouette(*objects: Any, **options: Any) -> Any:
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.nested_cages_silhouette(**options) == {"FINISHED"}
+    return bpy.context.object
+
+
+def filled(made: Any) -> Any:
+    """The faces of a flat mesh object in its own x and y, united."""
+    points = np.array([vertex.co[:2] for vertex in made.data.vertices])
+    return shapely.union_all(
+        [shapely.Polygon(points[list(face.vertices)]) for face in made.data.polygons], grid_size=1e-9
+    )
+
+
+def in_common(made: Any, expected: shapely.Geometry) -> float:
+    """The area that only one of the two has, as a part of the expected one."""
+    return float(filled(made).symmetric_difference(expected).area / expected.area)
+
+
+def disc(radius: float, middle: tuple[float, float] = (0.0, 0.0), count: int = 48) -> Any:
+    return shapely.Polygon(circle(count, radius, middle))
+
+
+def test_layers_in_different_depths_that_cross_are_one_outline() -> None:
+    one, two, three = (
+        wire("One", [circle(48)]),
+        poly_curve("Two", [circle(48, 1.0, (0.9, 0.0))]),
+        wire("Far", [circle(48, 0.5, (5.0, 0.0))]),
+    )
+    two.location.z, three.location.z = 0.001, 2.0
+    made = silhouette(one, two, three)
+    assert made.name == "Far Silhouette" and len(made.data.polygons) > 0
+    assert in_common(made, disc(1.0) | disc(1.0, (0.9, 0.0)) | disc(0.5, (5.0, 0.0))) < 1e-6
+    assert bpy.ops.object.nested_cages_generate(levels="30") == {"FINISHED"}
+
+
+def test_coordinates_stay_where_nothing_crosses() -> None:
+    made = silhouette(wire("Star", [star()]))
+    there = {tuple(point) for point in np.array([v.co[:2] for v in made.data.vertices])}
+    assert there == {tuple(point) for point in star().astype(np.float32).astype(float)}
+
+
+def test_holes_are_kept_filled_or_hidden_by_other_layers() -> None:
+    ring, spot = wire("Ring", [circle(48), circle(24, 0.5)]), wire("Spot", [circle(24, 0.2)])
+    bpy.context.view_layer.objects.active = ring
+    assert in_common(silhouette(ring, spot), (disc(1.0) - disc(0.5, count=24)) | disc(0.2, count=24)) < 1e-6
+    assert in_common(silhouette(ring, spot, fill_holes=True), disc(1.0)) < 1e-6
+
+
+def test_a_solid_seen_from_each_side() -> None:
+    bpy.ops.mesh.primitive_cube_add(size=2.0, scale=(1.0, 2.0, 3.0))
+    cube = bpy.context.object
+    for plane, wanted in (("TOP", 8.0), ("FRONT", 12.0), ("RIGHT", 24.0)):
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.context.view_layer.objects.active = cube
+        made = silhouette(cube, plane=plane)
+        assert filled(made).area == pytest.approx(wanted)
+
+
+def test_gaps_are_joined_if_asked() -> None:
+    one, two = wire("One", [circle(48)]), wire("Two", [circle(48, 1.0, (2.05, 0.0))])
+    assert len(filled(silhouette(one, two)).buffer(1e-5).geoms) == 2
+    assert filled(silhouette(one, two, gap=0.1)).buffer(1e-5).geom_type == "Polygon"
+
+
+def test_a_thick_curve_counts_with_its_width() -> None:
+    line = poly_curve("Line", [np.array([[0.0, 0.0], [2.0, 0.0]])], cyclic=False, dimensions="3D")
+    line.data.bevel_depth = 0.25
+    assert filled(silhouette(line)).area == pytest.approx(1.0, rel=0.02)
+
+
+def test_an_open_line_without_a_width_is_told() -> None:
+    line = poly_curve("Line", [np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])], cyclic=False, dimensions="3D")
+    with pytest.raises(RuntimeError, match="'Line' has no silhouette: it has neither faces nor closed lines"):
+        silhouette(line)
+
+
+@NO_STROKES
+def test_strokes_count_with_their_widths() -> None:
+    zigzag: Loop = np.array([[0.0, 0.0], [1.0, 0.2], [2.0, 0.0], [3.0, 0.8]])
+    pen = grease_pencil("Pen", [zigzag], cyclic=False)
+    if hasattr(pen.data.layers[0].frames[0].drawing, "set_types"):
+        pen.data.layers[0].frames[0].drawing.set_types(type="POLY")
+    radii = (0.1, 0.2, 0.05, 0.1)
+    for point, radius in zip(pen.data.layers[0].frames[0].drawing.strokes[0].points, radii, strict=True):
+        point.radius = radius
+    ends = [shapely.Point(p).buffer(r, 64) for p, r in zip(zigzag, radii, strict=True)]
+    expected = shapely.union_all([(a | b).convex_hull for a, b in pairwise(ends)])
+    made = filled(silhouette(pen))
+    assert made.symmetric_difference(expected).area < 0.01 * expected.area
+    assert (expected - made).area < 1e-6
+    with pytest.raises(RuntimeError, match="'Pen' has no silhouette"):
+        silhouette(pen, strokes=False)
+
+
+@NO_STROKES
+def test_smooth_strokes_go_where_blender_draws_them(addon) -> None:
+    pen = grease_pencil("Pen", [star(12)])
+    shown = addon.scene.convert.read(bpy.context, pen).loops[0].astype(float)
+    (area,) = addon.scene.areas.areas_of(bpy.context, pen, strokes=False)
+    assert np.abs(area.loops[0] - shown).max() < 1e-6
+
+
+@pytest.mark.parametrize("body", ["Q", "€", "π", "__", "AVA"])
+def test_letters_that_touch_or_overlap_are_united(body: str) -> None:
+    obj = text("Text", body)
+    if body == "AVA":
+        obj.data.space_character = 0.7
+    assert bpy.ops.object.nested_cages_generate(levels="40%") == {"FINISHED"}
+    fine = bpy.data.objects["Text Fine"]
+    assert solid(fine).is_valid and solid(fine).area > 0.0
+    assert body != "__" or solid(fine).geom_type == "Polygon"
+
+
+def test_letters_that_do_not_touch_keep_their_coordinates(addon) -> None:
+    obj = text("Text", "Ag&")
+    outline = addon.scene.convert.read(bpy.context, obj)
+    drawing = addon.scene.convert.fine_drawing(outline)
+    assert [loop.tolist() for loop in drawing.loops] == [loop[:, :2].astype(float).tolist() for loop in outline.loops]
+
+
+def test_nothing_suitable_is_selected() -> None:
+    bpy.ops.object.camera_add()
+    assert not bpy.ops.object.nested_cages_silhouette.poll()
