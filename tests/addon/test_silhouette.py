@@ -79,7 +79,7 @@ def test_a_solid_seen_from_each_side() -> None:
 def test_gaps_are_joined_if_asked() -> None:
     one, two = wire("One", [circle(48)]), wire("Two", [circle(48, 1.0, (2.05, 0.0))])
     assert len(filled(silhouette(one, two)).buffer(1e-5).geoms) == 2
-    assert filled(silhouette(one, two, gap=0.1)).buffer(1e-5).geom_type == "Polygon"
+    assert filled(silhouette(one, two, gap=0.2)).buffer(1e-5).geom_type == "Polygon"
 
 
 def test_a_thick_curve_counts_with_its_width() -> None:
