@@ -49,4 +49,5 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
 def stored(points: Loop) -> Loop:
     """A loop (k, 2) as float32 holds it, given as float64, without points that become the same."""
     rounded = points.astype(np.float32).astype(np.float64)
-    return rounded[(rounded != np.roll(rounded, 1, axis=0)).any(axis=1)]
+    kept: Loop = rounded[(rounded != np.roll(rounded, 1, axis=0)).any(axis=1)]
+    return kept
