@@ -61,7 +61,7 @@ def bake(collection: bpy.types.Collection) -> bpy.types.Action:
         data.action = whole
         data.action_slot = slot
         for curve in curves:
-            _copy(curve, whole.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index))
+            copy_keyframes(curve, whole.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index))
         if old.users == 0:
             bpy.data.actions.remove(old)
     return whole
@@ -90,7 +90,8 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
         keys.remove(obj, (*TIMES, keys.PHASES))
 
 
-def _copy(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
+def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
+    """Gives an F-curve without keyframes those of another one."""
     count = len(source.keyframe_points)
     target.extrapolation = source.extrapolation
     target.keyframe_points.add(count)

@@ -6,6 +6,7 @@ interpolation, so the evaluated mesh is the step on its frame and the linear ble
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,6 +14,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+# Names of the shape keys that `add_steps` makes; other keys are the artist's.
+STEP = re.compile(r"Level \d+ Step \d+(\.\d+)?")
 # Blender's numbers for the interpolation of a keyframe.
 CONSTANT, LINEAR = 0, 1
 
@@ -49,7 +52,7 @@ def add_steps(
         if at_rest[first]:
             continue
         coordinates[:, :2] = steps[first]
-        key = obj.shape_key_add(name=f"{name} Step {first}", from_mix=False)
+        key = obj.shape_key_add(name=f"{name} Step {first}", from_mix=False)  # see STEP
         key.points.foreach_set("co", coordinates.ravel())
         there = _rise_and_fall(frames, first, last, len(steps))
         back_again = [] if back is None else _rise_and_fall(back, first, last, len(steps))[::-1]
@@ -59,6 +62,32 @@ def add_steps(
         path = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
         fcurves.append((path, [number for point in (*there, *back_again) for number in point]))
     animate(obj.data.shape_keys, fcurves, LINEAR, f"{obj.name} Steps")
+
+
+def is_step(path: str) -> bool:
+    """Whether a data path is that of a step that `add_steps` made."""
+    found = STEP.search(path)
+    return found is not None and path.startswith(f'key_blocks["{found[0]}"]')
+
+
+def remove_steps(obj: bpy.types.Object) -> None:
+    """Removes the steps that `add_steps` made and their keyframes; the artist's keys stay, and the Basis with them."""
+    shapes = obj.data.shape_keys
+    if shapes is None:
+        return
+    if shapes.animation_data is not None and shapes.animation_data.action is not None:
+        curves = curves_of(shapes)
+        for curve in [curve for curve in curves if is_step(curve.data_path)]:
+            curves.remove(curve)
+        if not len(curves_of(shapes)):
+            action, shapes.animation_data.action = shapes.animation_data.action, None
+            if action.users == 0:
+                bpy.data.actions.remove(action)
+    for key in [key for key in shapes.key_blocks if STEP.fullmatch(key.name)]:
+        obj.shape_key_remove(key)
+    if len(shapes.key_blocks) == 1:
+        remove_animation(shapes)
+        obj.shape_key_clear()
 
 
 def _rise_and_fall(frames: NDArray[np.float64], first: int, last: int, count: int) -> list[tuple[float, float]]:

@@ -40,16 +40,25 @@ def is_free(obj: bpy.types.Object) -> bool:
     return not any(curve.data_path in VISIBILITY for curve in (*curves, *data.drivers))
 
 
+def mute(obj: bpy.types.Object, muted: bool) -> None:
+    """Lets the keyframes of what hides the object have no effect, or have it again."""
+    if obj.animation_data is not None and obj.animation_data.action is not None:
+        for curve in shape_keys.curves_of(obj):
+            if curve.data_path in VISIBILITY:
+                curve.mute = muted
+
+
 @dataclass(frozen=True)
 class VisibilityAnimation:
-    """What `hide_until` had animated: the action and its slot, keyframes by data path, and whether the object has kept
-    the action because of other curves in it.
+    """What `hide_until` had animated: the action and its slot, keyframes by data path, whether the object has kept the
+    action because of other curves in it, and whether the keyframes were muted.
     """
 
     action: bpy.types.Action | None
     slot: Any
     curves: tuple[tuple[str, tuple[float, ...]], ...]
     kept: bool
+    muted: bool = False
 
     def restore(self, obj: bpy.types.Object) -> None:
         """Animates the object as before."""
@@ -64,6 +73,7 @@ class VisibilityAnimation:
         for curve in [curve for curve in shape_keys.curves_of(obj) if curve.data_path in VISIBILITY]:
             shape_keys.curves_of(obj).remove(curve)
         shape_keys.animate(obj, self.curves, shape_keys.CONSTANT, self.action.name)
+        mute(obj, self.muted)
 
 
 def detach(obj: bpy.types.Object) -> VisibilityAnimation:
@@ -75,7 +85,8 @@ def detach(obj: bpy.types.Object) -> VisibilityAnimation:
     curves = shape_keys.curves_of(obj)
     ours = [curve for curve in curves if curve.data_path in VISIBILITY]
     keyframes = tuple((curve.data_path, _keyframes(curve)) for curve in ours)
-    found = VisibilityAnimation(data.action, getattr(data, "action_slot", None), keyframes, len(ours) < len(curves))
+    slot, muted = getattr(data, "action_slot", None), any(curve.mute for curve in ours)
+    found = VisibilityAnimation(data.action, slot, keyframes, len(ours) < len(curves), muted)
     if found.kept:
         for curve in ours:
             curves.remove(curve)

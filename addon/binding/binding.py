@@ -1,7 +1,7 @@
 """Cages that move what is in them: each level follows the next coarser one, and the drawing follows the first.
 
-Bound objects show a mesh without shape keys, so that the animation of the cages does not play; the mesh and the action
-that they had are kept and come back when they are unbound.
+Bound objects show a mesh without the steps of their animation; the mesh that has these is kept and comes back when they
+are unbound. What artists make on either is carried over to the other.
 """
 
 from __future__ import annotations
@@ -16,11 +16,13 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import keys
-from ..animation import stage
+from ..animation import stage, visibility
 from ..animation.shape_keys import remove_mesh
 from ..core import core
 from ..errors import UserError
 from ..generation.job import Progress, Work, completed
+from ..rigging.pose import unshaped
+from ..rigging.rig import Rig
 from ..scene import display, filling, ownership
 from ..scene.plane import PLANARITY, size, transform
 from . import deform_modifiers, node_groups, originals
@@ -70,14 +72,16 @@ def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method:
     return completed(_connect(context, collection, levels, method))
 
 
-def unbind(collection: bpy.types.Collection) -> None:
-    """Takes everything back to what it was before it was bound; poses are lost."""
+def unbind(collection: bpy.types.Collection) -> list[str]:
+    """Takes everything back to what it was before it was bound, with what artists made on it since; poses of vertices
+    are lost. Returns sentences about what else is.
+    """
     levels = ownership.members(collection)
     _disconnect(collection, levels)
-    for obj in levels:
-        _unpark(obj)
+    lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in _unpark(obj)]
     keys.remove(collection, [keys.BOUND])
     stage.enter(collection)
+    return lost
 
 
 def forget(collection: bpy.types.Collection) -> str:
@@ -116,38 +120,43 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
 
 
 def _park(obj: bpy.types.Object) -> None:
-    """Gives an object a copy of its mesh without shape keys and takes its own action away, and keeps both for later."""
+    """Gives an object a copy of its mesh without the steps of our animation, which is kept for later. Its own action
+    goes on, but does not hide it any more.
+    """
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
     obj[keys.STORED_STATE] = [*np.ravel(np.array(obj.matrix_basis)).tolist(), *map(float, hidden)]
-    mesh = filling.mesh_of(obj)
+    mesh, rig = filling.mesh_of(obj), Rig.of(obj)
     obj[keys.STORED_MESH] = mesh
-    animation = obj.animation_data
-    if animation is not None and animation.action is not None:
-        obj[keys.STORED_ACTION] = animation.action
-        animation.action = None
+    visibility.mute(obj, True)
     plain = bpy.data.meshes.new(mesh.name)
     plain.from_pydata(filling.points_of(mesh).tolist(), filling.loop_edges(mesh).tolist(), [])
-    for material in mesh.materials:
-        plain.materials.append(material)
     obj.data = plain
+    rig.give(obj, same_vertices=True)
     obj.hide_viewport = False
     obj.hide_set(False)
 
 
-def _unpark(obj: bpy.types.Object) -> None:
+def _unpark(obj: bpy.types.Object) -> list[str]:
+    """Gives an object the mesh back that it had before, with what was made on it meanwhile; returns what could not be
+    carried over.
+    """
     mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
     if mesh is None:
-        return
-    posed, obj.data = filling.mesh_of(obj), mesh
+        return []
+    posed, rig = filling.mesh_of(obj), Rig.of(obj)
+    obj.data = mesh
+    lost = rig.give(obj, same_vertices=True)
     remove_mesh(posed)
-    action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)
-    if action is not None:
-        animation = obj.animation_data or obj.animation_data_create()
+    action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)  # earlier versions put the whole action aside
+    animation = obj.animation_data or obj.animation_data_create() if action is not None else None
+    if animation is not None and animation.action is None:
         animation.action = action
         if getattr(animation, "action_slot", True) is None and animation.action_suitable_slots:
             animation.action_slot = animation.action_suitable_slots[0]
+    visibility.mute(obj, False)
     _restore_state(obj)
     keys.remove(obj, [keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE])
+    return lost
 
 
 def _restore_state(obj: bpy.types.Object) -> None:
@@ -168,9 +177,12 @@ def _restore_state(obj: bpy.types.Object) -> None:
 def _fill(levels: list[bpy.types.Object]) -> None:
     """Gives the cages triangles inside their outlines. Raises: UserError."""
     for cage in levels[1:]:
-        old, shape = filling.mesh_of(cage), filling.outline(cage)
-        cage.data = filling.filled(old.name, filling.points_of(old), shape)
+        old, shape, rig = filling.mesh_of(cage), filling.outline(cage), Rig.of(cage)
+        name = old.name
+        cage.data = filling.filled(name, filling.points_of(old), shape)
+        rig.give(cage, same_vertices=True)
         remove_mesh(old)
+        cage.data.name = name
         cage.hide_render = True  # as wires they were not seen in renders
 
 
@@ -207,9 +219,23 @@ def _connect(
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage)
     links: list[Link] = []
-    for inner, cage in pairwise(levels):
-        yield Progress((1.0 + len(links)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
-        links.append(deform_modifiers.link(context, inner, cage, method))
+    with unshaped(levels):
+        for inner, cage in pairwise(levels):
+            yield Progress((1.0 + len(links)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
+            links.append(deform_modifiers.link(context, inner, cage, method))
+        last = filling.mesh_of(levels[-1])
+        filling.add_attribute(last, keys.REST, "FLOAT_VECTOR", filling.points_of(last).astype(np.float32))
+        sentence = _finish(context, collection, levels, links)
+    return Binding(tuple(links), sentence)
+
+
+def _finish(
+    context: bpy.types.Context,
+    collection: bpy.types.Collection,
+    levels: list[bpy.types.Object],
+    links: list[Link],
+) -> str:
+    """Says how each level follows, takes lines out of the way, and lets the original follow; says how it does."""
     for obj, made in zip(levels, links, strict=False):
         obj[keys.LINK] = (
             f"{deform_modifiers.NAMES[made.method]}, error {made.rest:.1e} at rest, "
@@ -219,7 +245,7 @@ def _connect(
         _take_lines_out(obj, collection)
     sentence = originals.follow(context, collection, levels, links[0].method)
     _remove_helpers([obj for obj in ownership.helpers(collection) if not _used(obj)])
-    return Binding(tuple(links), sentence)
+    return sentence
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:

@@ -110,6 +110,9 @@ def target_of(modifier: bpy.types.Modifier) -> bpy.types.Object | None:
     """The object that a deforming modifier follows."""
     if isinstance(modifier, bpy.types.MeshDeformModifier):
         return modifier.object
+    if isinstance(modifier, bpy.types.NodesModifier) and modifier.node_group in node_groups.following():
+        found: bpy.types.Object | None = display.get_input(modifier, "Object")
+        return found
     return modifier.target if isinstance(modifier, bpy.types.SurfaceDeformModifier) else None
 
 
@@ -119,11 +122,20 @@ def is_bound(modifier: bpy.types.Modifier) -> bool:
 
 
 def bind_modifier(
-    context: bpy.types.Context, obj: bpy.types.Object, cage: bpy.types.Object, method: str, half_height: float = 0.0
+    context: bpy.types.Context,
+    obj: bpy.types.Object,
+    cage: bpy.types.Object,
+    method: str,
+    half_height: float = 0.0,
+    *,
+    in_place: bool = False,
 ) -> bpy.types.Modifier:
-    """Adds and binds the modifier alone; `half_height`: how far the object reaches out of its plane."""
+    """Adds and binds the modifier alone; `half_height`: how far the object reaches out of its plane; `in_place`: copies
+    of the object elsewhere follow too, where Blender can.
+    """
     if method in weights.KINDS:
-        return weights.add(obj, cage, evaluated_points(context, obj), method)
+        points = evaluated_points(context, obj)
+        return weights.add(obj, cage, points, method, surface_of(obj, cage) if in_place else None)
     if method == SURFACE:
         surface = obj.modifiers.new(SURFACE_MODIFIER, SURFACE)
         assert isinstance(surface, bpy.types.SurfaceDeformModifier)
@@ -232,9 +244,11 @@ def evaluated_points(context: bpy.types.Context, obj: bpy.types.Object) -> Matri
 @contextmanager
 def _moved(obj: bpy.types.Object, points: Matrix, back: Matrix) -> Iterator[None]:
     """The vertices of a mesh object elsewhere for a moment."""
+    shapes = obj.data.shape_keys
 
     def put(place: Matrix) -> None:
-        obj.data.vertices.foreach_set("co", place.astype(np.float32).ravel())
+        for block in (obj.data.vertices, *((shapes.reference_key.points,) if shapes is not None else ())):
+            block.foreach_set("co", place.astype(np.float32).ravel())
         obj.data.update()
 
     put(points)

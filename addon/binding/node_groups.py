@@ -12,6 +12,8 @@ from ..scene import display
 
 # Sums of the vertices of the cage: by weights, and by the slopes of the weights.
 SUMS = ("Place", "Along X", "Along Y")
+# Shorter edits, as a part of the size, are rounding, which need not be turned.
+SMALLEST_EDIT = 1e-5
 
 Tree = bpy.types.NodeTree
 # Their properties depend on their kinds.
@@ -115,18 +117,76 @@ def _whole(tree: Tree) -> None:
     tree.links.new(source.outputs["Geometry"], end.inputs[0])
 
 
-def _coordinates(tree: Tree) -> None:
+def _coordinates(tree: Tree, space: str = "RELATIVE") -> None:
     """Moves each vertex to the weighted sum of the vertices of the object, plus its edit, rotated along.
 
-    The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned.
+    The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned. Without
+    edits nothing is to be turned, and two thirds of the sums are not evaluated.
     """
-    start, end, source = _object(tree, "RELATIVE")
+    _, end, source = _object(tree, space)
+    start = next(node for node in tree.nodes if node.bl_idname == "NodeGroupInput")
+    edit = _attribute(tree, keys.EDIT, "FLOAT_VECTOR")
+    (place,) = _sums(tree, source, SUMS[:1])
+    plain = _placed(tree, start, _vector(tree, "ADD", place, edit))
+    # The turn nearest to the slopes: x + y × n for the normal n, and what is upright on it.
+    where, x, y = _sums(tree, source, SUMS)
+    normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
+    right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
+    up, parts = _vector(tree, "CROSS_PRODUCT", normal, right), display.new_node(tree, "ShaderNodeSeparateXYZ")
+    tree.links.new(edit, parts.inputs[0])
+    for axis, part in zip((right, up, normal), parts.outputs, strict=True):
+        where = _vector(tree, "MULTIPLY_ADD", axis, part, where)
+    choice = display.new_node(tree, "GeometryNodeSwitch")
+    choice.input_type = "GEOMETRY"
+    sockets = {socket.name: socket for socket in choice.inputs if socket.enabled}
+    tree.links.new(_is_edited(tree, start, edit), sockets["Switch"])
+    tree.links.new(plain, sockets["False"])
+    tree.links.new(_placed(tree, start, where), sockets["True"])
+    tree.links.new(choice.outputs[0], end.inputs[0])
+
+
+def _placed(tree: Tree, start: Node, where: Socket) -> Socket:
+    """The geometry of the group's input with its vertices at a position."""
+    move = display.new_node(tree, "GeometryNodeSetPosition")
+    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
+    tree.links.new(where, move.inputs["Position"])
+    return move.outputs[0]
+
+
+def _is_edited(tree: Tree, start: Node, edit: Socket) -> Socket:
+    """Whether the longest edit is more than rounding: more than `SMALLEST_EDIT` of the size."""
+    longest = _statistic(tree, start, "FLOAT", _vector(tree, "LENGTH", edit), "Max")
+    place = display.new_node(tree, "GeometryNodeInputPosition").outputs[0]
+    extent = _vector(tree, "LENGTH", _statistic(tree, start, "FLOAT_VECTOR", place, "Range"))
+    least, compare = display.new_node(tree, "ShaderNodeMath"), display.new_node(tree, "FunctionNodeCompare")
+    least.operation = "MULTIPLY"
+    least.inputs[1].default_value = SMALLEST_EDIT
+    compare.data_type, compare.operation = "FLOAT", "GREATER_THAN"
+    first, second = (socket for socket in compare.inputs if socket.enabled)
+    tree.links.new(extent, least.inputs[0])
+    tree.links.new(longest, first)
+    tree.links.new(least.outputs[0], second)
+    return compare.outputs[0]
+
+
+def _statistic(tree: Tree, start: Node, kind: str, values: Socket, name: str) -> Socket:
+    """A statistic of values of all vertices of the group's input."""
+    node = display.new_node(tree, "GeometryNodeAttributeStatistic")
+    node.data_type, node.domain = kind, "POINT"
+    sockets = {socket.name: socket for socket in node.inputs if socket.enabled}
+    tree.links.new(start.outputs["Geometry"], sockets["Geometry"])
+    tree.links.new(values, sockets["Attribute"])
+    return next(socket for socket in node.outputs if socket.enabled and socket.name == name)
+
+
+def _sums(tree: Tree, source: Node, names: tuple[str, ...]) -> tuple[Socket, ...]:
+    """Sums over the vertices of an object: of the places of all by weight, and by the weight's slopes, if named."""
     count = display.new_node(tree, "GeometryNodeAttributeDomainSize")
     first, last = display.new_node(tree, "GeometryNodeRepeatInput"), display.new_node(tree, "GeometryNodeRepeatOutput")
     first.pair_with_output(last)
     last.repeat_items.clear()
     last.repeat_items.new("INT", "Number")
-    for name in SUMS:
+    for name in names:
         last.repeat_items.new("VECTOR", name)
     tree.links.new(source.outputs["Geometry"], count.inputs["Geometry"])
     tree.links.new(count.outputs["Point Count"], first.inputs["Iterations"])
@@ -149,25 +209,14 @@ def _coordinates(tree: Tree) -> None:
     tree.links.new(weight, parts.inputs[0])
     # Added to the sums.
     corner = next(socket for socket in pick.outputs if socket.enabled)
-    for name, part in zip(SUMS, parts.outputs, strict=True):
+    for name, part in zip(names, parts.outputs, strict=False):
         tree.links.new(_vector(tree, "MULTIPLY_ADD", corner, part, first.outputs[name]), last.inputs[name])
     onward = display.new_node(tree, "ShaderNodeMath")
     onward.operation = "ADD"
     onward.inputs[1].default_value = 1.0
     tree.links.new(first.outputs["Number"], onward.inputs[0])
     tree.links.new(onward.outputs[0], last.inputs["Number"])
-    # The turn nearest to the slopes: x + y × n for the normal n, and what is upright on it.
-    where, x, y = (last.outputs[name] for name in SUMS)
-    normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
-    right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
-    up, edit = _vector(tree, "CROSS_PRODUCT", normal, right), display.new_node(tree, "ShaderNodeSeparateXYZ")
-    tree.links.new(_attribute(tree, keys.EDIT, "FLOAT_VECTOR"), edit.inputs[0])
-    for axis, part in zip((right, up, normal), edit.outputs, strict=True):
-        where = _vector(tree, "MULTIPLY_ADD", axis, part, where)
-    move = display.new_node(tree, "GeometryNodeSetPosition")
-    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
-    tree.links.new(where, move.inputs["Position"])
-    tree.links.new(move.outputs[0], end.inputs[0])
+    return tuple(last.outputs[name] for name in names)
 
 
 def _vector(tree: Tree, operation: str, *values: Socket) -> Socket:
@@ -176,12 +225,12 @@ def _vector(tree: Tree, operation: str, *values: Socket) -> Socket:
     node.operation = operation
     for value, socket in zip(values, node.inputs, strict=False):
         tree.links.new(value, socket)
-    return node.outputs[0]
+    return next(socket for socket in node.outputs if socket.enabled)
 
 
-def _outline(tree: Tree) -> tuple[Node, Socket]:
+def _outline(tree: Tree, space: str) -> tuple[Node, Socket]:
     """Group output, and the outline of the object as curves: its edges with at most one face."""
-    _, end, source = _object(tree, "RELATIVE")
+    _, end, source = _object(tree, space)
     neighbours, inner = (
         display.new_node(tree, "GeometryNodeInputMeshEdgeNeighbors"),
         display.new_node(tree, "FunctionNodeCompare"),
@@ -197,19 +246,19 @@ def _outline(tree: Tree) -> tuple[Node, Socket]:
 
 
 def _curves(tree: Tree) -> None:
-    end, lines = _outline(tree)
+    end, lines = _outline(tree, "ORIGINAL")
     tree.links.new(lines, end.inputs[0])
 
 
 def _edges(tree: Tree) -> None:
-    end, lines = _outline(tree)
+    end, lines = _outline(tree, "RELATIVE")
     mesh = display.new_node(tree, "GeometryNodeCurveToMesh")
     tree.links.new(lines, mesh.inputs["Curve"])
     tree.links.new(mesh.outputs[0], end.inputs[0])
 
 
 def _area(tree: Tree) -> None:
-    end, lines = _outline(tree)
+    end, lines = _outline(tree, "ORIGINAL")
     tree.interface.new_socket("Material", in_out="INPUT", socket_type="NodeSocketMaterial")
     fill, paint = display.new_node(tree, "GeometryNodeFillCurve"), display.new_node(tree, "GeometryNodeSetMaterial")
     start = next(node for node in tree.nodes if node.bl_idname == "NodeGroupInput")
@@ -221,6 +270,8 @@ def _area(tree: Tree) -> None:
 
 REMEMBER, ADD_EDITS, WALLS = "Nested Cages Remember Edits", "Nested Cages Add Edits", "Nested Cages Prism"
 WHOLE, COORDINATES = "Nested Cages Surface", "Nested Cages Coordinates"
+# The same for what is in the object's own space, wherever either object is.
+COORDINATES_IN_PLACE = "Nested Cages Coordinates in Place"
 CURVES, EDGES, AREA = "Nested Cages Follow as Curves", "Nested Cages Follow as Edges", "Nested Cages Follow Filled"
 BUILDERS: dict[str, Callable[[Tree], None]] = {
     REMEMBER: _remember,
@@ -228,7 +279,14 @@ BUILDERS: dict[str, Callable[[Tree], None]] = {
     WALLS: _walls,
     WHOLE: _whole,
     COORDINATES: _coordinates,
+    COORDINATES_IN_PLACE: lambda tree: _coordinates(tree, "ORIGINAL"),
     CURVES: _curves,
     EDGES: _edges,
     AREA: _area,
 }
+
+
+def following() -> list[Tree]:
+    """The node groups of the file by which originals follow."""
+    found = (bpy.data.node_groups.get(name) for name in (CURVES, AREA, COORDINATES_IN_PLACE))
+    return [tree for tree in found if tree is not None]

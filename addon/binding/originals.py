@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 
 import bpy
+from mathutils import Matrix
 
 from .. import keys
 from ..errors import UserError
@@ -56,11 +57,13 @@ def follow(
             f"Blender has no modifier that deforms Grease Pencil by a cage; '{fine.name}' follows in place of "
             f"'{source.name}'"
         )
+    # In the drawing's own space, so that copies and instances show the same where they are.
+    shown = fine if fine.parent == source and fine.matrix_local == Matrix() else deform_modifiers.surface_of(source, fine)
     flat = source.type == "FONT" or (source.type == "CURVE" and source.data.dimensions == "2D")
     if flat and source.data.fill_mode != "NONE":
-        modifier = node_groups.add(source, node_groups.AREA, Object=fine, Material=source.active_material)
+        modifier = node_groups.add(source, node_groups.AREA, Object=shown, Material=source.active_material)
     else:
-        modifier = node_groups.add(source, node_groups.CURVES, Object=fine)
+        modifier = node_groups.add(source, node_groups.CURVES, Object=shown)
     modifier.name = ORIGINAL_MODIFIER
     source[keys.FOLLOWS] = collection
     return f"'{source.name}' shows what '{fine.name}' does"
@@ -80,7 +83,7 @@ def _bind_shape(
     reach = 2.0 * max(abs(corner[2]) for corner in source.bound_box)
     for kind in methods:
         with suppress(UserError):
-            modifier = deform_modifiers.bind_modifier(context, source, cage, kind, reach)
+            modifier = deform_modifiers.bind_modifier(context, source, cage, kind, reach, in_place=True)
             if deform_modifiers.is_bound(modifier):
                 modifier.name = ORIGINAL_MODIFIER
                 return kind

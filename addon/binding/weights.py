@@ -31,8 +31,16 @@ def fits(obj: bpy.types.Object, cage: bpy.types.Object) -> bool:
     return len(obj.data.vertices) * len(cage.data.vertices) <= MAX_WEIGHTS
 
 
-def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: str) -> bpy.types.Modifier:
+def add(
+    obj: bpy.types.Object,
+    cage: bpy.types.Object,
+    points: Array,
+    method: str,
+    surface: bpy.types.Object | None = None,
+) -> bpy.types.Modifier:
     """Stores the weights of an object's vertices at `points` (n, 3), in its own space, and adds the modifier.
+
+    surface: the object that shows the cage in the space of `obj`, to follow in its place: copies then do so too.
 
     Raises: UserError if the points are not in the plane and the inside of the cage.
     """
@@ -51,6 +59,8 @@ def add(obj: bpy.types.Object, cage: bpy.types.Object, points: Array, method: st
     clear(obj)
     for corner in range(columns.shape[1]):
         filling.add_attribute(filling.mesh_of(obj), f"{keys.WEIGHT}{corner}", "FLOAT_VECTOR", columns[:, corner])
+    if surface is not None:
+        return node_groups.add(obj, node_groups.COORDINATES_IN_PLACE, Object=surface)
     return node_groups.add(obj, node_groups.COORDINATES, Object=cage)
 
 

@@ -9,15 +9,15 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 from numpy.typing import NDArray
 
 from .. import keys
 from ..animation import shape_keys, stage, timeline, visibility
 from ..animation.timeline import Span, StoredPhases, Timing
 from ..errors import UserError
-from ..scene import display
-from ..scene.ownership import collection_of, colours_of, copy_transform, level_of, member, members
+from ..rigging.rig import Rig, is_rigged
+from ..scene import display, ownership
+from ..scene.ownership import collection_of, colours_of, level_of, member, members
 from .generate import CageLevel, Result
 from .rollback import Rollback
 
@@ -33,11 +33,12 @@ def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
 
 def write(
     scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
-) -> list[bpy.types.Collection]:
-    """Writes the output of each drawing. Raises: UserError, before anything is changed, if earlier output cannot be
+) -> tuple[list[bpy.types.Collection], list[str]]:
+    """Writes the output of each drawing; returns the collections, and sentences about what of an artist's work on
+    earlier output is not on the new one. Raises: UserError, before anything is changed, if earlier output cannot be
     replaced.
     """
-    earlier = [_earlier(scene, result) for result in results]
+    earlier = [earlier_output(scene, result) for result in results]
     for collection in earlier:
         _check_replaceable(collection)
     rollback = Rollback(scene, (collection for collection in earlier if collection is not None))
@@ -51,10 +52,10 @@ def write(
     except BaseException:
         rollback.restore()
         raise
-    rollback.finish()
+    lost = rollback.finish()
     for collection in collections:
         stage.enter(collection)
-    return collections
+    return collections, lost
 
 
 def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: float) -> None:
@@ -70,7 +71,7 @@ def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: 
             display.set_thickness(obj, wanted, display.AUTOMATIC_THICKNESS)
 
 
-def _earlier(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
+def earlier_output(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
     """The output that the result will replace."""
     source = result.drawing.source
     return collection_of(scene, source) if source is not None else None
@@ -96,7 +97,7 @@ def _write_one(
     name = source.name if source is not None else result.drawing.name
     if collection is None:
         collection = bpy.data.collections.new(f"{name} Cages")
-        scene.collection.children.link(collection)
+        ownership.home_of(scene, source).children.link(collection)
     collection[keys.COLOURS] = colours_of(scene, collection)
     for obj in members(collection):
         rollback.set_aside(obj)
@@ -104,7 +105,7 @@ def _write_one(
     timeline.restore_scene(scene, collection)
     played = timeline.spans(result.levels, timing)
 
-    fine = _member_with_mesh(collection, 0, f"{name} Fine", first.fine_edges, first.fine_steps[-1], result)
+    fine = _member_with_mesh(collection, 0, f"{name} Fine", first.fine_edges, first.fine_steps[-1], result, rollback)
     _play(fine, first.fine_steps, first, played, timing, 1)
     keys.store(fine, {keys.LEVEL: 0, keys.VERTICES: len(fine.data.vertices)})
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
@@ -115,6 +116,7 @@ def _write_one(
             level.cage_edges,
             level.cage,
             result,
+            rollback,
         )
         _play(cage, level.cage_steps, level, played, timing, number)
         if number < len(result.levels):
@@ -124,7 +126,7 @@ def _write_one(
         visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
         keys.store(cage, _facts(result, level, span, number))
     for surplus in members(collection)[len(result.levels) + 1 :]:
-        rollback.drop(surplus)
+        (rollback.keep if is_rigged(surplus) else rollback.drop)(surplus)
 
     if source is not None:
         collection[keys.SOURCE] = source
@@ -163,9 +165,10 @@ def _member_with_mesh(
     edges: NDArray[np.int64],
     vertices: NDArray[np.float32],
     result: Result,
+    rollback: Rollback,
 ) -> bpy.types.Object:
     """The collection's object of a level with a new mesh that lies where the drawing does; the object is kept if there
-    is one.
+    is one, with what an artist made on its mesh.
     """
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(vertices))
@@ -180,20 +183,11 @@ def _member_with_mesh(
         collection.objects.link(obj)
         display.apply_display(obj, level, keys.integer(collection, keys.COLOURS) or 0)
     else:
+        rig = Rig.of(obj)
         obj.data = mesh
-    _place(obj, result)
+        rollback.lose(obj, rig.give(obj))
+    ownership.place(obj, result.drawing.source, result.drawing.frame)
     return obj
-
-
-def _place(obj: bpy.types.Object, result: Result) -> None:
-    """Puts the object where the drawing is; with the very numbers of the source's transform if that can be."""
-    source = result.drawing.source
-    frame = result.drawing.frame
-    free = source is not None and source.parent is None and not source.constraints
-    if source is not None and free and frame.own and np.array_equal(np.array(source.matrix_world), frame.matrix):
-        copy_transform(source, obj)
-    else:
-        obj.matrix_world = Matrix(frame.matrix.tolist())
 
 
 def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:

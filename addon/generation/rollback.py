@@ -14,7 +14,9 @@ from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..scene import display
 from ..scene.filling import mesh_of
-from ..scene.ownership import TRANSFORM, members
+from ..rigging.pose import Placement
+from ..rigging.rig import has_steps
+from ..scene.ownership import members
 
 
 class Rollback:
@@ -30,12 +32,15 @@ class Rollback:
         self._known = set(_everything())
         self._names: list[tuple[bpy.types.ID, str]] = []
         self._surplus: list[bpy.types.Object] = []
+        self._kept: list[bpy.types.Object] = []
+        self._lost: list[str] = []
 
     def set_aside(self, obj: bpy.types.Object) -> None:
         """Takes what we gave an object's animation away, and the names of its mesh, which is about to be replaced."""
-        shapes = obj.data.shape_keys
-        for block in (obj.data, shapes, _action(shapes)):
-            self._rename(block)
+        for mesh in (obj.data, keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)):
+            shapes = mesh.shape_keys if mesh is not None else None
+            for block in (mesh, shapes, _action(shapes) if has_steps(shapes) else None):
+                self._rename(block)
         visibility = detach(obj)
         if visibility.action is not None and not visibility.kept:
             self._rename(visibility.action)
@@ -45,9 +50,23 @@ class Rollback:
         """This object is not needed any more once all is done."""
         self._surplus.append(obj)
 
-    def finish(self) -> None:
-        """The new output is complete: removes what it has replaced."""
-        kept = [value for obj in self._surplus for value in _properties(obj).values()]
+    def keep(self, obj: bpy.types.Object) -> None:
+        """This object is no part of the output any more, but stays once all is done."""
+        self._kept.append(obj)
+
+    def lose(self, obj: bpy.types.Object, what: Iterable[str]) -> None:
+        """What of this object's could not be carried over to its new mesh."""
+        self._lost += [f"'{obj.name}': {part} could not be kept" for part in what]
+
+    def finish(self) -> list[str]:
+        """The new output is complete: removes what it has replaced. Returns sentences about what was lost."""
+        kept = [value for obj in (*self._surplus, *self._kept) for value in _properties(obj).values()]
+        for obj in self._kept:
+            shape_keys.remove_steps(obj)
+            for modifier in [modifier for modifier in obj.modifiers if modifier.name.startswith(display.OURS)]:
+                display.remove_modifier(obj, modifier)
+            keys.remove(obj, keys.ours(obj))
+            self._lost.append(f"'{obj.name}' is no level any more and was kept for what was made on it")
         for obj in self._surplus:
             shape_keys.remove_animation(obj)
             bpy.data.objects.remove(obj)
@@ -58,6 +77,7 @@ class Rollback:
         meshes = {member.mesh for member in self._members}
         for mesh in meshes | {value for value in kept if isinstance(value, bpy.types.Mesh)}:
             remove_mesh(mesh)
+        return self._lost
 
     def restore(self) -> None:
         """The new output failed: everything is as it was again."""
@@ -96,7 +116,9 @@ class _Member:
     def __post_init__(self) -> None:
         obj = self.obj
         self.name, self.mesh = obj.name, mesh_of(obj)
-        self.transform = {name: _plain(getattr(obj, name)) for name in TRANSFORM}
+        self.placement, self.slots = Placement.of(obj), [(slot.link, slot.material) for slot in obj.material_slots]
+        self.hooks = [(hook, tuple(hook.vertex_indices)) for hook in obj.modifiers if _is_numbered(hook)]
+        self.children = [(child, tuple(child.parent_vertices)) for child in obj.children if "VERTEX" in child.parent_type]
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
         self.properties = _properties(obj)
         self.thickness = {name: display.thickness_of(obj, name) for name in display.THICKNESSES}
@@ -105,14 +127,27 @@ class _Member:
     def restore(self) -> None:
         obj = self.obj
         obj.data = self.mesh
-        for name, value in (self.transform | self.visibility_values).items():
+        self.placement.give(obj)
+        for name, value in self.visibility_values.items():
             setattr(obj, name, value)
+        for slot, (link, material) in zip(obj.material_slots, self.slots, strict=True):
+            if link == "OBJECT":
+                slot.link, slot.material = link, material
+        for hook, indices in self.hooks:
+            hook.vertex_indices_set(indices)
+        for child, indices in self.children:
+            child.parent_vertices = indices
         if self.visibility is not None:
             self.visibility.restore(obj)
         for name, thickness in self.thickness.items():
             if thickness or not any(self.thickness.values()):
                 display.set_thickness(obj, thickness, name)
         _set_properties(obj, self.properties)
+
+
+def _is_numbered(modifier: bpy.types.Modifier) -> bool:
+    """Whether a modifier is a hook that knows its vertices by their numbers."""
+    return isinstance(modifier, bpy.types.HookModifier) and len(modifier.vertex_indices) > 0
 
 
 def _everything() -> Iterator[bpy.types.ID]:

@@ -92,7 +92,8 @@ class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
     bl_description = "Restore cages and drawing as they were before binding, with their animation"
 
     def execute(self, context: bpy.types.Context) -> Outcome:
-        binding.unbind(output_of_active(context))
+        for sentence in binding.unbind(output_of_active(context)):
+            self.report({"WARNING"}, sentence)
         return {"FINISHED"}
 
 

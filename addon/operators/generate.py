@@ -15,6 +15,7 @@ from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
 from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties
+from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership
 from ..scene.selection import scene_of
 from .base import JobOperator, Outcome, remember_fault
@@ -88,12 +89,20 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode knows of that mesh only.
             bpy.ops.object.mode_set(mode="OBJECT")
-        collections = output.write(scene, results, conversion.timing(self), self.thickness)
+        earlier = [found for result in results if (found := output.earlier_output(scene, result)) is not None]
+        poses = {found: _poses(found) for found in earlier}
+        collections, lost = output.write(scene, results, conversion.timing(self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
             scene.frame_set(max(keys.integer(collection, keys.END) or 0 for collection in collections))
         for collection, method in bound.items():
             self._bind_again(collection, method)
+            for obj in ownership.members(collection):
+                pose = poses.get(collection, {}).get(ownership.level_of(obj))
+                if pose is not None:
+                    pose.give(obj, bound=ownership.is_bound(collection))
+        for sentence in lost:
+            self.report({"WARNING"}, sentence)
         cages = [level for result in results for level in result.levels]
         for note in dict.fromkeys(note for level in cages for note in level.report.notes):
             self.report({"WARNING"}, note)
@@ -105,9 +114,10 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         """Binds what was bound before, by the same method; where it cannot be, the cages stay and the user is told."""
         if method:
             try:
-                completed(binding.bind(bpy.context, collection, method))
+                with unmoved(ownership.members(collection)):
+                    completed(binding.bind(bpy.context, collection, method))
             except UserError as error:
-                self.report({"WARNING"}, f"Not bound again: {error}")
+                self.report({"WARNING"}, f"Not bound again, and poses were dropped: {error}")
 
 
 class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
@@ -164,6 +174,12 @@ def _makes_way(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     """Whether an original is hidden on this frame by the animation of its cages."""
     collection = ownership.collection_of(scene_of(context), obj) if convert.readable(obj) else None
     return collection is not None and keys.has(collection, keys.HIDES) and not obj.visible_get()
+
+
+def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
+    """How the objects of an output stand, by level."""
+    source = ownership.source_of(collection)
+    return {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(collection)}
 
 
 def _is_output_of(obj: bpy.types.Object, drawings: Sequence[bpy.types.Object]) -> bool:

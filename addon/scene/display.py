@@ -19,6 +19,8 @@ TONES = ((0.85, 1.0), (0.5, 1.0), (0.95, 0.8))
 
 # Kinds of inputs that name a data-block.
 NAMING = ("NodeSocketObject", "NodeSocketMaterial")
+# What the names of our modifiers and node groups begin with.
+OURS = "Nested Cages "
 THICKNESS = "Nested Cages Thickness"
 AUTOMATIC_THICKNESS = "Nested Cages Automatic Thickness"
 THICKNESSES = (THICKNESS, AUTOMATIC_THICKNESS)

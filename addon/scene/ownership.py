@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import bpy
+from mathutils import Matrix
 
 from .. import keys
+from .plane import Frame
 
 # What a transform consists of; copying these keeps the exact numbers, which a matrix would round.
 TRANSFORM = (
@@ -84,6 +86,45 @@ def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
         if level is not None:
             found.setdefault(level, obj)
     return [found[level] for level in sorted(found)]
+
+
+def home_of(scene: bpy.types.Scene, source: bpy.types.Object | None) -> bpy.types.Collection:
+    """The collection for the output of an object: its own one in the scene, or the scene's."""
+    own = source.users_collection if source is not None else ()
+    there = set(scene.collection.children_recursive)
+    return next((c for c in own if c in there and c.is_editable and not is_output(c)), scene.collection)
+
+
+def is_output(collection: bpy.types.Collection) -> bool:
+    """Whether a collection holds the output of a drawing."""
+    return keys.has(collection, keys.SOURCE)
+
+
+def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
+    """Makes an object a child of the drawing that it belongs to, in the drawing's plane; of nothing if it is gone.
+
+    In the drawing's own space nothing is to be rounded: both have the same matrix, wherever the drawing goes.
+    """
+    if source is None or obj in _line_of(source):
+        obj.parent = None
+        obj.matrix_world = Matrix(frame.matrix.tolist())
+        return
+    obj.parent, obj.parent_type = source, "OBJECT"
+    fitted = Matrix() if frame.own else source.matrix_world.inverted() @ Matrix(frame.matrix.tolist())
+    obj.matrix_parent_inverse = fitted
+    for name in ("location", "delta_location", "rotation_euler", "delta_rotation_euler"):
+        setattr(obj, name, (0.0, 0.0, 0.0))
+    obj.rotation_quaternion = obj.delta_rotation_quaternion = (1.0, 0.0, 0.0, 0.0)
+    obj.rotation_axis_angle = (0.0, 0.0, 1.0, 0.0)
+    obj.scale = obj.delta_scale = (1.0, 1.0, 1.0)
+
+
+def _line_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """An object and its parents."""
+    found = [obj]
+    while found[-1].parent is not None:
+        found.append(found[-1].parent)
+    return found
 
 
 def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:

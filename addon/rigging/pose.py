@@ -1,0 +1,154 @@
+"""How output objects stand and are posed, and how to see them unposed for a moment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from .. import keys
+from ..animation import shape_keys
+from ..scene import ownership
+from ..scene.filling import loop_edges, mesh_of, points_of
+from ..scene.plane import size
+from .outline_map import Outline, outline_map
+from .rig import rest_points
+
+# What parenting consists of, in the order in which it is set.
+PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse")
+# Smaller offsets of vertices, as a part of the size, are rounding and no pose.
+SMALLEST_POSE = 1e-5
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Parent and transform of an object."""
+
+    values: dict[str, Any]
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> Placement:
+        return cls({name: _copied(getattr(obj, name)) for name in (*PARENTING, *ownership.TRANSFORM)})
+
+    @property
+    def parent(self) -> bpy.types.Object | None:
+        found: bpy.types.Object | None = self.values["parent"]
+        return found
+
+    def give(self, obj: bpy.types.Object, names: Iterable[str] = (*PARENTING, *ownership.TRANSFORM)) -> None:
+        """Puts an object where this was."""
+        for name in names:
+            if getattr(obj, name) != self.values[name]:
+                setattr(obj, name, self.values[name])
+
+
+@dataclass(frozen=True)
+class Pose:
+    """How an output object stood; if it was bound, its transform when it was, and how far its vertices (n, 3) are from
+    where they were.
+    """
+
+    placement: Placement
+    own_parent: bool
+    rest: Matrix | None
+    basis: Matrix
+    outline: Outline
+    offsets: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object, source: bpy.types.Object | None) -> Pose:
+        """The pose of an object of the output of `source`."""
+        mesh, state = mesh_of(obj), keys.numbers(obj, keys.STORED_STATE, 19)
+        rest = rest_points(mesh)
+        return cls(
+            Placement.of(obj),
+            obj.parent is not None and obj.parent != source,
+            Matrix(np.reshape(state[:16], (4, 4)).tolist()) if state is not None else None,
+            obj.matrix_basis.copy(),
+            Outline.of(rest, loop_edges(mesh)),
+            points_of(mesh) - rest,
+        )
+
+    @property
+    def bends(self) -> bool:
+        """Whether vertices were moved."""
+        return self.rest is not None and bool(np.abs(self.offsets).max() > SMALLEST_POSE * size(self.outline.points))
+
+    def give(self, obj: bpy.types.Object, *, bound: bool) -> None:
+        """Poses an object that has been made anew, at rest, in the same way; vertices only if it is bound again."""
+        if self.own_parent:
+            self.placement.give(obj)
+            if bound and self.rest is not None:
+                state = list(keys.numbers(obj, keys.STORED_STATE, 19) or ())
+                obj[keys.STORED_STATE] = [*np.ravel(np.array(self.rest)).tolist(), *state[16:]]
+        elif bound and self.rest == Matrix():
+            self.placement.give(obj, ownership.TRANSFORM)
+        elif bound and self.rest is not None:
+            obj.matrix_basis = self.rest.inverted_safe() @ self.basis
+        if bound and self.bends:
+            mesh = mesh_of(obj)
+            new = Outline.of(rest_points(mesh), loop_edges(mesh))
+            move(mesh, outline_map(self.outline, new).of(self.offsets))
+
+
+def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:
+    """Moves the vertices of a mesh, and its shape keys with them, by offsets (n, 3)."""
+    for block in (mesh.vertices, *(key.points for key in (mesh.shape_keys.key_blocks if mesh.shape_keys else ()))):
+        places = np.empty((len(offsets), 3), np.float32)
+        block.foreach_get("co", places.ravel())
+        block.foreach_set("co", (places + offsets).astype(np.float32).ravel())
+    mesh.update()
+
+
+@contextmanager
+def unshaped(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Objects show their own meshes for a moment, without their modifiers and shape keys."""
+    with ExitStack() as stack:
+        for obj in objects:
+            for modifier in obj.modifiers:
+                _set(stack, modifier, "show_viewport", False)
+            if obj.data.shape_keys is not None:
+                _set(stack, obj, "active_shape_key_index", 0)
+                _set(stack, obj, "show_only_shape_key", True)
+        yield
+
+
+@contextmanager
+def unmoved(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Objects stand where their parents and transforms put them for a moment, without constraints and animation."""
+    with ExitStack() as stack:
+        for obj in objects:
+            for constraint in obj.constraints:
+                _set(stack, constraint, "mute", True)
+            animation = obj.animation_data
+            if animation is None:
+                continue
+            _set(stack, animation, "use_nla", False)
+            curves = shape_keys.curves_of(obj) if animation.action is not None else ()
+            for curve in (*curves, *animation.drivers):
+                if curve.data_path in ownership.TRANSFORM:
+                    _set(stack, curve, "mute", True)
+        yield
+
+
+def _set(stack: ExitStack, owner: Any, name: str, value: object) -> None:
+    """Sets an attribute until the stack is left."""
+    before = getattr(owner, name)
+    if before != value:
+        setattr(owner, name, value)
+        stack.callback(setattr, owner, name, before)
+
+
+def _copied(value: Any) -> Any:
+    """A value that does not change with the object."""
+    return value.copy() if hasattr(value, "copy") and not isinstance(value, bpy.types.ID) else _plain(value)
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__") else tuple(value)

@@ -1,0 +1,316 @@
+"""What an artist made on an object's mesh, read before the mesh is replaced and given to the new one.
+
+The object itself stays, and with it modifiers, parents, constraints, drivers, animation and custom properties. What
+Blender keeps in the mesh is carried over: vertex groups and weights, shape keys with drivers and animation, point
+attributes, materials, custom properties; and what counts vertices: hooks and vertex parents.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import keys
+from ..animation import shape_keys
+from ..animation.bake import copy_keyframes
+from ..scene import display
+from ..scene.filling import loop_edges, mesh_of, points_of
+from .outline_map import Outline, OutlineMap, outline_map
+
+Points = NDArray[np.float64]
+
+# Point attributes that can be interpolated: their type in Blender, and how many numbers each value has.
+WIDTHS = {"FLOAT": 1, "FLOAT2": 2, "FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "BYTE_COLOR": 4}
+PROPERTY_OF = {"FLOAT": "value", "FLOAT2": "vector", "FLOAT_VECTOR": "vector"}
+# Blender's own attributes, which the new mesh has too.
+BUILT_IN = ("position", "material_index", "sharp_face", "sharp_edge", "shade_smooth")
+# What a shape key consists of besides its points.
+KEY_VALUES = ("slider_min", "slider_max", "value", "mute", "vertex_group", "interpolation", "lock_shape")
+
+
+@dataclass(frozen=True)
+class Group:
+    """A vertex group: weights (n,) and which vertices (n,) belong to it."""
+
+    name: str
+    locked: bool
+    weights: Points
+    belongs: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ShapeKey:
+    """A shape key: offsets (n, 3) from the key that it is relative to, empty for the basis, and its values."""
+
+    name: str
+    offsets: Points
+    relative_to: str
+    values: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Rig:
+    """What an artist made on the mesh of an object, and the unposed outline that it belongs to."""
+
+    outline: Outline
+    groups: tuple[Group, ...]
+    active_group: str
+    keys: tuple[ShapeKey, ...]
+    active_key: str
+    key_block: bpy.types.Key | None
+    attributes: dict[str, tuple[str, Points]]
+    slots: tuple[tuple[str, bpy.types.Material | None, bpy.types.Material | None], ...]
+    properties: dict[str, Any]
+    left_behind: tuple[str, ...]
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> Rig:
+        """What is on an object's mesh."""
+        mesh = mesh_of(obj)
+        attributes, left_behind = _attributes(mesh)
+        block = mesh.shape_keys
+        if block is not None and block.animation_data is not None and len(block.animation_data.nla_tracks):
+            left_behind.append("NLA tracks of its shape keys")
+        active, key = obj.vertex_groups.active, obj.active_shape_key
+        return cls(
+            Outline.of(rest_points(mesh), loop_edges(mesh)),
+            _groups(obj),
+            active.name if active is not None else "",
+            _shape_keys(block),
+            key.name if key is not None else "",
+            block,
+            attributes,
+            tuple(
+                (slot.link, slot.material if slot.link == "OBJECT" else None, material)
+                for slot, material in zip(obj.material_slots, mesh.materials, strict=True)
+            ),
+            {key: mesh[key] for key in mesh.keys() if not key.startswith(keys.PREFIX)},  # noqa: SIM118 - no mapping
+            tuple(left_behind),
+        )
+
+    def give(self, obj: bpy.types.Object, *, same_vertices: bool = False) -> list[str]:
+        """Puts all on the object's new mesh, in place of what is there; returns what could not be carried over.
+
+        same_vertices: vertices keep their numbers if there are as many as before, wherever they are.
+        """
+        mesh = mesh_of(obj)
+        new = Outline.of(rest_points(mesh), loop_edges(mesh))
+        if (same_vertices and len(new.points) == len(self.outline.points)) or np.array_equal(
+            new.points, self.outline.points
+        ):
+            places = OutlineMap.identity(len(new.points))
+        else:
+            places = outline_map(self.outline, new)
+            self._renumber(obj, places)
+        self._give_groups(obj, places)
+        self._give_slots(obj)
+        for name, (kind, values) in self.attributes.items():
+            attribute: Any = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
+            attribute.data.foreach_set(PROPERTY_OF.get(kind, "color"), places.of(values).astype(np.float32).ravel())
+        keys.store(mesh, self.properties)
+        self._give_keys(obj, places)
+        if obj.vertex_groups.get(self.active_group) is not None:
+            obj.vertex_groups.active = obj.vertex_groups[self.active_group]
+        return list(self.left_behind)
+
+    @property
+    def blank(self) -> bool:
+        """Whether an artist made nothing on the mesh."""
+        return not (self.groups or self.keys or self.attributes or self.left_behind)
+
+    def _give_groups(self, obj: bpy.types.Object, places: OutlineMap) -> None:
+        if [group.name for group in obj.vertex_groups] or self.groups:
+            obj.vertex_groups.clear()
+        for group in self.groups:
+            made = obj.vertex_groups.new(name=group.name)
+            weights, belongs = places.of(group.weights), places.of(group.belongs.astype(float)) > 0.0
+            for weight in np.unique(weights[belongs]):
+                made.add(np.flatnonzero(belongs & (weights == weight)).tolist(), float(weight), "REPLACE")
+            made.lock_weight = group.locked
+
+    def _give_slots(self, obj: bpy.types.Object) -> None:
+        materials: Any = obj.data.materials
+        materials.clear()
+        for _, _, material in self.slots:
+            materials.append(material)
+        for slot, (link, own, _) in zip(obj.material_slots, self.slots, strict=True):
+            slot.link = link  # type: ignore[assignment]
+            if link == "OBJECT":
+                slot.material = own
+
+    def _give_keys(self, obj: bpy.types.Object, places: OutlineMap) -> None:
+        block = obj.data.shape_keys
+        for key in artists_keys(block):
+            obj.shape_key_remove(key)
+        if not self.keys:
+            return
+        shape_keys.add_basis(obj)
+        block = obj.data.shape_keys
+        block.use_relative = True
+        basis = _points(block.reference_key)
+        block.reference_key.name = next((key.name for key in self.keys if not len(key.offsets)), "Basis")
+        made = {key.name: obj.shape_key_add(name=key.name, from_mix=False) for key in self.keys if len(key.offsets)}
+        known = {key.name: key for key in self.keys}
+
+        def shape(name: str, seen: tuple[str, ...] = ()) -> Points:
+            key = known.get(name)
+            if key is None or not len(key.offsets) or name in seen:
+                return basis
+            return shape(key.relative_to, (*seen, name)) + places.of(key.offsets)
+
+        for name, target in made.items():
+            target.points.foreach_set("co", shape(name).astype(np.float32).ravel())
+            for attribute, value in known[name].values.items():
+                setattr(target, attribute, value)
+            target.relative_key = block.key_blocks.get(known[name].relative_to, block.reference_key)
+        _give_animation(self.key_block, block, f"{obj.name} Steps")
+        index = block.key_blocks.find(self.active_key)
+        obj.active_shape_key_index = max(index, 0)
+
+    def _renumber(self, obj: bpy.types.Object, places: OutlineMap) -> None:
+        """Lets hooks and children that name vertices by their numbers name the nearest new ones."""
+        points, count = self.outline.points, len(self.outline.points)
+        for modifier in obj.modifiers:
+            if isinstance(modifier, bpy.types.HookModifier) and len(modifier.vertex_indices):
+                old = [index for index in modifier.vertex_indices if index < count]
+                modifier.vertex_indices_set(sorted({places.nearest(points, index) for index in old}))
+        for child in obj.children:
+            if child.parent_type in {"VERTEX", "VERTEX_3"}:
+                old = [index for index in child.parent_vertices if index < count]
+                child.parent_vertices = [places.nearest(points, index) for index in old] + [0] * (3 - len(old))
+
+
+def is_rigged(obj: bpy.types.Object) -> bool:
+    """Whether an output object, which does not hide itself, carries work of an artist that would go with it."""
+    modifiers = [modifier for modifier in obj.modifiers if not modifier.name.startswith(display.OURS)]
+    children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
+    animated = obj.animation_data is not None and obj.animation_data.action is not None
+    return bool(not Rig.of(obj).blank or len(obj.constraints) or modifiers or children or animated)
+
+
+def rest_points(mesh: bpy.types.Mesh) -> Points:
+    """Vertices (n, 3) of a mesh unposed: where they were bound, or those of the basis of its shape keys."""
+    attribute: Any = mesh.attributes.get(keys.REST)
+    if attribute is not None and attribute.data_type == "FLOAT_VECTOR" and attribute.domain == "POINT":
+        found = np.empty((len(mesh.vertices), 3), np.float32)
+        attribute.data.foreach_get("vector", found.ravel())
+        return found.astype(np.float64)
+    return points_of(mesh) if mesh.shape_keys is None else _points(mesh.shape_keys.reference_key)
+
+
+def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:
+    """The shape keys of a mesh that are neither its basis nor steps of our animation."""
+    found = block.key_blocks if block is not None else ()
+    return [key for key in found if key != block.reference_key and not shape_keys.STEP.fullmatch(key.name)]
+
+
+def _points(key: bpy.types.ShapeKey) -> Points:
+    found = np.empty((len(key.points), 3), np.float32)
+    key.points.foreach_get("co", found.ravel())
+    return found.astype(np.float64)
+
+
+def _groups(obj: bpy.types.Object) -> tuple[Group, ...]:
+    mesh = mesh_of(obj)
+    count = len(mesh.vertices)
+    weights = np.zeros((len(obj.vertex_groups), count))
+    belongs = np.zeros(weights.shape, bool)
+    for index, vertex in enumerate(mesh.vertices if len(weights) else ()):
+        for element in vertex.groups:
+            if element.group < len(weights):
+                weights[element.group, index], belongs[element.group, index] = element.weight, True
+    return tuple(
+        Group(group.name, group.lock_weight, *found)
+        for group, *found in zip(obj.vertex_groups, weights, belongs, strict=True)
+    )
+
+
+def _shape_keys(block: bpy.types.Key | None) -> tuple[ShapeKey, ...]:
+    """The artist's keys; if there are any, after the basis with its name."""
+    found = artists_keys(block)
+    if block is None or not found:
+        return ()
+    basis = ShapeKey(block.reference_key.name, np.empty((0, 3)), "", {})
+    return (basis, *(_shape_key(key) for key in found))
+
+
+def _shape_key(key: bpy.types.ShapeKey) -> ShapeKey:
+    values = {name: getattr(key, name) for name in KEY_VALUES if hasattr(key, name)}
+    return ShapeKey(key.name, _points(key) - _points(key.relative_key), key.relative_key.name, values)
+
+
+def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], list[str]]:
+    """The artist's point attributes, and what else there is, in words."""
+    found: dict[str, tuple[str, Points]] = {}
+    others: list[str] = []
+    for attribute in mesh.attributes:
+        name, kind = attribute.name, attribute.data_type
+        if name.startswith((".", keys.PREFIX)) or name in BUILT_IN:
+            continue
+        if attribute.domain == "POINT" and kind in WIDTHS:
+            values = np.empty((len(mesh.vertices), WIDTHS[kind]), np.float32)
+            data: Any = attribute.data
+            data.foreach_get(PROPERTY_OF.get(kind, "color"), values.ravel())
+            found[name] = (kind, values.astype(np.float64))
+        else:
+            others.append(f"the attribute '{name}'")
+    return found, others
+
+
+def has_steps(owner: bpy.types.Key | None) -> bool:
+    """Whether the action of shape keys plays steps of our animation."""
+    animated = owner is not None and owner.animation_data is not None and owner.animation_data.action is not None
+    return animated and any(shape_keys.is_step(curve.data_path) for curve in shape_keys.curves_of(owner))
+
+
+def _give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> None:
+    """Lets new shape keys play what the artist's keys of the old ones do; steps that they play stay."""
+    if old is None or old.animation_data is None:
+        return
+    action = old.animation_data.action
+    curves = list(shape_keys.curves_of(old)) if action is not None else []
+    own = [curve for curve in curves if not shape_keys.is_step(curve.data_path)]
+    animation = new.animation_data or new.animation_data_create()
+    if own and animation.action is not None:
+        _merge(animation.action, new, own)
+    elif own:
+        _take_action(old, new, "" if len(own) == len(curves) else name)
+    for driver in [driver for driver in animation.drivers if not shape_keys.is_step(driver.data_path)]:
+        animation.drivers.remove(driver)
+    for driver in old.animation_data.drivers:
+        made = animation.drivers.from_existing(src_driver=driver)
+        for target in (target for variable in made.driver.variables for target in variable.targets):
+            if target.id == old:
+                target.id = new
+
+
+def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
+    """Gives new shape keys the action of old ones, or if that plays steps too, a copy of that name without them."""
+    action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
+    if copy:
+        action = action.copy()
+        action.name = copy
+    new.animation_data.action = action
+    if slot is not None:
+        new.animation_data.action_slot = next(found for found in action.slots if found.handle == slot.handle)
+    curves = shape_keys.curves_of(new)
+    for curve in [curve for curve in curves if shape_keys.is_step(curve.data_path)]:
+        curves.remove(curve)
+
+
+def _merge(action: bpy.types.Action, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
+    """Replaces what an owner's action does to other properties than steps by copies of F-curves."""
+    there = shape_keys.curves_of(owner)
+    for curve in [curve for curve in there if not shape_keys.is_step(curve.data_path)]:
+        there.remove(curve)
+    for curve in curves:
+        if hasattr(action, "fcurve_ensure_for_datablock"):
+            made = action.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index)
+        else:
+            made = action.fcurves.new(curve.data_path, index=curve.array_index)
+        copy_keyframes(curve, made)
