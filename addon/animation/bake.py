@@ -11,7 +11,6 @@ import numpy as np
 from .. import keys
 from ..errors import UserError
 from ..scene import ownership
-from ..scene.filling import mesh_of, points_of
 from . import shape_keys, stage, timeline, visibility
 
 # What a keyframe consists of: names, numbers per keyframe and their type.
@@ -68,7 +67,7 @@ def bake(collection: bpy.types.Collection) -> bpy.types.Action:
 
 
 def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
-    """Removes the steps, their keyframes and markers; the fine mesh, the cages and other animation stay.
+    """Removes the steps, their keyframes and markers; the fine mesh, the cages, other keys and animation stay.
 
     Raises: UserError.
     """
@@ -76,14 +75,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     stage.leave(collection)
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
-        if obj.data.shape_keys is not None:
-            shape_keys.remove_animation(obj.data.shape_keys)
-            home = np.empty((len(obj.data.vertices), 3), np.float32)
-            obj.data.shape_keys.reference_key.points.foreach_get("co", home.ravel())
-            obj.shape_key_clear()
-            if not np.array_equal(points_of(mesh_of(obj)), home):
-                obj.data.vertices.foreach_set("co", home.ravel())
-            obj.data.update()
+        shape_keys.remove_steps(obj)
         if obj.animation_data is not None and obj.animation_data.action is not None:
             visibility.always_show(obj)
         obj.hide_viewport = obj.hide_render = False

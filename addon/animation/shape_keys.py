@@ -70,6 +70,12 @@ def is_step(path: str) -> bool:
     return found is not None and path.startswith(f'key_blocks["{found[0]}"]')
 
 
+def is_step_shown(obj: bpy.types.Object) -> bool:
+    """Whether the object shows a step on this frame, and not its own shape."""
+    shapes = obj.data.shape_keys
+    return shapes is not None and any(key.value != 0.0 for key in shapes.key_blocks if STEP.fullmatch(key.name))
+
+
 def remove_steps(obj: bpy.types.Object) -> None:
     """Removes the steps that `add_steps` made and their keyframes; the artist's keys stay, and the Basis with them."""
     shapes = obj.data.shape_keys
@@ -87,7 +93,11 @@ def remove_steps(obj: bpy.types.Object) -> None:
         obj.shape_key_remove(key)
     if len(shapes.key_blocks) == 1:
         remove_animation(shapes)
+        home = np.empty((len(obj.data.vertices), 3), np.float32)
+        shapes.reference_key.points.foreach_get("co", home.ravel())
         obj.shape_key_clear()
+        obj.data.vertices.foreach_set("co", home.ravel())
+    obj.data.update()
 
 
 def _rise_and_fall(frames: NDArray[np.float64], first: int, last: int, count: int) -> list[tuple[float, float]]:

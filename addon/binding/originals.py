@@ -58,7 +58,9 @@ def follow(
             f"'{source.name}'"
         )
     # In the drawing's own space, so that copies and instances show the same where they are.
-    shown = fine if fine.parent == source and fine.matrix_local == Matrix() else deform_modifiers.surface_of(source, fine)
+    shown = (
+        fine if fine.parent == source and fine.matrix_local == Matrix() else deform_modifiers.surface_of(source, fine)
+    )
     flat = source.type == "FONT" or (source.type == "CURVE" and source.data.dimensions == "2D")
     if flat and source.data.fill_mode != "NONE":
         modifier = node_groups.add(source, node_groups.AREA, Object=shown, Material=source.active_material)

@@ -12,10 +12,10 @@ from .. import keys
 from ..animation import shape_keys
 from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
-from ..scene import display
-from ..scene.filling import mesh_of
 from ..rigging.pose import Placement
 from ..rigging.rig import has_steps
+from ..scene import display
+from ..scene.filling import mesh_of
 from ..scene.ownership import members
 
 
@@ -118,7 +118,9 @@ class _Member:
         self.name, self.mesh = obj.name, mesh_of(obj)
         self.placement, self.slots = Placement.of(obj), [(slot.link, slot.material) for slot in obj.material_slots]
         self.hooks = [(hook, tuple(hook.vertex_indices)) for hook in obj.modifiers if _is_numbered(hook)]
-        self.children = [(child, tuple(child.parent_vertices)) for child in obj.children if "VERTEX" in child.parent_type]
+        self.children = [
+            (child, tuple(child.parent_vertices)) for child in obj.children if "VERTEX" in child.parent_type
+        ]
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
         self.properties = _properties(obj)
         self.thickness = {name: display.thickness_of(obj, name) for name in display.THICKNESSES}

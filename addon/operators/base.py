@@ -119,7 +119,7 @@ class JobOperator(Reporting):
         job = self._job
         if job is None:
             return {"CANCELLED"}
-        if job.cancelled or (event.type == "ESC" and event.value == "PRESS"):
+        if job.cancelled or _asks_to_cancel(context, event):
             self.cancel(context)
             self.report({"INFO"}, "Nested Cages: cancelled, nothing was changed")
             return {"CANCELLED"}
@@ -158,7 +158,7 @@ class JobOperator(Reporting):
         """Progress in the status bar, and in the panel by drawing it again."""
         assert self._job is not None
         context.workspace.status_text_set(
-            f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc: cancel"
+            f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc over the 3D view: cancel"
         )
         redraw(context)
 
@@ -195,6 +195,15 @@ class DialogJobOperator(JobOperator):
                 options[key] = [{"name": item.name} for item in value]
         again("INVOKE_DEFAULT", **{**options, "answered": True})
         return {"CANCELLED"}  # this one has changed nothing: the other is undone and repeated
+
+
+def _asks_to_cancel(context: bpy.types.Context, event: bpy.types.Event) -> bool:
+    """Whether Escape was pressed over a 3D view or its panels; elsewhere, and while text is typed, it means others."""
+    if event.type != "ESC" or event.value != "PRESS" or context.mode == "EDIT_TEXT":
+        return False
+    areas = [area for area in context.window.screen.areas if area.type == "VIEW_3D"]
+    x, y = event.mouse_x, event.mouse_y
+    return any(0 <= x - area.x < area.width and 0 <= y - area.y < area.height for area in areas)
 
 
 def redraw(context: bpy.types.Context) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
 from .. import keys
-from ..animation import bake
+from ..animation import bake, shape_keys
 from ..errors import UserError
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
@@ -48,25 +49,48 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         objects, scene = _nested(context, self.whole), scene_of(context)
+        original = _original(context, objects)
+        checked = objects if original is None else [*objects, original]
         if self.whole:
             _check_not_stepping(scene, objects)
             with same_frame(scene):
-                findings = yield from check_animation(context, objects)
-                at_fault = _select_faults(context, objects, findings)
+                findings = yield from check_animation(context, objects, original)
+                at_fault = _select_faults(context, checked, findings)
         else:
-            findings = check(context, objects)
-            at_fault = _select_faults(context, objects, findings)
+            findings = check(context, objects, original)
+            at_fault = _select_faults(context, checked, findings)
+        # The status bar shows, and the cage keeps, the last one: what does not hold.
+        findings.sort(key=lambda finding: not finding.holds)
         for finding in findings:
             cage = next(obj for obj in objects if obj.name == finding.cage)
             if ownership.level_of(cage) is not None:
                 keys.store(cage, {keys.CHECK: _verdict(finding), keys.FINDING: finding.sentence})
-        reports = dict.fromkeys((finding.holds, finding.sentence) for finding in findings)
-        for holds, sentence in sorted(reports, key=lambda found: not found[0]):
-            # The status bar shows the last one: what does not hold.
+        shown = [found for found in findings if not found.holds or original is None or found.fine != original.name]
+        for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault:
             select(context, *reversed(at_fault))
         return {"FINISHED"}
+
+
+def _original(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> bpy.types.Object | None:
+    """The drawing whose copy is the first of the objects, if it is seen too: not while the animation plays on the copy
+    alone, nor where it cannot follow exactly.
+    """
+    fine = objects[0]
+    collection = ownership.collection_about(scene_of(context), fine) if ownership.level_of(fine) == 0 else None
+    source = ownership.source_of(collection) if collection is not None else None
+    if collection is None or source is None or source in objects or not source.visible_get():
+        return None
+    if ownership.is_bound(collection):
+        if source.get(keys.FOLLOWS) != collection or any(m.type == "MESH_DEFORM" for m in source.modifiers):
+            return None
+    elif any(shape_keys.is_step_shown(obj) for obj in objects):
+        return None
+    with suppress(UserError):
+        convert.read(context, source)
+        return source
+    return None
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:

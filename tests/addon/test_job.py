@@ -113,6 +113,12 @@ class Event(SimpleNamespace):
     """What Blender tells a modal operator."""
 
 
+# A 3D view beside a text editor.
+AREAS = [
+    SimpleNamespace(type=kind, x=x, y=100, width=300, height=200) for kind, x in (("VIEW_3D", 0), ("TEXT_EDITOR", 300))
+]
+
+
 @pytest.fixture
 def modal(addon, monkeypatch):
     """Operators as Blender invokes them in a window: their methods on a stand-in, with the window's parts noted."""
@@ -134,7 +140,7 @@ def modal(addon, monkeypatch):
         "temp_override",
     )
     context = SimpleNamespace(
-        window="window",
+        window=SimpleNamespace(screen=SimpleNamespace(areas=AREAS)),
         window_manager=window,
         workspace=workspace,
         space_data=None,
@@ -165,7 +171,23 @@ def on_selection(modal):
     return modal.context
 
 
-TIMER, ESCAPE, OTHER = (Event(type=kind, value="PRESS") for kind in ("TIMER", "ESC", "A"))
+TIMER, ESCAPE, OTHER = (Event(type=kind, value="PRESS", mouse_x=150, mouse_y=150) for kind in ("TIMER", "ESC", "A"))
+
+
+def test_escape_cancels_where_it_is_meant(addon, modal) -> None:
+    poly_curve("Drawing", [star()])
+    operator, context = modal.operator, on_selection(modal)
+    operator.invoke(context, None)
+    for x, y in ((450, 150), (150, 50), (-10, 150)):
+        elsewhere = Event(type="ESC", value="PRESS", mouse_x=x, mouse_y=y)
+        assert operator.modal(context, elsewhere) == {"PASS_THROUGH"}
+    assert operator.modal(context, Event(**vars(ESCAPE) | {"value": "RELEASE"})) == {"PASS_THROUGH"}
+    context.mode = "EDIT_TEXT"
+    assert operator.modal(context, ESCAPE) == {"PASS_THROUGH"}
+    assert addon.generation.job.running() is operator._job
+    context.mode = "OBJECT"
+    assert operator.modal(context, ESCAPE) == {"CANCELLED"}
+    assert addon.generation.job.running() is None
 
 
 def test_in_a_window_it_works_on_ticks_and_lets_other_events_through(addon, modal) -> None:
