@@ -47,6 +47,7 @@ ADDON_ROOMS = (
     "keys",
     "scene",
     "animation",
+    "rigging",
     "generation",
     "binding",
     "io",

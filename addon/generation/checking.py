@@ -34,26 +34,25 @@ class Finding:
 
 
 def check(
-    context: bpy.types.Context, objects: Sequence[bpy.types.Object], original: bpy.types.Object | None = None
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], originals: Sequence[bpy.types.Object] = ()
 ) -> list[Finding]:
     """Checks each object against the one before it, as evaluated on the current frame, and the second one also against
-    the drawing that the first one is a copy of, if given: that finding comes first. Raises: UserError.
+    the drawings that the first one is a copy of: these findings come first. Raises: UserError.
     """
     outlines = [read(context, obj) for obj in objects]
     frame = fine_drawing(outlines[0]).frame
     drawings = [drawing_in(frame, outline) for outline in outlines]
     pairs = list(zip(outlines[:-1], drawings[:-1], outlines[1:], drawings[1:], strict=True))
-    if original is not None:
-        seen = read(context, original)
-        pairs.insert(0, (seen, drawing_in(frame, seen), outlines[1], drawings[1]))
-    return [_finding(*pair, context.scene.frame_current) for pair in pairs]
+    seen = [read(context, original) for original in originals]
+    first = [(outline, drawing_in(frame, outline), outlines[1], drawings[1]) for outline in seen]
+    return [_finding(*pair, context.scene.frame_current) for pair in (*first, *pairs)]
 
 
 def check_animation(
-    context: bpy.types.Context, objects: Sequence[bpy.types.Object], original: bpy.types.Object | None = None
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], originals: Sequence[bpy.types.Object] = ()
 ) -> Work[list[Finding]]:
-    """Checks the same on the scene's frames from its first to its last, up to the first with a fault, which then is the current
-    one. Raises: UserError, with the frame.
+    """Checks the same on the scene's frames from its first to its last, up to the first with a fault, which then is the
+    current one. Raises: UserError, with the frame.
     """
     scene = context.scene
     first, last = scene.frame_start, scene.frame_end
@@ -62,7 +61,7 @@ def check_animation(
         yield Progress((frame - first) / (last + 1 - first), "checking frames")
         scene.frame_set(frame)
         try:
-            found = check(context, objects, original)
+            found = check(context, objects, originals)
         except UserError as error:
             raise UserError(f"Frame {frame}: {error}") from error
         if not all(finding.holds for finding in found):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 
 import bpy
 import numpy as np
@@ -49,15 +48,15 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         objects, scene = _nested(context, self.whole), scene_of(context)
-        original = _original(context, objects)
-        checked = objects if original is None else [*objects, original]
+        originals = _originals(context, objects)
+        checked = [*objects, *originals]
         if self.whole:
             _check_not_stepping(scene, objects)
             with same_frame(scene):
-                findings = yield from check_animation(context, objects, original)
+                findings = yield from check_animation(context, objects, originals)
                 at_fault = _select_faults(context, checked, findings)
         else:
-            findings = check(context, objects, original)
+            findings = check(context, objects, originals)
             at_fault = _select_faults(context, checked, findings)
         # The status bar shows, and the cage keeps, the last one: what does not hold.
         findings.sort(key=lambda finding: not finding.holds)
@@ -65,7 +64,8 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             cage = next(obj for obj in objects if obj.name == finding.cage)
             if ownership.level_of(cage) is not None:
                 keys.store(cage, {keys.CHECK: _verdict(finding), keys.FINDING: finding.sentence})
-        shown = [found for found in findings if not found.holds or original is None or found.fine != original.name]
+        names = [original.name for original in originals]
+        shown = [found for found in findings if not found.holds or found.fine not in names]
         for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault:
@@ -73,24 +73,36 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _original(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> bpy.types.Object | None:
-    """The drawing whose copy is the first of the objects, if it is seen too: not while the animation plays on the copy
-    alone, nor where it cannot follow exactly.
+def _originals(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """The drawings whose copy is the first of the objects, if they are seen too: not while the animation plays on the
+    copy alone, nor where they cannot follow exactly.
     """
     fine = objects[0]
     collection = ownership.collection_about(scene_of(context), fine) if ownership.level_of(fine) == 0 else None
-    source = ownership.source_of(collection) if collection is not None else None
-    if collection is None or source is None or source in objects or not source.visible_get():
-        return None
-    if ownership.is_bound(collection):
-        if source.get(keys.FOLLOWS) != collection or any(m.type == "MESH_DEFORM" for m in source.modifiers):
-            return None
-    elif any(shape_keys.is_step_shown(obj) for obj in objects):
-        return None
-    with suppress(UserError):
-        convert.read(context, source)
-        return source
-    return None
+    if collection is None or any(
+        shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None
+    ):
+        return []
+    bound = ownership.is_bound(collection)
+    return [
+        original
+        for original in ownership.originals(collection)
+        if original not in objects and original.visible_get() and _is_readable(context, original)
+        if not bound or (original.get(keys.FOLLOWS) == collection and not _is_in_prism(original))
+    ]
+
+
+def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    try:
+        convert.read(context, obj)
+    except UserError:
+        return False
+    return True
+
+
+def _is_in_prism(obj: bpy.types.Object) -> bool:
+    """Whether an object follows its cage to a few per cent only."""
+    return any(modifier.type == "MESH_DEFORM" for modifier in obj.modifiers)
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:

@@ -22,7 +22,7 @@ CHUNK = 2_000_000
 
 @dataclass(frozen=True)
 class OutlineMap:
-    """For each new vertex, the ends (m,) of the edge of the old outline that it lies on, and how far along, in [0, 1]."""
+    """For each new vertex, the ends (m,) of the edge of the old outline that it lies on, and how far along it is."""
 
     first: Indices
     second: Indices

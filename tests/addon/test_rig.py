@@ -1,0 +1,344 @@
+"""What artists make on cages outlives new cages, binding and unbinding; cages go where their drawing goes."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+
+from drawings import at_frame, bezier_circle, circle, evaluated, in_world, poly_curve, snapshot, star, text, wire
+
+GROUP = "Right"
+
+
+def generate(source, levels="24, 12", **values):
+    """Generates from an object alone; returns its fine mesh and cages."""
+    activate(source)
+    assert bpy.ops.object.nested_cages_generate(levels=levels, **values) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    return levels_of(source)
+
+
+def levels_of(source):
+    collection = next(c for c in bpy.data.collections if c.get("nested_cages_source") == source)
+    found = {obj["nested_cages_level"]: obj for obj in collection.objects if "nested_cages_level" in obj}
+    return [found[level] for level in sorted(found)]
+
+
+def activate(obj):
+    for other in bpy.data.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+
+
+def base(obj):
+    points = np.empty((len(obj.data.vertices), 3), np.float32)
+    keys = obj.data.shape_keys
+    (keys.reference_key.points if keys else obj.data.vertices).foreach_get("co", points.ravel())
+    return points
+
+
+def paint(obj, name=GROUP):
+    """A vertex group that goes from 0 on the left to 1 on the right."""
+    group = obj.vertex_groups.new(name=name)
+    for index, weight in enumerate(ramp(base(obj))):
+        group.add([index], weight, "REPLACE")
+    return group
+
+
+def ramp(points):
+    return np.clip(0.5 + points[:, 0] / 6.0, 0.0, 1.0)
+
+
+def weights(obj, name=GROUP):
+    index = obj.vertex_groups[name].index
+    return np.array([next((e.weight for e in v.groups if e.group == index), 0.0) for v in obj.data.vertices])
+
+
+def add_key(obj, name, stretch):
+    """A shape key that stretches along x, keyed from 0 on frame 1 to 1 on frame 11."""
+    if obj.data.shape_keys is None:
+        obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name=name, from_mix=False)
+    key.points.foreach_set("co", (base(obj) * (stretch, 1.0, 1.0)).astype(np.float32).ravel())
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    return key
+
+
+def offsets(obj, name):
+    key = obj.data.shape_keys.key_blocks[name]
+    points = np.empty((len(key.points), 3), np.float32)
+    key.points.foreach_get("co", points.ravel())
+    return points - base(obj)
+
+
+def keyed(obj, name):
+    """The value of a shape key on frames 1, 6 and 11."""
+    found = []
+    for frame in (1, 6, 11):
+        bpy.context.scene.frame_set(frame)
+        found.append(obj.data.shape_keys.key_blocks[name].value)
+    return found
+
+
+def rigged(obj):
+    """An object with something of everything that an artist may put on it."""
+    paint(obj)
+    obj.vertex_groups.new(name="Locked").lock_weight = True
+    add_key(obj, "Wide", 1.5)
+    bone = bpy.data.armatures.new("Bones")
+    rig = bpy.data.objects.new("Armature", bone)
+    bpy.context.scene.collection.objects.link(rig)
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    obj.data.materials.append(bpy.data.materials.new("Ink"))
+    obj["mood"], obj.data["tone"] = "calm", 3
+    obj.constraints.new("LIMIT_SCALE").name = "Limit"
+    driver = obj.driver_add("color", 0).driver
+    driver.expression = "0.25"
+    tint = obj.data.attributes.new("tint", "FLOAT", "POINT")
+    tint.data.foreach_set("value", ramp(base(obj)))
+    return obj
+
+
+def assert_rigged(obj, exact=False):
+    error = 1e-6 if exact else 0.12
+    assert [group.name for group in obj.vertex_groups] == [GROUP, "Locked"]
+    assert obj.vertex_groups["Locked"].lock_weight
+    assert np.abs(weights(obj) - ramp(base(obj))).max() < error
+    assert np.abs(offsets(obj, "Wide") - base(obj) * (0.5, 0.0, 0.0)).max() < 4 * error
+    assert keyed(obj, "Wide") == [0.0, 0.5, 1.0]
+    assert obj.modifiers["Armature"].object.name == "Armature"
+    assert [slot.material.name for slot in obj.material_slots] == ["Ink"]
+    assert obj["mood"] == "calm" and obj.data["tone"] == 3
+    assert "Limit" in obj.constraints
+    assert [curve.data_path for curve in obj.animation_data.drivers] == ["color"]
+    tint = np.empty(len(obj.data.vertices), np.float32)
+    obj.data.attributes["tint"].data.foreach_get("value", tint)
+    assert np.abs(tint - ramp(base(obj))).max() < error
+
+
+def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
+    source = poly_curve("Drawing", [star() * 2.0])
+    cage = rigged(generate(source)[-1])
+    assert_rigged(cage, exact=True)
+    bpy.ops.object.nested_cages_bind()
+    assert_rigged(cage, exact=True)
+    bpy.ops.object.nested_cages_rebind()
+    assert_rigged(cage, exact=True)
+    assert generate(source, "24, 16")[-1] == cage and len(cage.data.vertices) == 16
+    assert_rigged(cage)
+    bpy.ops.object.nested_cages_unbind()
+    assert_rigged(cage)
+    assert generate(source, "30, 14")[-1] == cage
+    assert_rigged(cage)
+    steps = [key.name for key in cage.data.shape_keys.key_blocks if key.name.startswith("Level")]
+    assert steps, "the new cage plays too"
+    bpy.ops.object.nested_cages_remove_animation()
+    assert_rigged(cage)
+    assert [key.name for key in cage.data.shape_keys.key_blocks] == ["Basis", "Wide"]
+
+
+def test_what_was_made_while_bound_stays_when_unbound() -> None:
+    source = poly_curve("Drawing", [star() * 2.0])
+    cage = generate(source)[-1]
+    bpy.ops.object.nested_cages_bind()
+    rigged(cage)
+    cage.keyframe_insert("location", frame=3)
+    bpy.ops.object.nested_cages_unbind()
+    assert_rigged(cage, exact=True)
+    curves = (
+        {curve.data_path for curve in cage.animation_data.action.layers[0].strips[0].channelbags[0].fcurves}
+        if hasattr(cage.animation_data.action, "layers")
+        else {curve.data_path for curve in cage.animation_data.action.fcurves}
+    )
+    assert {"location", "hide_viewport"} <= curves
+
+
+def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
+    source = poly_curve("Drawing", [star() * 2.0])
+    cage = generate(source, "12")[-1]
+    bpy.ops.object.nested_cages_bind()
+    rest = evaluated(source)
+    bent = base(cage)
+    bent[:, 1] += 0.2 * bent[:, 0]
+    cage.data.vertices.foreach_set("co", bent.ravel())
+    cage.location.x = 0.7
+    posed = evaluated(source)
+    assert np.abs(posed - rest).max() > 0.5
+    generate(source, "16")
+    assert bpy.ops.object.nested_cages_unbind.poll()
+    assert cage.location.x == pytest.approx(0.7)
+    assert np.abs(evaluated(source) - posed).max() < 0.12
+    generate(source, "16")
+    again = evaluated(source)
+    generate(source, "16")
+    assert np.abs(evaluated(source) - again).max() < 1e-5
+
+
+def test_a_level_that_is_no_more_is_kept_if_an_artist_worked_on_it() -> None:
+    source = poly_curve("Drawing", [star() * 2.0])
+    _, _, cage = generate(source)
+    paint(cage)
+    assert len(generate(source, "16")) == 2
+    assert cage.name in bpy.data.objects and not [key for key in cage.keys() if key.startswith("nested_cages")]  # noqa: SIM118
+    assert np.abs(weights(cage) - ramp(base(cage))).max() < 1e-6
+    generate(source, "24, 12")
+    generate(source, "16")
+    assert len(levels_of(source)) == 2
+
+
+def test_hooks_and_vertex_parents_name_the_nearest_new_vertices() -> None:
+    source = poly_curve("Drawing", [circle(60) * 2.0])
+    cage = generate(source, "12")[-1]
+    right = int(np.argmax(base(cage)[:, 0]))
+    place = base(cage)[right].copy()
+    cage.modifiers.new("Handle", "HOOK").vertex_indices_set([right])
+    child = bpy.data.objects.new("Bead", None)
+    bpy.context.scene.collection.objects.link(child)
+    child.parent, child.parent_type, child.parent_vertices = cage, "VERTEX", (right, 0, 0)
+    generate(source, "30")
+    (index,) = cage.modifiers["Handle"].vertex_indices
+    assert index == child.parent_vertices[0]
+    assert np.linalg.norm(base(cage)[index] - place) < 0.3
+
+
+def test_what_cannot_be_carried_over_is_named(addon, monkeypatch) -> None:
+    source = poly_curve("Drawing", [star() * 2.0])
+    cage = generate(source, "12")[-1]
+    cage.data.attributes.new("crease", "FLOAT", "EDGE")
+    said = []
+    generator = next(c for c in addon.operators.CLASSES if c.bl_idname == "object.nested_cages_generate")
+    told = generator._write
+    rollback = addon.generation.rollback.Rollback
+    finish = rollback.finish
+    monkeypatch.setattr(rollback, "finish", lambda self: said.extend(lost := finish(self)) or lost)
+    assert told is not None
+    generate(source, "14")
+    assert said == [f"'{cage.name}': the attribute 'crease' could not be kept"]
+
+
+def test_work_is_back_after_a_failure(addon, monkeypatch) -> None:
+    source = poly_curve("Drawing", [star() * 2.0])
+    cage = rigged(generate(source)[-1])
+    bpy.context.scene.frame_set(11)
+    before = snapshot()
+
+    def fails(*_) -> None:
+        raise RuntimeError("Injected")
+
+    monkeypatch.setattr(addon.generation.output.timeline, "extend_scene", fails)
+    activate(source)
+    with pytest.raises(RuntimeError, match="Injected"):
+        bpy.ops.object.nested_cages_generate(levels="20, 10")
+    monkeypatch.undo()
+    bpy.context.view_layer.update()
+    after = snapshot()
+    for kind in ("objects", "meshes", "actions", "shape_keys", "matrices", "properties"):
+        assert after[kind] == before[kind], kind
+    assert_rigged(cage, exact=True)
+
+
+DRAWINGS = {
+    "curve": lambda: poly_curve("Drawing", [star() * 2.0]),
+    "mesh": lambda: wire("Drawing", [star() * 2.0]),
+    "text": lambda: text("Drawing", "o"),
+    "stretched": lambda: stretched(),
+}
+
+
+def stretched():
+    """A drawing whose own space cannot be the cages'."""
+    source = poly_curve("Drawing", [star() * 2.0])
+    source.scale = (1.5, 0.75, 1.0)
+    return source
+
+
+def world(obj):
+    return in_world(obj, evaluated(obj))
+
+
+@pytest.mark.parametrize("kind", DRAWINGS)
+def test_a_bound_drawing_goes_with_its_cages(kind) -> None:
+    source = DRAWINGS[kind]()
+    bpy.context.view_layer.update()
+    *_, cage = generate(source, "12")
+    bpy.ops.object.nested_cages_bind()
+    moved = base(cage)
+    moved[:, 0] += 0.1 * moved[:, 1]
+    cage.data.vertices.foreach_set("co", moved.ravel())
+    cage.data.update()
+    before, around = world(source), world(cage)
+    source.location.y += 4.0
+    bpy.context.view_layer.update()
+    for obj, places in ((source, before), (cage, around)):
+        assert np.abs(world(obj) - places - (0.0, 4.0, 0.0)).max() < 1e-5
+    root = bpy.data.objects.new("Root", None)
+    bpy.context.scene.collection.objects.link(root)
+    source.parent = root
+    root.matrix_world = Matrix.Translation((1.0, 0.0, 2.0)) @ Matrix.Rotation(0.5, 4, "Z")
+    bpy.context.view_layer.update()
+    turn = np.array(root.matrix_world)
+    for obj, places in ((source, before), (cage, around)):
+        expected = (places + (0.0, 4.0, 0.0)) @ turn[:3, :3].T + turn[:3, 3]
+        assert np.abs(world(obj) - expected).max() < 2e-5
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds")
+
+
+@pytest.mark.parametrize("linked", [False, True])
+@pytest.mark.parametrize("kind", DRAWINGS)
+def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> None:
+    source = DRAWINGS[kind]()
+    bpy.context.view_layer.update()
+    *_, cage = generate(source, "12")
+    bpy.ops.object.nested_cages_bind()
+    cage.location.x += 0.25
+    cage.data.vertices[2].co.x += 0.1
+    cage.data.update()
+    activate(source)
+    bpy.ops.object.duplicate(linked=linked)
+    copy = bpy.context.view_layer.objects.active
+    copy.location.y += 4.0
+    bpy.context.view_layer.update()
+    assert copy != source
+    assert np.abs(world(copy) - world(source) - (0.0, 4.0, 0.0)).max() < 1e-5
+
+
+def test_cages_are_in_the_collection_of_their_drawing() -> None:
+    source = poly_curve("Drawing", [star()])
+    character = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(character)
+    character.objects.link(source)
+    bpy.context.scene.collection.objects.unlink(source)
+    generate(source, "12")
+    assert [child.name for child in character.children] == ["Drawing Cages"]
+
+
+@pytest.mark.parametrize("draw", [lambda: poly_curve("Drawing", [star()]), lambda: bezier_circle("Drawing")])
+def test_cages_of_a_keyed_drawing_stand_where_it_is(draw) -> None:
+    source = draw()
+    for frame, x in ((1, 0.0), (101, 3.0)):
+        source.location.x = x
+        source.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    fine, cage = generate(source, "12", show_result=True)
+    assert bpy.context.scene.frame_current > 1
+    for frame in (bpy.context.scene.frame_current, 60, 101):
+        bpy.context.scene.frame_set(frame)
+        assert cage.matrix_world == source.matrix_world == fine.matrix_world
+
+
+def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
+    source = wire("Drawing", [star()])
+    _, cage = generate(source, "12")
+    activate(source)
+    bpy.ops.object.nested_cages_verify()
+    assert cage["nested_cages_check"].startswith("Holds")
+    source.data.vertices[0].co.x += 2.0
+    bpy.ops.object.nested_cages_verify()
+    assert cage["nested_cages_check"].startswith("Broken")
+    assert "does not enclose 'Drawing'" in cage["nested_cages_finding"]
+    assert source.data.vertices[0].select
