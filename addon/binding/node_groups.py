@@ -288,5 +288,5 @@ BUILDERS: dict[str, Callable[[Tree], None]] = {
 
 def following() -> list[Tree]:
     """The node groups of the file by which originals follow."""
-    found = (bpy.data.node_groups.get(name) for name in (CURVES, AREA, COORDINATES_IN_PLACE))
-    return [tree for tree in found if tree is not None]
+    names = (CURVES, AREA, COORDINATES_IN_PLACE)
+    return [tree for tree in bpy.data.node_groups if tree.name in names]

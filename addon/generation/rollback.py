@@ -13,7 +13,7 @@ from ..animation import shape_keys
 from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..rigging.pose import Placement
-from ..rigging.rig import has_steps
+from ..rigging.rig import has_steps, hooks_of
 from ..scene import display
 from ..scene.filling import mesh_of
 from ..scene.ownership import members
@@ -117,7 +117,7 @@ class _Member:
         obj = self.obj
         self.name, self.mesh = obj.name, mesh_of(obj)
         self.placement, self.slots = Placement.of(obj), [(slot.link, slot.material) for slot in obj.material_slots]
-        self.hooks = [(hook, tuple(hook.vertex_indices)) for hook in obj.modifiers if _is_numbered(hook)]
+        self.hooks = [(hook, tuple(hook.vertex_indices)) for hook in hooks_of(obj)]
         self.children = [
             (child, tuple(child.parent_vertices)) for child in obj.children if "VERTEX" in child.parent_type
         ]
@@ -145,11 +145,6 @@ class _Member:
             if thickness or not any(self.thickness.values()):
                 display.set_thickness(obj, thickness, name)
         _set_properties(obj, self.properties)
-
-
-def _is_numbered(modifier: bpy.types.Modifier) -> bool:
-    """Whether a modifier is a hook that knows its vertices by their numbers."""
-    return isinstance(modifier, bpy.types.HookModifier) and len(modifier.vertex_indices) > 0
 
 
 def _everything() -> Iterator[bpy.types.ID]:

@@ -99,7 +99,9 @@ class Pose:
 
 def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:
     """Moves the vertices of a mesh, and its shape keys with them, by offsets (n, 3)."""
-    for block in (mesh.vertices, *(key.points for key in (mesh.shape_keys.key_blocks if mesh.shape_keys else ()))):
+    shapes: Any = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
+    blocks: tuple[Any, ...] = (mesh.vertices, *(key.points for key in shapes))
+    for block in blocks:
         places = np.empty((len(offsets), 3), np.float32)
         block.foreach_get("co", places.ravel())
         block.foreach_set("co", (places + offsets).astype(np.float32).ravel())

@@ -110,7 +110,8 @@ class Rig:
         self._give_groups(obj, places)
         self._give_slots(obj)
         for name, (kind, values) in self.attributes.items():
-            attribute: Any = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
+            known: Any = mesh.attributes
+            attribute = known.get(name) or known.new(name, kind, "POINT")
             attribute.data.foreach_set(PROPERTY_OF.get(kind, "color"), places.of(values).astype(np.float32).ravel())
         keys.store(mesh, self.properties)
         self._give_keys(obj, places)
@@ -144,17 +145,18 @@ class Rig:
                 slot.material = own
 
     def _give_keys(self, obj: bpy.types.Object, places: OutlineMap) -> None:
-        block = obj.data.shape_keys
-        for key in artists_keys(block):
+        for key in artists_keys(obj.data.shape_keys):
             obj.shape_key_remove(key)
         if not self.keys:
             return
         shape_keys.add_basis(obj)
-        block = obj.data.shape_keys
+        block: Any = obj.data.shape_keys
         block.use_relative = True
         basis = _points(block.reference_key)
         block.reference_key.name = next((key.name for key in self.keys if not len(key.offsets)), "Basis")
-        made = {key.name: obj.shape_key_add(name=key.name, from_mix=False) for key in self.keys if len(key.offsets)}
+        made: dict[str, Any] = {
+            key.name: obj.shape_key_add(name=key.name, from_mix=False) for key in self.keys if len(key.offsets)
+        }
         known = {key.name: key for key in self.keys}
 
         def shape(name: str, seen: tuple[str, ...] = ()) -> Points:
@@ -175,10 +177,9 @@ class Rig:
     def _renumber(self, obj: bpy.types.Object, places: OutlineMap) -> None:
         """Lets hooks and children that name vertices by their numbers name the nearest new ones."""
         points, count = self.outline.points, len(self.outline.points)
-        for modifier in obj.modifiers:
-            if isinstance(modifier, bpy.types.HookModifier) and len(modifier.vertex_indices):
-                old = [index for index in modifier.vertex_indices if index < count]
-                modifier.vertex_indices_set(sorted({places.nearest(points, index) for index in old}))
+        for hook in hooks_of(obj):
+            old = [index for index in hook.vertex_indices if index < count]
+            hook.vertex_indices_set(sorted({places.nearest(points, index) for index in old}))
         for child in obj.children:
             if child.parent_type in {"VERTEX", "VERTEX_3"}:
                 old = [index for index in child.parent_vertices if index < count]
@@ -191,6 +192,12 @@ def is_rigged(obj: bpy.types.Object) -> bool:
     children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
     animated = obj.animation_data is not None and obj.animation_data.action is not None
     return bool(not Rig.of(obj).blank or len(obj.constraints) or modifiers or children or animated)
+
+
+def hooks_of(obj: bpy.types.Object) -> list[bpy.types.HookModifier]:
+    """The hooks of an object that know its vertices by their numbers."""
+    hooks = [modifier for modifier in obj.modifiers if isinstance(modifier, bpy.types.HookModifier)]
+    return [hook for hook in hooks if len(hook.vertex_indices)]
 
 
 def rest_points(mesh: bpy.types.Mesh) -> Points:
@@ -248,14 +255,14 @@ def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], li
     """The artist's point attributes, and what else there is, in words."""
     found: dict[str, tuple[str, Points]] = {}
     others: list[str] = []
-    for attribute in mesh.attributes:
+    attributes: Any = mesh.attributes
+    for attribute in attributes:
         name, kind = attribute.name, attribute.data_type
         if name.startswith((".", keys.PREFIX)) or name in BUILT_IN:
             continue
         if attribute.domain == "POINT" and kind in WIDTHS:
             values = np.empty((len(mesh.vertices), WIDTHS[kind]), np.float32)
-            data: Any = attribute.data
-            data.foreach_get(PROPERTY_OF.get(kind, "color"), values.ravel())
+            attribute.data.foreach_get(PROPERTY_OF.get(kind, "color"), values.ravel())
             found[name] = (kind, values.astype(np.float64))
         else:
             others.append(f"the attribute '{name}'")
@@ -303,7 +310,7 @@ def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
         curves.remove(curve)
 
 
-def _merge(action: bpy.types.Action, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
+def _merge(action: Any, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
     """Replaces what an owner's action does to other properties than steps by copies of F-curves."""
     there = shape_keys.curves_of(owner)
     for curve in [curve for curve in there if not shape_keys.is_step(curve.data_path)]:
