@@ -75,6 +75,9 @@ HEIGHT = "nested_cages_height"
 REST = "nested_cages_rest"
 EDIT = "nested_cages_edit"
 WEIGHT = "nested_cages_weight_"
+# Attributes of strokes. A point: the number of the vertex that it follows, from 1 on, and its distance from that.
+FOLLOWED = "nested_cages_followed"
+OFFSET = "nested_cages_offset"
 
 # Property of GeoJSON features with y pointing down.
 Y_DOWN = "nested_cages_y_down"

@@ -228,6 +228,27 @@ def _vector(tree: Tree, operation: str, *values: Socket) -> Socket:
     return next(socket for socket in node.outputs if socket.enabled)
 
 
+def _strokes(tree: Tree) -> None:
+    """Puts each point of a stroke where the vertex of the object that it follows is."""
+    start, end, source = _object(tree, "ORIGINAL")
+    place, pick = display.new_node(tree, "GeometryNodeInputPosition"), display.new_node(tree, "GeometryNodeSampleIndex")
+    before, move = display.new_node(tree, "ShaderNodeMath"), display.new_node(tree, "GeometryNodeSetPosition")
+    pick.data_type, pick.domain = "FLOAT_VECTOR", "POINT"
+    before.operation = "SUBTRACT"
+    before.inputs[1].default_value = 1.0
+    followed = _attribute(tree, keys.FOLLOWED, "INT")
+    sockets = {socket.name: socket for socket in pick.inputs if socket.enabled}
+    tree.links.new(source.outputs["Geometry"], sockets["Geometry"])
+    tree.links.new(place.outputs[0], sockets["Value"])
+    tree.links.new(followed, before.inputs[0])
+    tree.links.new(before.outputs[0], sockets["Index"])
+    tree.links.new(start.outputs["Geometry"], move.inputs["Geometry"])
+    tree.links.new(followed, move.inputs["Selection"])
+    tree.links.new(next(s for s in pick.outputs if s.enabled), move.inputs["Position"])
+    tree.links.new(_attribute(tree, keys.OFFSET, "FLOAT_VECTOR"), move.inputs["Offset"])
+    tree.links.new(move.outputs[0], end.inputs[0])
+
+
 def _outline(tree: Tree, space: str) -> tuple[Node, Socket]:
     """Group output, and the outline of the object as curves: its edges with at most one face."""
     _, end, source = _object(tree, space)
@@ -273,6 +294,7 @@ WHOLE, COORDINATES = "Nested Cages Surface", "Nested Cages Coordinates"
 # The same for what is in the object's own space, wherever either object is.
 COORDINATES_IN_PLACE = "Nested Cages Coordinates in Place"
 CURVES, EDGES, AREA = "Nested Cages Follow as Curves", "Nested Cages Follow as Edges", "Nested Cages Follow Filled"
+STROKES = "Nested Cages Follow as Strokes"
 BUILDERS: dict[str, Callable[[Tree], None]] = {
     REMEMBER: _remember,
     ADD_EDITS: _add_edits,
@@ -283,10 +305,11 @@ BUILDERS: dict[str, Callable[[Tree], None]] = {
     CURVES: _curves,
     EDGES: _edges,
     AREA: _area,
+    STROKES: _strokes,
 }
 
 
 def following() -> list[Tree]:
     """The node groups of the file by which originals follow."""
-    names = (CURVES, AREA, COORDINATES_IN_PLACE)
+    names = (CURVES, AREA, STROKES, COORDINATES_IN_PLACE)
     return [tree for tree in bpy.data.node_groups if tree.name in names]

@@ -11,7 +11,7 @@ from mathutils import Matrix
 from .. import keys
 from ..errors import UserError
 from ..scene import convert, display, ownership
-from . import deform_modifiers, node_groups, weights
+from . import deform_modifiers, node_groups, strokes, weights
 
 ORIGINAL_MODIFIER = "Nested Cages Follow"
 
@@ -52,20 +52,27 @@ def follow(
         if kind == deform_modifiers.PRISM:
             words += ", which is exact to a few per cent"
         return f"'{source.name}' follows by {words}"
-    if source.type not in {"CURVE", "FONT", "CURVES"}:
-        return (
-            f"Blender has no modifier that deforms Grease Pencil by a cage; '{fine.name}' follows in place of "
-            f"'{source.name}'"
-        )
     # In the drawing's own space, so that copies and instances show the same where they are.
     shown = (
         fine if fine.parent == source and fine.matrix_local == Matrix() else deform_modifiers.surface_of(source, fine)
     )
+    if source.type == "GREASEPENCIL":
+        problem = strokes.why_not(source)
+        if problem:
+            return f"'{fine.name}' follows in place of '{source.name}': {problem}"
+        return _follows(strokes.add(source, fine, shown), source, collection, fine)
     flat = source.type == "FONT" or (source.type == "CURVE" and source.data.dimensions == "2D")
     if flat and source.data.fill_mode != "NONE":
         modifier = node_groups.add(source, node_groups.AREA, Object=shown, Material=source.active_material)
     else:
         modifier = node_groups.add(source, node_groups.CURVES, Object=shown)
+    return _follows(modifier, source, collection, fine)
+
+
+def _follows(
+    modifier: bpy.types.Modifier, source: bpy.types.Object, collection: bpy.types.Collection, fine: bpy.types.Object
+) -> str:
+    """Marks an original that shows what the fine mesh does."""
     modifier.name = ORIGINAL_MODIFIER
     source[keys.FOLLOWS] = collection
     return f"'{source.name}' shows what '{fine.name}' does"
@@ -101,4 +108,6 @@ def release(collection: bpy.types.Collection) -> None:
             display.remove_modifier(obj, modifier)
             if obj.type == "MESH":
                 weights.clear(obj)
+            if obj.type == "GREASEPENCIL":
+                strokes.clear(obj)
             del obj[keys.FOLLOWS]

@@ -13,8 +13,11 @@ from .. import keys
 from ..animation import visibility
 from ..core import core, triangulation
 from ..errors import UserError
-from ..scene import convert, display, filling, ownership
+from ..scene import convert, display, filling, ownership, strokes
 from ..scene.plane import PLANARITY, size
+
+# Radius of strokes, as a part of the size.
+STROKE_RADIUS = 0.004
 
 
 def as_curve(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
@@ -33,10 +36,16 @@ def as_prism(name: str, points: filling.Points, mesh: core.Mesh, height: float) 
     return filling.prism(name, points, mesh, half)
 
 
+def as_strokes(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
+    """A Grease Pencil drawing with one closed stroke per loop. Raises: UserError before Blender 4.3."""
+    return strokes.drawing(name, [points[loop] for loop in mesh.loops], STROKE_RADIUS * size(points))
+
+
 SHAPES: dict[str, Callable[[str, filling.Points, core.Mesh, float], bpy.types.ID]] = {
     "CURVE": as_curve,
     "FILLED": as_faces,
     "PRISM": as_prism,
+    "GREASE_PENCIL": as_strokes,
 }
 
 
@@ -49,10 +58,12 @@ def make(
     made = []
     for obj, drawing, mesh in zip(objects, drawings, meshes, strict=True):
         frame = drawing.frame
-        name = f"{obj.name} {shape.title()}"
+        name = f"{obj.name} {shape.replace('_', ' ').title()}"
         points = frame.points(mesh.vertices)
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
         new.color = display.colour(obj.get(keys.LEVEL, 0))
+        if shape == "GREASE_PENCIL":
+            strokes.set_colour(new, obj.color)
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
         if frame.own and obj.parent is None and not obj.constraints:
             ownership.copy_transform(obj, new)

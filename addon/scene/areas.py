@@ -16,6 +16,7 @@ from .chains import SMALLEST_LOOP, chains
 from .convert import read
 from .plane import transform
 from .reading import READERS
+from .strokes import SMOOTH, STRAIGHT
 
 Points = NDArray[np.float64]
 
@@ -23,8 +24,6 @@ Points = NDArray[np.float64]
 ROUND = 24
 # Straight pieces between two points of a smooth stroke, as many as Blender draws.
 SEGMENTS = 12
-# What the type of a stroke is stored as.
-SMOOTH, STRAIGHT = 0, 1
 # Kinds of objects that have faces.
 SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
@@ -127,9 +126,10 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool) -> 
         scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
         for stroke in frame.drawing.strokes:
             drawn = np.array([(*point.position, point.radius) for point in stroke.points], np.float64).reshape(-1, 4)
-            if stroke.curve_type == SMOOTH:
+            kind = getattr(stroke, "curve_type", STRAIGHT)
+            if kind == SMOOTH:
                 drawn = _smooth(drawn, stroke.cyclic)
-            elif stroke.curve_type != STRAIGHT:
+            elif kind != STRAIGHT:
                 raise UserError(
                     f"'{obj.name}' has Bézier or NURBS strokes: convert them to poly curves (Edit Mode, Stroke, Set "
                     "Curve Type)"

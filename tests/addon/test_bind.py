@@ -268,10 +268,43 @@ def test_a_thick_curve_follows_in_a_prism() -> None:
     assert np.abs(evaluated(source) - before - (1.0, 0.0, 0.0)).max() < 1e-4
 
 
-def test_a_grease_pencil_is_followed_by_its_mesh() -> None:
+def stroke_points(obj, layer=0):
+    """Points (n, 3) of the first stroke of a Grease Pencil drawing as it is evaluated."""
+    data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    return np.array([point.position for point in data.layers[layer].current_frame().drawing.strokes[0].points])
+
+
+def test_a_grease_pencil_follows_by_its_strokes() -> None:
     source = grease_pencil("Drawing", [star()])
+    source.location, source.rotation_euler = (1.0, 2.0, 0.5), (0.3, 0.2, 0.1)
+    before = stroke_points(source)
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    _, _, fine, (*_, cage) = members(source)
+    assert np.abs(stroke_points(source) - before).max() < 1e-5
+    put(cage, base(cage) * (1.5, 0.8, 1.0) + np.array((1.0, 0.0, 0.0)))
+    assert np.abs(stroke_points(source) - before * (1.5, 0.8, 1.0) - (1.0, 0.0, 0.0)).max() < 1e-4
+    late = source.data.layers[0].frames[0].drawing
+    late.add_strokes([2])
+    late.strokes[1].points[0].position = (0.1, 0.2, 0.0)
+    bpy.context.view_layer.update()
+    data = source.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    drawn = data.layers[0].current_frame().drawing.strokes[1].points[0]
+    assert np.allclose(drawn.position, (0.1, 0.2, 0.0))
+    bpy.context.view_layer.objects.active = fine
+    bpy.ops.object.nested_cages_unbind()
+    assert len(source.modifiers) == 0
+    assert np.array_equal(stroke_points(source), before)
+    names = source.data.layers[0].frames[0].drawing.attributes.keys()
+    assert not [name for name in names if name.startswith("nested_cages")]
+
+
+def test_a_grease_pencil_layer_with_a_transform_leaves_it_to_the_fine_mesh() -> None:
+    source = grease_pencil("Drawing", [star()])
+    source.data.layers[0].translation = (1.0, 0.0, 0.0)
     assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
     assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    assert len(source.modifiers) == 0
     _, _, fine, (cage,) = members(source)
     put(cage, base(cage) + np.array((1.0, 0.0, 0.0)))
     assert np.abs(evaluated(fine) - base(fine) - (1.0, 0.0, 0.0)).max() < 1e-5

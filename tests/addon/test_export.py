@@ -277,3 +277,25 @@ def test_several_files_are_read_at_once(addon, tmp_path) -> None:
     files = [{"name": "one.svg"}, {"name": "two.svg"}]
     assert bpy.ops.object.nested_cages_import(directory=str(tmp_path), files=files) == {"FINISHED"}
     assert sorted(obj.name for obj in bpy.context.selected_objects) == ["one", "two"]
+
+
+def test_cages_as_grease_pencil_strokes() -> None:
+    poly_curve("Drawing", [star(), circle(12, 0.3)])
+    assert bpy.ops.object.nested_cages_generate(levels="24") == {"FINISHED"}
+    cage = bpy.data.objects["Drawing Cage 1"]
+    bpy.ops.object.select_all(action="DESELECT")
+    cage.select_set(True)
+    bpy.context.view_layer.objects.active = cage
+    if bpy.app.version < (4, 3):
+        with pytest.raises(RuntimeError, match=r"need Blender 4.3 or later"):
+            bpy.ops.object.nested_cages_to_objects(shape="GREASE_PENCIL")
+        return
+    assert bpy.ops.object.nested_cages_to_objects(shape="GREASE_PENCIL") == {"FINISHED"}
+    made = bpy.context.object
+    assert made.type == "GREASEPENCIL" and made.name == "Drawing Cage 1 Grease Pencil"
+    strokes = made.data.layers[0].frames[0].drawing.strokes
+    assert [stroke.cyclic for stroke in strokes] == [True, True]
+    points = np.array([point.position[:] for stroke in strokes for point in stroke.points])
+    home = np.array([key.co[:] for key in cage.data.shape_keys.key_blocks[0].data])
+    assert {tuple(point) for point in points} == {tuple(point) for point in home}
+    assert made.active_material.grease_pencil.color[:] == pytest.approx(cage.color[:])
