@@ -63,7 +63,7 @@ def make(
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
         new.color = display.colour(obj.get(keys.LEVEL, 0))
         if shape == "GREASE_PENCIL":
-            strokes.set_colour(new, obj.color)
+            strokes.set_colour(new, tuple(obj.color))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
         if frame.own and obj.parent is None and not obj.constraints:
             ownership.copy_transform(obj, new)

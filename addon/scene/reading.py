@@ -30,7 +30,8 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
     """
     if obj.type == "MESH" and obj.mode == "EDIT":
         return _selected_edges(obj)
-    if obj.type == "GPENCIL":
+    kind: str = obj.type
+    if kind == "GPENCIL":
         raise UserError(f"'{obj.name}' is a Grease Pencil of the kind before Blender 4.3: open the file there")
     if obj.type not in READERS:
         raise UserError(

@@ -23,7 +23,7 @@ def drawing(name: str, loops: Sequence[NDArray[np.float64]], radius: float) -> b
     if not hasattr(bpy.types, "GreasePencilDrawing"):
         raise UserError("Grease Pencil drawings need Blender 4.3 or later: choose curves instead")
     known: Any = getattr(bpy.data, "grease_pencils_v3", None) or bpy.data.grease_pencils
-    data = known.new(name)
+    data: Any = known.new(name)
     strokes = data.layers.new(name).frames.new(bpy.context.scene.frame_current).drawing
     strokes.add_strokes([len(loop) for loop in loops])
     points = np.concatenate(loops).astype(np.float32)
@@ -36,7 +36,8 @@ def drawing(name: str, loops: Sequence[NDArray[np.float64]], radius: float) -> b
     material = bpy.data.materials.new(name)
     bpy.data.materials.create_gpencil_data(material)
     data.materials.append(material)
-    return data
+    made: bpy.types.ID = data
+    return made
 
 
 def set_colour(obj: bpy.types.Object, colour: Sequence[float]) -> None:
