@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -39,11 +39,74 @@ class Mechanism:
     """The choices of a run without it."""
     patches: Mapping[str, Any] = field(default_factory=dict)
     """"module:name" or "module:Class.name" in the core, and what takes its place."""
+    probes: Mapping[str, Callable[[Sequence[Any], Any], bool]] = field(default_factory=dict)
+    """Functions of the core, and whether a call with these arguments and this result uses the mechanism. Cases without
+    such a call are as they are; without probes every case counts."""
 
 
 def first(given: Any, *_: Any, **__: Any) -> Any:
     """What came in, unchanged."""
     return given
+
+
+def called(*_: Any) -> bool:
+    """Used by every call."""
+    return True
+
+
+def found_something(_: Sequence[Any], result: Any) -> bool:
+    """Used where something is returned."""
+    return result is not None
+
+
+def changed(arguments: Sequence[Any], result: Any) -> bool:
+    """Used where the first argument is not returned as it is."""
+    return result is not arguments[0]
+
+
+def fewer_vertices(arguments: Sequence[Any], result: Any) -> bool:
+    """Used where the outline that is returned has fewer vertices."""
+    return len(result.vertices) < len(arguments[0].vertices)
+
+
+def several_loops(arguments: Sequence[Any], _: Any) -> bool:
+    """Used where the outline has more than two loops."""
+    return len(arguments[0].sizes) > 2
+
+
+def per_loop(arguments: Sequence[Any], _: Any) -> bool:
+    """Used where a number of vertices was asked for every loop."""
+    return arguments[1].per_loop is not None
+
+
+def counts_kept(hulls: Callable[..., Any]) -> Callable[..., Any]:
+    """The hulls with the counts per loop that were asked for, or none."""
+
+    def kept(self: Any, *arguments: Any) -> Any:
+        return self._best(*arguments)
+
+    return kept
+
+
+def crowded(_: Sequence[Any], result: Any) -> bool:
+    """Used where IPC ends with too many pairs."""
+    return "too many pairs" in result.reason
+
+
+def shortened(arguments: Sequence[Any], _: Any) -> bool:
+    """Used where ranges are scaled by less than 1."""
+    return bool(arguments[1] < 1.0)
+
+
+def several_steps(_: Sequence[Any], result: Any) -> bool:
+    """Used where a widening takes small steps."""
+    return bool(result.systems > 0)
+
+
+def no_hulls(*_: Any, **__: Any) -> Iterator[Any]:
+    """A search that finds nothing."""
+    return []
+    yield
 
 
 def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
@@ -95,7 +158,9 @@ MECHANISMS: dict[str, Mechanism] = {
     "early stop of losing starts": Mechanism("hierarchy", patches={"hierarchy.early_stop:FIRST_LOOK": 10**9}),
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
-        "hierarchy", patches={"hierarchy.level:LevelBuilder._untightened": no_level}
+        "hierarchy",
+        patches={"hierarchy.level:LevelBuilder._untightened": no_level},
+        probes={"hierarchy.level:LevelBuilder._untightened": found_something},
     ),
     "places on the curve by the hull": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
     "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
@@ -104,7 +169,9 @@ MECHANISMS: dict[str, Mechanism] = {
     "restarts (8 to 5: no random weights)": Mechanism("decimation", hulls(5)),
     "restarts (8 to 16: more)": Mechanism("decimation", hulls(16)),
     "further restarts for loops": Mechanism(
-        "decimation", patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0}
+        "decimation",
+        patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},
+        probes={"decimation.outer_hull:search_hulls": several_loops},
     ),
     "spike variations": Mechanism("decimation", patches={"decimation.hull_search:SPIKE_WEIGHTS": ()}),
     "both weights to the middling size": Mechanism(
@@ -112,31 +179,92 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "rescues": Mechanism(
         "decimation",
-        patches={"decimation.hull_search:MAX_RESCUES": 1, "decimation.hull_search:MIN_RESCUES": 1},
+        patches={"decimation.hull_search:_rescues": no_hulls},
+        probes={"decimation.hull_search:_rescues": called},
     ),
     "rescues from the outline itself": Mechanism(
-        "decimation", patches={"decimation.hull_search:MAX_SIZE_OF_WHOLE_RESCUE": 0}
+        "decimation",
+        patches={"decimation.hull_search:MAX_SIZE_OF_WHOLE_RESCUE": 0},
+        probes={"decimation.hull_search:_rescues": called},
     ),
-    "clearing of gaps": Mechanism("decimation", patches={"decimation.outer_hull:cleared": first}),
-    "filling of gaps like round-off": Mechanism("decimation", patches={"decimation.outer_hull:without_gaps": first}),
-    "small details filled": Mechanism("decimation", patches={"decimation.outer_hull:without_small_details": first}),
-    "room in small holes": Mechanism("decimation", patches={"decimation.outer_hull:with_room": first}),
+    "counts shared out anew": Mechanism(
+        "decimation",
+        patches={"decimation.outer_hull:OuterHull.hulls": Around(counts_kept)},
+        probes={"decimation.outer_hull:OuterHull.hulls": per_loop},
+    ),
+    "clearing": Mechanism(
+        "decimation",
+        patches={"decimation.outer_hull:cleared": first},
+        probes={"decimation.outer_hull:cleared": changed},
+    ),
+    "clearing: small details built over": Mechanism(
+        "decimation",
+        patches={"decimation.clearing:without_small_details": first},
+        probes={"decimation.clearing:without_small_details": fewer_vertices},
+    ),
+    "clearing: narrow gaps filled": Mechanism(
+        "decimation",
+        patches={"decimation.clearing:_without": first},
+        probes={"decimation.clearing:_without": fewer_vertices},
+    ),
+    "filling of gaps like round-off": Mechanism(
+        "decimation",
+        patches={"decimation.outer_hull:without_gaps": first},
+        probes={"decimation.outer_hull:without_gaps": changed},
+    ),
+    "details like round-off built over": Mechanism(
+        "decimation",
+        patches={"decimation.outer_hull:without_small_details": first},
+        probes={"decimation.outer_hull:without_small_details": fewer_vertices},
+    ),
+    "hulls around a small offset": Mechanism(
+        "decimation",
+        patches={"decimation.outer_hull:_Search.around_offset": no_hulls},
+        probes={"decimation.outer_hull:_Search.around_offset": called},
+    ),
+    "room in small holes": Mechanism(
+        "decimation",
+        patches={"decimation.outer_hull:with_room": first},
+        probes={"decimation.outer_hull:with_room": changed},
+    ),
     # flow
     "flow: steps with samples at vertices (6 to 1)": Mechanism(
         "flow", partial(Settings, flow=TwoSidedFlow(vertex_limit=1))
     ),
-    "flow: erosion": Mechanism("flow", patches={"flow.two_sided:_Run.erosion": no_stage}),
-    "flow: geodesic": Mechanism("flow", patches={"flow.two_sided:_Run.geodesic": no_stage}),
-    "flow: correspondence": Mechanism("flow", patches={"flow.two_sided:_Run.correspondence": no_stage}),
+    "flow: erosion": Mechanism(
+        "flow",
+        patches={"flow.two_sided:_Run.erosion": no_stage},
+        probes={"flow.two_sided:_Run.erosion": found_something},
+    ),
+    "flow: geodesic": Mechanism(
+        "flow",
+        patches={"flow.two_sided:_Run.geodesic": no_stage},
+        probes={"flow.two_sided:_Run.geodesic": found_something},
+    ),
+    "flow: correspondence": Mechanism(
+        "flow",
+        patches={"flow.two_sided:_Run.correspondence": no_stage},
+        probes={"flow.two_sided:_Run.correspondence": found_something},
+    ),
     # contact
     "IPC first (sequential QPs first)": Mechanism("contact", patches={"hierarchy.attempts:IPC_FIRST": 0}),
     "IPC only": Mechanism("contact", with_contacts(IPC())),
     "sequential QPs only": Mechanism("contact", with_contacts(SequentialQP())),
-    "IPC gives way in crowds": Mechanism("contact", patches={"hierarchy.attempts:MAX_IPC_PAIRS": np.inf}),
-    "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}),
-    "IPC: shorter ranges": Mechanism("contact", patches={"contact.ipc:MAX_RANGE_REDUCTIONS": 0}),
+    "IPC gives way in crowds": Mechanism(
+        "contact", patches={"hierarchy.attempts:MAX_IPC_PAIRS": np.inf}, probes={"contact.ipc:IPC.reinflate": crowded}
+    ),
+    "IPC: stiffening": Mechanism(
+        "contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}, probes={"contact.ipc:IPC.reinflate": called}
+    ),
+    "IPC: shorter ranges": Mechanism(
+        "contact",
+        patches={"contact.ipc:MAX_RANGE_REDUCTIONS": 0},
+        probes={"contact.barrier_ranges:BarrierRanges.scaled": shortened},
+    ),
     "QP: pace per vertex": Mechanism(
-        "contact", patches={"contact.sequential_qp:PACE_GROWTH": 1.0, "contact.sequential_qp:PACE_REDUCTION": 1.0}
+        "contact",
+        patches={"contact.sequential_qp:PACE_GROWTH": 1.0, "contact.sequential_qp:PACE_REDUCTION": 1.0},
+        probes={"contact.sequential_qp:SequentialQP.reinflate": called},
     ),
     "pruning of implied constraints": Mechanism(
         "contact",
@@ -146,13 +274,23 @@ MECHANISMS: dict[str, Mechanism] = {
         "tightening", patches={"tightening.quadratic_model:REDUNDANCY": 0.0}
     ),
     # tightening
-    "escapes from saddles": Mechanism("tightening", patches={"tightening.tightening:MAX_ESCAPES": 0}),
+    "escapes from saddles": Mechanism(
+        "tightening",
+        patches={"tightening.tightening:MAX_ESCAPES": 0},
+        probes={"tightening.tightening:_Run._escape": found_something},
+    ),
     "radius per vertex": Mechanism(
         "tightening", patches={"tightening.trust_region:TrustRegion.update": Around(uniform_radius)}
     ),
-    "widening in small steps": Mechanism("tightening", patches={"tightening.widening:MAX_STEPS": 0}),
+    "widening in small steps": Mechanism(
+        "tightening",
+        patches={"tightening.widening:MAX_STEPS": 0},
+        probes={"tightening.tightening:widen": several_steps},
+    ),
     "every vertex by itself in widening": Mechanism(
-        "tightening", patches={"tightening.widening:SHORTEST_COMMON_STEP": -1.0}
+        "tightening",
+        patches={"tightening.widening:SHORTEST_COMMON_STEP": -1.0},
+        probes={"tightening.tightening:widen": several_steps},
     ),
     "shift of the Hessian": Mechanism(
         "tightening",
