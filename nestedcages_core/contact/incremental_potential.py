@@ -7,16 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..energies import Blocks, CageEnergy
-from ..energies.blocks import assembled_gradient
 from ..energies.containment_energy import ContainmentEnergy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
-from ..geometry.distance import PointEdge, distance_gradient
+from ..geometry.distance import PointEdge
 from ..solver import NewtonModel
-from .barrier import BarrierTerms, barrier, barrier_hessian_factors
 from .barrier_ranges import BarrierRanges
+from .barrier_sum import BarrierSum
 from .ccd import impacts
-from .condensation import newton_direction
 from .pair_search import PairSource
 from .pairs import Bodies, Pairs
 from .step_filter import StepFilter, TimeOfImpact
@@ -81,26 +79,23 @@ class IncrementalPotential:
         cages = self.energy.value(x[:m], self.bodies.cage_successor)
         if not np.isfinite(cages) or (self.containment is not None and self.containment.value(x) > 0.0):
             return np.inf
-        pairs, pair, d_hat = self._active(x)
-        terms = barrier(pair.distance, d_hat)
-        contact = float(self._pair_weight(pairs, d_hat) @ terms.value)
+        contact = self._barriers(x).value
         return self.weights.restoring * self.restoring.value(x[m:]) + self.weights.cages * cages + contact
 
     @np.errstate(invalid="ignore")
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
         """Value and gradient at x."""
-        return self._slope(x, *self._barriers(x))
+        return self._slope(x, self._barriers(x))
 
     @np.errstate(invalid="ignore")  # distances near zero have infinite barriers: their steps are rejected by the value
     def newton(self, x: FloatArray) -> NewtonModel:
         """Value, gradient and projected Newton direction at x."""
-        pairs, pair, weight, terms = self._barriers(x)
-        value, gradient = self._slope(x, pairs, pair, weight, terms)
-        cage = x[: self.bodies.m]
-        factors = barrier_hessian_factors(terms, weight, pair, x[pairs.start], x[pairs.end])
-        own = Blocks.sum([(self.weights.cages, self.energy.projected_hessian(cage, self.bodies.cage_successor))])
+        barriers = self._barriers(x)
+        value, gradient = self._slope(x, barriers)
+        hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
+        own = Blocks.sum([(self.weights.cages, hessian)])
         stiffness = self.weights.restoring * self.restoring.weight
-        return NewtonModel(value, gradient, newton_direction(pairs.corners, factors, stiffness, own, gradient))
+        return NewtonModel(value, gradient, barriers.newton_direction(gradient, stiffness, own))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` that the step filter allows."""
@@ -126,23 +121,20 @@ class IncrementalPotential:
         """Number of pairs with a barrier at x."""
         return len(self._active(x)[0])
 
-    def _barriers(self, x: FloatArray) -> tuple[Pairs, PointEdge, FloatArray, BarrierTerms]:
-        """The pairs within range, their distances, weights and barriers."""
+    def _barriers(self, x: FloatArray) -> BarrierSum:
+        """The barriers of the pairs within range."""
         pairs, pair, d_hat = self._active(x)
-        return pairs, pair, self._pair_weight(pairs, d_hat), barrier(pair.distance, d_hat)
+        return BarrierSum.at(x, pairs, pair, weight=self._pair_weight(pairs, d_hat), d_hat=d_hat)
 
-    def _slope(
-        self, x: FloatArray, pairs: Pairs, pair: PointEdge, weight: FloatArray, terms: BarrierTerms
-    ) -> tuple[float, FloatArray]:
+    def _slope(self, x: FloatArray, barriers: BarrierSum) -> tuple[float, FloatArray]:
         m, successor = self.bodies.m, self.bodies.cage_successor
         cage, fine = x[:m], x[m:]
         value = (
             self.weights.restoring * self.restoring.value(fine)
             + self.weights.cages * self.energy.value(cage, successor)
-            + float(weight @ terms.value)
+            + barriers.value
         )
-        push = (weight * terms.first)[:, None] * distance_gradient(pair)
-        gradient = assembled_gradient(pairs.corners, push.reshape(-1, 3, 2), len(x))
+        gradient = barriers.gradient()
         gradient[:m] += self.weights.cages * self.energy.gradient(cage, successor)
         gradient[m:] += self.weights.restoring * self.restoring.gradient(fine)
         return value, gradient

@@ -6,18 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...contact.barrier import BarrierTerms, barrier, barrier_hessian_factors
+from ...contact.barrier_sum import BarrierSum
 from ...contact.ccd import impacts
-from ...contact.condensation import newton_direction
 from ...contact.incremental_potential import DIRECT_STEP_MARGIN
 from ...contact.pair_search import PairSource
 from ...contact.pairs import Bodies, Pairs
 from ...contact.step_filter import StepFilter
 from ...energies import Blocks, CageEnergy
-from ...energies.blocks import assembled_gradient
 from ...energies.containment_energy import ContainmentEnergy
 from ...geometry.arrays import FloatArray
-from ...geometry.distance import PointEdge, distance_gradient
+from ...geometry.distance import PointEdge
 from ...parameters import check_not_negative
 from ...solver import NewtonModel
 from .ray_parity import contained_by_parity
@@ -70,30 +68,20 @@ class PaperPotential:
 
     def value(self, x: FloatArray) -> float:
         """E at x (m + n, 2)."""
-        return self._value(x, self._within_range(x)[1])
+        return self._value(x, self._barriers(x))
 
     def slope(self, x: FloatArray) -> tuple[float, FloatArray]:
         """E and the gradient of its finite terms."""
-        pairs, pair = self._within_range(x)
-        self._ceiling = np.inf
-        self._ceiling = self._value(x, pair)
-        m, successor = self.bodies.m, self.bodies.cage_successor
-        push = (self.weights.barrier * self._barrier(pair).first)[:, None] * distance_gradient(pair)
-        gradient = assembled_gradient(pairs.corners, push.reshape(-1, 3, 2), len(x))
-        gradient[:m] += self.weights.cages * self.energy.gradient(x[:m], successor)
-        gradient[m:] += self.weights.restoring * (x[m:] - self.target)
-        return self._ceiling, gradient
+        return self._slope(x, self._barriers(x))
 
     def newton(self, x: FloatArray) -> NewtonModel:
         """E, its gradient and its projected Newton direction, named as further work by the paper."""
-        value, gradient = self.slope(x)
-        pairs, pair = self._within_range(x)
-        weight = np.full(len(pairs), self.weights.barrier)
-        factors = barrier_hessian_factors(self._barrier(pair), weight, pair, x[pairs.start], x[pairs.end])
-        cage = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
-        own = Blocks.sum([(self.weights.cages, cage)])
+        barriers = self._barriers(x)
+        value, gradient = self._slope(x, barriers)
+        hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
+        own = Blocks.sum([(self.weights.cages, hessian)])
         stiffness = np.full(self.bodies.n, self.weights.restoring)
-        return NewtonModel(value, gradient, newton_direction(pairs.corners, factors, stiffness, own, gradient))
+        return NewtonModel(value, gradient, barriers.newton_direction(gradient, stiffness, own))
 
     def largest_step(self, x: FloatArray, direction: FloatArray) -> float:
         """Fraction of ``direction`` that the step filter allows."""
@@ -112,7 +100,16 @@ class PaperPotential:
         after = pairs.measure(x + motion).distance
         return bool((after > DIRECT_STEP_MARGIN * np.minimum(pair.distance, self.d_hat)).all())
 
-    def _value(self, x: FloatArray, pair: PointEdge) -> float:
+    def _slope(self, x: FloatArray, barriers: BarrierSum) -> tuple[float, FloatArray]:
+        self._ceiling = np.inf
+        self._ceiling = self._value(x, barriers)
+        m, successor = self.bodies.m, self.bodies.cage_successor
+        gradient = barriers.gradient()
+        gradient[:m] += self.weights.cages * self.energy.gradient(x[:m], successor)
+        gradient[m:] += self.weights.restoring * (x[m:] - self.target)
+        return self._ceiling, gradient
+
+    def _value(self, x: FloatArray, barriers: BarrierSum) -> float:
         """E; without E_cont, the costly term, where the others already exceed E at the last slope and the line search
         rejects the state anyway."""
         m = self.bodies.m
@@ -121,9 +118,7 @@ class PaperPotential:
             return np.inf
         away = x[m:] - self.target
         restoring = 0.5 * float((away * away).sum())
-        contact = float(self._barrier(pair).value.sum())
-        weights = self.weights
-        finite = weights.restoring * restoring + weights.cages * cages + weights.barrier * contact
+        finite = self.weights.restoring * restoring + self.weights.cages * cages + barriers.value
         if finite > self._ceiling or self._contained(x):
             return finite
         return np.inf
@@ -135,18 +130,16 @@ class PaperPotential:
         m = self.bodies.m
         return contained_by_parity(x[:m], self.bodies.cage_successor, x[m:], self.bodies.fine_successor)
 
-    def _within_range(self, x: FloatArray) -> tuple[Pairs, PointEdge]:
-        """The pairs with a barrier."""
+    def _barriers(self, x: FloatArray) -> BarrierSum:
+        """The barriers of the pairs within range."""
         pairs = self.candidates.within(x, self.d_hat, self.d_hat)
         pair = pairs.measure(x)
         active = (pair.distance < self.d_hat) & (pair.distance >= SMALLEST_DISTANCE)
-        return pairs.subset(active), PointEdge(*(field[active] for field in pair))
+        pairs, pair = pairs.subset(active), PointEdge(*(field[active] for field in pair))
+        return BarrierSum.at(x, pairs, pair, weight=self.weights.barrier, d_hat=self.d_hat)
 
     def _near(self, x: FloatArray, motion: FloatArray) -> tuple[Pairs, PointEdge]:
         """A superset of the pairs that can meet in a motion."""
         longest = float(np.sqrt((motion * motion).sum(axis=1).max()))
         pairs = self.candidates.within(x, self.d_hat + 2.0 * longest, self.d_hat)
         return pairs, pairs.measure(x)
-
-    def _barrier(self, pair: PointEdge) -> BarrierTerms:
-        return barrier(pair.distance, np.full(len(pair.distance), self.d_hat))
