@@ -72,7 +72,7 @@ def _timed(work: Callable[[], Any]) -> Any:
 
 
 def steps_of(vertices: int, steps: int) -> np.ndarray:
-    """A circle (steps, vertices, 2) that shrinks and comes home, with another shape on each step."""
+    """A circle (steps, vertices, 2) that shrinks and grows back, with another shape on each step."""
     angles = np.linspace(0.0, 2.0 * np.pi, vertices, endpoint=False)
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     size = 1.0 - 0.5 * np.sin(np.pi * np.arange(steps) / (steps - 1))

@@ -21,7 +21,7 @@ from nestedcages_core.geometry.smallest_gap import smallest_gap
 
 
 def measures(level: Level) -> np.ndarray:
-    """(K + 1, 3): excess in per cent, smallest distance and longest way home, both as fractions of the diagonal."""
+    """(K + 1, 3): excess in per cent; smallest distance and largest distance to go, as fractions of the diagonal."""
     fine, cage, way = level.fine, level.cage, level.reinflation
     rows = []
     for inner, outer in zip(way.fine_steps, way.cage_steps, strict=True):
@@ -44,7 +44,7 @@ def main() -> None:
     level = nested_cages(fine, [options.count], Settings(decimation=OnCurve())).levels[0]
     rows = measures(level)
     start = level.reinflation.tightening_start
-    print(f"{'step':>5}{'phase':>13}{'excess %':>12}{'distance':>12}{'way home':>12}")
+    print(f"{'step':>5}{'phase':>13}{'excess %':>12}{'distance':>12}{'to go':>12}")
     for step, (excess, gap, left) in enumerate(rows):
         phase = "reinflation" if step <= start else "tightening"
         print(f"{step:5d}{phase:>13}{excess:12.4f}{gap:12.2e}{left:12.2e}")
@@ -60,7 +60,7 @@ def plot(rows: np.ndarray, start: int, clearance: float, path: Path) -> None:
     area.plot(steps, rows[:, 0], "o-")
     area.set_ylabel("excess of the cage's area, %")
     lengths.semilogy(steps, rows[:, 1], "o-", label="smallest distance, cage to fine mesh")
-    lengths.semilogy(steps, np.where(rows[:, 2] > 0.0, rows[:, 2], np.nan), "s-", label="longest way home")
+    lengths.semilogy(steps, np.where(rows[:, 2] > 0.0, rows[:, 2], np.nan), "s-", label="largest distance to go")
     lengths.axhline(clearance, color="k", linestyle=":", label="wanted clearance")
     lengths.set_ylabel("fraction of the diagonal")
     lengths.set_xlabel("recorded step")
@@ -69,7 +69,7 @@ def plot(rows: np.ndarray, start: int, clearance: float, path: Path) -> None:
         axes.axvline(start, color="0.6")
         axes.grid(alpha=0.3)
     beside = {"xytext": (6, 0), "textcoords": "offset points", "va": "top", "color": "0.4"}
-    area.annotate("fine mesh is home", (start, 0.98), xycoords=area.get_xaxis_transform(), **beside)
+    area.annotate("fine mesh is back", (start, 0.98), xycoords=area.get_xaxis_transform(), **beside)
     figure.tight_layout()
     figure.savefig(path, dpi=110)
 

@@ -27,7 +27,7 @@ def test_what_a_run_is_said_to_be(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     assert found["paper"].certified
     assert 0.0 < found["paper"].short < 1e-3
     assert abs(found["paper"].excess - 19.5) < 2.0  # of the paper's program in its Table 1
-    assert "short of home" in kind_of_failure(found["paper"])
+    assert "short of its target" in kind_of_failure(found["paper"])
     assert found["repaired"].success
     assert found["ours"].success
     assert found["ours"].excess < 0.1

@@ -18,7 +18,7 @@ from .choices import AUTOMATIC, CONTACTS, MERGING, REPAIRS, SETTINGS, Choice
 class Methods:
     """A choice for each of `SETTINGS`, by key, and what else makes a method.
 
-    `repairs`: keys of `REPAIRS`. `tighten`: whether the cage goes to its optimum once the drawing is home. `starts`:
+    `repairs`: keys of `REPAIRS`. `tighten`: whether the cage is optimised once the drawing is back. `starts`:
     from how many coarse meshes. `fall_back`: whether to start from the outer hull when a coarse mesh does not work.
     """
 
@@ -56,7 +56,7 @@ class Methods:
                 )
 
     def has_use_for(self, name: str) -> bool:
-        """Whether a setting has a part in the methods that are chosen."""
+        """Whether a setting applies to the chosen methods."""
         full = self.with_partners()
         return name not in PARTS or any(name in full._choice(other).uses for other in SETTINGS)
 

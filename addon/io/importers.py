@@ -21,7 +21,7 @@ SVG, MAPS = (".svg",), (".geojson", ".json")
 
 @dataclass(frozen=True)
 class Shape:
-    """A mesh of the core, its name, and whether its y points down if nobody says otherwise."""
+    """A mesh of the core, its name, and whether its y points down by default."""
 
     name: str
     mesh: core.Mesh

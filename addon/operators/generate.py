@@ -200,7 +200,7 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[
         if active not in selected or len(selected) < 2:
             raise UserError(
                 "'Selected as Levels' needs the drawing as the active object and at least one coarse mesh selected "
-                "beside it"
+                "as well"
             )
         own = [obj for obj in selected if obj is not active]
         drawings = [[active]]

@@ -101,7 +101,7 @@ def render_lines(obj: bpy.types.Object, shown: bool) -> None:
 
 
 def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
-    """Removes a modifier and lets go of what its inputs name, which Blender 5.2 would go on counting as used."""
+    """Removes a modifier and clears its inputs first, whose data Blender 5.2 would still count as used."""
     if isinstance(modifier, bpy.types.NodesModifier) and hasattr(modifier, "properties") and modifier.node_group:
         for socket in _inputs(modifier):
             if socket.socket_type in NAMING:

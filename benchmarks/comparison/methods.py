@@ -100,7 +100,7 @@ LADDER = (
     Method("paper as written", PAPER),
     Method("+ exact parity", PARITY),
     Method("+ infinite energies refused", FINITE),
-    Method("+ exact home-coming", HOME),
+    Method("+ exact return", HOME),
     Method("+ smallest distance bounds the step", BOUND),
     Method("+ time of impact bounds it instead", IMPACT),
     Method("+ pairs found by cells", NEAR),
@@ -132,7 +132,7 @@ ENERGIES: dict[str, Energy] = {
 }
 
 WITHOUT_FINAL_PASS = ("none", "step displacement")
-"""Energies that are at rest wherever the cage stands when the fine mesh is home."""
+"""Energies that are at rest wherever the cage is when the fine mesh is back."""
 
 FILTERS = {"none": NoFilter(), "smallest distance": SmallestDistance(), "time of impact": TimeOfImpact()}
 BROAD_PHASES = {"all pairs": AllPairs(), "cells": UniformGrid()}

@@ -103,11 +103,11 @@ def _original(found: dict[str, Results]) -> str:
     tighter = sum(one.excess < other.excess for one, other in both)
     ratio = median(other.total / one.total for one, other in both)
     return (
-        "**The original against its augmentation.** With its three repairs, without which it never comes home, the "
-        f"paper's method succeeds on {success[second][0]} figures and {success[second][1]} random shapes; the method "
-        f"of 2015, with the exact signs and the collision detection of this program, on {success[first][0]} and "
-        f"{success[first][1]}. Where both succeed, the original is the tighter one on {tighter} of {len(both)} and "
-        f"{number(ratio, '.0f')} times faster in the median. On Table 1 its excess is "
+        "**The original against its augmentation.** With its three repairs, without which the fine mesh never quite "
+        f"returns, the paper's method succeeds on {success[second][0]} figures and {success[second][1]} random shapes; "
+        f"the method of 2015, with the exact signs and the collision detection of this program, on "
+        f"{success[first][0]} and {success[first][1]}. Where both succeed, the original is the tighter one on "
+        f"{tighter} of {len(both)} and {number(ratio, '.0f')} times faster in the median. On Table 1 its excess is "
         f"{number(median(row[first].excess for row in rows), '.1f')} % in the median, the paper's "
         f"{number(median(row['paper as written'].excess for row in rows), '.1f')} %. What loses is not the barrier but "
         "what is around it: the same barrier with local ranges, projected Newton and a flow that gets inside is as "
@@ -132,7 +132,7 @@ def _verdict(found: dict[str, Results]) -> str:
         f"range replaced and a tightening at the end, the same idea is {median(faster) or 0.0:.0f} times faster on the "
         f"figures and leaves {number(after, '.1f')} % of excess instead of {number(before, '.1f')} % on Table 1, and "
         "with exact predicates and collision detection it can vouch for its result. Which contact then does the work "
-        "hardly matters; which energy and which start do."
+        "matters little; which energy and which start do."
     )
 
 
@@ -149,7 +149,7 @@ def document(
         "decimations, quadratures, step filters and broad phases, behind one interface and judged by one certificate.",
         "## In short",
         summary(found),
-        f"*{LEVEL_SETS}* makes its own coarse mesh, of as many vertices, and has no way home; all others are given "
+        f"*{LEVEL_SETS}* makes its own coarse mesh, of as many vertices, and has no reinflation; all others are given "
         "one. *Nested Cages 2015* is the flow down the signed distance and the velocity filter, with no tightening but "
         "its own descent on the area. *IPC*, *sequential QP* and *velocity filter* stand for ours with that contact: "
         f"two-sided flow, the contact, and the tightening. *{DEFAULT}* is the program without settings, which tries "
@@ -196,7 +196,7 @@ def _method(runs: int, seconds: float, jobs: int) -> list[str]:
         "base, its predicates and its "
         "collision detection, so times compare algorithms, not programmers. A run is ended after "
         f"{LIMIT:.0f} s where nothing else is said. No parameter was changed for any shape; random shapes come "
-        "from fixed seeds. What is compared stands in `benchmarks/comparison/methods.py`, on what in "
+        "from fixed seeds. What is compared is listed in `benchmarks/comparison/methods.py`, on what in "
         "`benchmarks/comparison/cases.py`.",
     ]
     return [

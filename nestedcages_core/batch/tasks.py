@@ -1,4 +1,4 @@
-"""One shape of a batch on its way, and what became of it."""
+"""One shape of a batch as sent to a worker, and its outcome."""
 
 from __future__ import annotations
 

@@ -18,10 +18,10 @@ WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
 """Formats by the extension of the file to write."""
 
 STEM = "{stem}"
-"""What stands in an output's name for that of the input without its extension."""
+"""Placeholder in an output's name: the input's name without its extension."""
 
 FORMAT, VERSION = "nested-cages report", 1
-"""What the reports call themselves."""
+"""Identifies the reports."""
 
 
 def format_of(path: str, source: Source, chosen: str | None) -> str:

@@ -9,7 +9,7 @@ from .sequential_qp import SequentialQP
 from .step_filter import NoFilter, SmallestDistance, StepFilter, TimeOfImpact
 
 __all__ = [  # noqa: RUF022 - in the order of explanation
-    "Contact",  # the interface: bring the fine mesh back along a path while the cage gives way
+    "Contact",  # the interface: bring the fine mesh back along a path; it pushes the cage out
     "ContactOutcome",  # where that ended
     "IPC",  # Incremental Potential Contact: minimise a barrier energy by collision-free steps
     "SequentialQP",  # long steps, with a quadratic program for the response of the cage to each

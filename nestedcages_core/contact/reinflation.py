@@ -109,7 +109,8 @@ def reinflate(
             which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"
             reason = f"it ended in contact at {which}"
     partial = _recorded(steps, bodies.m, 0)
-    raise ReinflationError(f"Reinflation did not bring the fine mesh home: {reason}; {REMEDY}.", partial=partial)
+    sentence = f"Reinflation did not return the fine mesh to its position: {reason}; {REMEDY}."
+    raise ReinflationError(sentence, partial=partial)
 
 
 def _recorded(steps: list[FloatArray], m: int, iterations: int) -> Reinflation:

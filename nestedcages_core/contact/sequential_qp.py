@@ -1,4 +1,4 @@
-"""Contact by sequential quadratic programming: the fine mesh takes long steps and the cage gives way.
+"""Contact by sequential quadratic programming: the fine mesh takes long steps and pushes the cage out.
 
 Each motion of the fine mesh is answered by a quadratic program for the cage. Both move together, as far as the
 feasibility rule of Incremental Potential Contact allows: every state is free of contact and every step is bounded by

@@ -118,7 +118,7 @@ class _Search:
         return self._offset_hulls(max(self.distance, CLEARANCE_RESERVE * self.clearance), self._cleared)
 
     def around_offset(self) -> Stage[float, list[Outline]]:
-        """Hulls of a small offset: for loops that the clearance would wall in."""
+        """Hulls of a small offset: for loops without room for the clearance."""
         return self._offset_hulls(self.distance, _unchanged)
 
     def without_small_details(self) -> Stage[float, list[Outline]]:

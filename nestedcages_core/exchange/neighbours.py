@@ -27,7 +27,7 @@ MITRE_LIMIT = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A cage and what became of it."""
+    """A cage and its outcome."""
 
     cage: Mesh
     certified: bool

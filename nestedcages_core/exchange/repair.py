@@ -32,7 +32,7 @@ def mesh_of(polygons: list[Polygon]) -> tuple[Mesh, list[str]]:
     """The solid of polygons, each an outer ring (k, 2) and its holes, and what had to be repaired.
 
     Simple rings, apart from each other, keep their coordinates to the last bit. Others are repaired as GEOS does
-    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a neck as thin as a hair.
+    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck.
     Raises InvalidMeshError where no area is left.
     """
     kept, notes = _cleaned(polygons)

@@ -31,8 +31,8 @@ IPC_FIRST = 50_000
 """Product of the vertex counts up to which IPC is tried first: there it takes no longer and leaves tighter cages."""
 
 MAX_IPC_PAIRS = 10.0
-"""Pairs in contact per vertex at which IPC gives way to sequential QPs. Usual are 1 to 3; 20 to 140 around cores of
-many needles, where an iteration takes fifty times as long."""
+"""Pairs in contact per vertex above which sequential QPs are used instead of IPC. Usual are 1 to 3; 20 to 140 around
+cores of many needles, where an iteration takes fifty times as long."""
 
 
 PAPER_PREFERENCE = 0.01
@@ -83,7 +83,7 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
 
 
 class Outcome(NamedTuple):
-    """What became of a start."""
+    """The outcome of a start."""
 
     rank: float = inf
     """The smaller the better; infinite where there is no cage or a better one was in sight."""

@@ -11,7 +11,7 @@ NEIGHBOURS = 24
 """Fine vertices that carry a cage vertex; fewer follow noise, more blur limbs into each other."""
 
 CORE = 0.5
-"""Distance, in mean distances of the neighbours, below which a closer neighbour hardly weighs more."""
+"""Distance, in mean distances of the neighbours, below which a neighbour's weight no longer grows."""
 
 
 def carried(cage: FloatArray, before: FloatArray, after: FloatArray, weight: FloatArray) -> FloatArray:

@@ -195,7 +195,7 @@ def test_other_advanced_settings_reach_the_core(addon, core, option) -> None:
 def test_the_paper_as_written_fails_in_its_documented_way() -> None:
     poly_curve("Drawing", [star(24)])
     as_written = {"contact": "PAPER", "repairs": set(), "tighten": False, "fall_back": False}
-    with pytest.raises(RuntimeError, match=r"'Drawing, level 1': .* short of home"):
+    with pytest.raises(RuntimeError, match=r"'Drawing, level 1': .* short of its target"):
         bpy.ops.object.nested_cages_generate(levels="10", **as_written)
     assert [obj.name for obj in bpy.data.objects] == ["Drawing"]
 

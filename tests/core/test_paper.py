@@ -48,9 +48,9 @@ def run(
 
 
 def test_table_1_has_the_excess_that_the_papers_program_reaches() -> None:
-    """19.5 % for 16 + 16 fine vertices; the fine mesh rests short of home, which is an error here."""
+    """19.5 % for 16 + 16 fine vertices; the fine mesh rests short of its target, which is an error here."""
     fine, coarse = table_1(16)
-    with pytest.raises(ReinflationError, match="short of home") as raised:
+    with pytest.raises(ReinflationError, match="short of its target") as raised:
         run(fine, coarse, repaired=False)
     way = raised.value.partial
     excess = 100.0 * (signed_area(way.cage_steps[-1], coarse.successor) / fine.area - 1.0)

@@ -1,4 +1,4 @@
-"""Does each energy do what its name says, on the way home and in the final pass?"""
+"""Does each energy do what its name says, in reinflation and in the final pass?"""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
     plots.gallery(rows, list(methods.ENERGIES), pictures / "energies.png")
     parts = [
         "## Energies",
-        "Each energy on the way home (first of two rows: the cage when the fine mesh has come home, before the final "
+        "Each energy in reinflation (first of two rows: the cage when the fine mesh is back, before the final "
         "pass) and in the final pass too (second row), on a letter, a star that is its own mirror image, and a curved "
         "drawing. Fine mesh (filled), coarse mesh (dashed), cage:",
         "![Energies](comparison/energies.png)",

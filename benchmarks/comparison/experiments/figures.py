@@ -49,8 +49,8 @@ def kind_of_failure(result: Measurement) -> str:
         return "an infinite energy throws the meshes (the program crashes or goes on)"
     if result.failed == "reinflation":
         if result.certified:
-            return "the fine mesh rests short of home (the program does not notice)"
-        return "the fine mesh rests short of home and sticks out of the cage (the program does not notice)"
+            return "the fine mesh rests short of its target (the program does not notice)"
+        return "the fine mesh rests short of its target and sticks out of the cage (the program does not notice)"
     return "the animation is not free of crossings" if result.certified else "the cage does not enclose the shape"
 
 

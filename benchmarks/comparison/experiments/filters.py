@@ -46,7 +46,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
             + ("" if run.success else f" **{run.failed or 'not certified'}**"),
         ),
         "The paper suggests to reuse the structure of a flow step when reinflation returns to it. What that could save "
-        "at the most is the building of lists of pairs:",
+        "at most is the building of lists of pairs:",
         table(["shape", "lists built", "building s", "reinflation s", "share %"], lines),
         f"That is {min(shares):.0f} to {max(shares):.0f} % of the reinflation. Lists are already kept while little has "
         "moved, and those of the flow would hold only for a cage that has not moved since, which it has as soon as "

@@ -17,13 +17,13 @@ PAPERS = "paper's energy, Newton"
 
 
 def ways() -> dict[str, str]:
-    """Column -> start. Where the coarse mesh encloses already there is no way home, so no contact has a part in it."""
+    """Column -> start. Where the coarse mesh encloses already there is no reinflation, so no contact is used."""
     on_the_way = {f"{contact}, flow": "flow" for contact in (*methods.CONTACTS, PAPERS)}
     return on_the_way | {start: start for start in methods.STARTS if start != "flow"}
 
 
 def settings_of(way: str, energy: str) -> Settings:
-    """Ours with the contact of a column and an energy, on the way home and in the final pass."""
+    """Ours with the contact of a column and an energy, in reinflation and in the final pass."""
     contact = way.removesuffix(", flow")
     if contact == PAPERS:
         return methods.papers_energy(energy)
@@ -72,10 +72,10 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
     return "\n\n".join([
         f"## Contacts, starts and energies, {COUNT} vertices",
         f"All combinations on the {len(found)} shapes of the folder. *flow* starts from a coarse mesh with its "
-        "vertices on the curve; *outer hull* and *level set* enclose the shape already, so that there is no way home "
-        "and only the final pass works: no contact has a part in them. The energy holds on the way home and in the "
-        f"final pass. *{PAPERS}* has the paper's weights and its one range for all pairs. Successes, median excess of "
-        "these, and the geometric mean of their times, decimation included:",
+        "vertices on the curve; *outer hull* and *level set* enclose the shape already, so that there is no "
+        "reinflation and only the final pass works: no contact is used in them. The energy holds in reinflation "
+        f"and in the final pass. *{PAPERS}* has the paper's weights and its one range for all pairs. Successes, median "
+        "excess of these, and the geometric mean of their times, decimation included:",
         table(["energy", *columns], lines),
         "With the area, shape by shape (✗: the phase that failed):",
         matrix("shape", columns, area, excess_and_time),

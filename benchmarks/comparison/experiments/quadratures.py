@@ -51,6 +51,6 @@ def finding(found: Results, inputs: Inputs) -> str:
         f"{len(solved)} shapes that all solve: "
         + "; ".join(told)
         + f". Between the rules the excess differs by {statistics.median(spreads):.2f} points in the median and "
-        f"{max(spreads):.2f} at the most: the rule matters little beside the flow itself, as the two-sided flow "
+        f"{max(spreads):.2f} at most: the rule matters little compared with the flow itself, as the two-sided flow "
         "gets inside in a few steps with none."
     )

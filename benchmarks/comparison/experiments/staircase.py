@@ -53,10 +53,10 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         "## From the paper to ours, one improvement at a time",
         "Every row keeps the changes of those above it; all are objects in `Settings`, listed in "
         "`benchmarks/comparison/methods.py`. *Certified*: cages that strictly enclose the fine mesh at home, whether "
-        "or not that came home. Times, excess and iterations are over the "
+        "or not that returned. Times, excess and iterations are over the "
         f"{len(solved)} shapes on which every row ends with such a cage in time: {', '.join(solved) or 'none'}; the "
         "times are geometric means.",
-        table(["", "method", "success", "certified", "came home", "flow stuck", "s", "mean excess %", "iterations"],
+        table(["", "method", "success", "certified", "returned", "flow stuck", "s", "mean excess %", "iterations"],
               lines),
         "Excess and time where a row succeeded; otherwise ✗ and the phase that failed, and in brackets the excess of "
         "the cage that it left, if that encloses the fine mesh:",
@@ -92,7 +92,7 @@ def finding(found: Results, inputs: Inputs) -> str:
         "home or not (geometric mean of the times, "
         "mean of the changes of excess): "
         + "; ".join(told)
-        + ". Exact home-coming turns almost every failure of the reinflation into a success, the two-sided flow those "
+        + ". Exact return turns almost every failure of the reinflation into a success, the two-sided flow those "
         "of the flow; projected Newton gives most of the speed, local ranges and the tightening most of the tightness. "
         "Infinite energies matter only where a reinflation begins with a contact or a crossing, or parity takes its "
         "start for one; a flow that ends by the test that the energy begins with does not lead there."

@@ -64,8 +64,8 @@ def finding(found: Results, inputs: Inputs) -> str:
             if gaps
             else ""
         )
-        + f"As there, the fine mesh never comes home: it rests {min(short):.0e} to {max(short):.0e} diagonals short of "
-        "it, which the C++ program passes over and which is an error here. Certified of the "
+        + f"As there, the fine mesh never quite returns: it rests {min(short):.0e} to {max(short):.0e} diagonals "
+        "short of it, which the C++ program passes over and which is an error here. Certified of the "
         f"{len(runs)} rows: "
         + ", ".join(f"{name} {count}" for name, count in zip(methods.CONTACTS, certified, strict=True))
         + "."

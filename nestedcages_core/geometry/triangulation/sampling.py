@@ -15,7 +15,7 @@ from ..mesh import Mesh
 from ..signed_distance import SignedDistance
 
 SPACING_NEIGHBOURS = 6
-"""Nearest boundary points that limit the spacing at a point inside; more make hardly a difference."""
+"""Nearest boundary points that limit the spacing at a point inside; more change little."""
 
 MIN_DEPTH = 0.5
 """Smallest distance of inner points from the boundary, in local spacings."""

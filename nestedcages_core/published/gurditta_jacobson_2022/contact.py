@@ -107,5 +107,5 @@ class PaperContact:
         short = np.hypot(*(path[-1] - x[bodies.m :]).T)
         worst = int(short.argmax())
         reached = not bool(short.any())
-        reason = f"fine vertex {worst} rests {short[worst]:.1e} bounding-box diagonals short of home"
+        reason = f"fine vertex {worst} rests {short[worst]:.1e} bounding-box diagonals short of its target"
         return ContactOutcome(x, reached, iterations, "" if reached else reason)
