@@ -75,7 +75,17 @@ from .geometry.quadrature import EvenSamples as EvenSamples
 from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
-from .hierarchy import Hierarchy, Level, NestedCagesRun, NestingReport, Progress, Settings, nested_cages
+from .hierarchy import (
+    Hierarchy,
+    Level,
+    NestedCagesRun,
+    NestingReport,
+    Progress,
+    Settings,
+    inner_cages,
+    nested_cages,
+)
+from .hierarchy import InnerCagesRun as InnerCagesRun
 from .motion import AnimatedCagesRun as AnimatedCagesRun
 from .motion import Key as Key
 from .motion import MotionReport as MotionReport
@@ -102,6 +112,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     # the work
     "nested_cages",
     "NestedCagesRun",
+    "inner_cages",
     "nested_cages_many",
     "Settings",
     "Progress",

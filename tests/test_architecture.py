@@ -77,6 +77,7 @@ PUBLIC = [
     "Mesh",
     "nested_cages",
     "NestedCagesRun",
+    "inner_cages",
     "nested_cages_many",
     "Settings",
     "Progress",

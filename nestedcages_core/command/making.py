@@ -14,7 +14,7 @@ from ..exchange import cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Hierarchy, NestingReport, Settings, nested_cages
+from ..hierarchy import Hierarchy, NestingReport, Settings, inner_cages, nested_cages
 from .levels import counts
 from .progress import ProgressLine
 from .sources import Shape, Source
@@ -58,7 +58,9 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     made: list[Made] = []
     meshes: list[Shape] = []
     for shape in source.shapes:
-        if isinstance(shape.content, Mesh):
+        if isinstance(shape.content, Mesh) and given.inside:
+            _add(made, failures, shape, partial(_inside, shape.content, given, line), several=len(source.shapes) > 1)
+        elif isinstance(shape.content, Mesh):
             meshes.append(shape)
         else:
             _add(made, failures, shape, partial(_picture, shape.content, given, line))
@@ -123,6 +125,10 @@ def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
                 cut_back[k].append(Cage(cut.cage, report))
         inner = [cut.cage for cut in cuts]
     return [replace(each, cages=cages) for each, cages in zip(made, cut_back, strict=True)]
+
+
+def _inside(mesh: Mesh, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
+    return inner_cages(mesh, counts(given.levels, mesh), Settings(clearance=given.clearance), progress=line.of_run)
 
 
 def _picture(picture: AnyArray, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:

@@ -50,6 +50,7 @@ BELONGING = {
     "tolerance": ("drawing",),
     "element": ("drawing",),
     "layers": ("drawing",),
+    "inside": ("drawing", "map"),
     "no_strokes": ("drawing",),
     "no_background": ("drawing",),
     "no_crop": ("drawing",),
@@ -83,6 +84,11 @@ def parser() -> argparse.ArgumentParser:
         metavar="N",
         help="vertices of each cage, from the finest to the coarsest: numbers, or parts of the shape's own such as "
         "20%%",
+    )
+    options.add_argument(
+        "--inside",
+        action="store_true",
+        help="make cages inside the shapes instead, each inside the one before",
     )
     options.add_argument(
         "-o",
@@ -179,6 +185,9 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
     for name, owners in BELONGING.items():
         if getattr(given, name) and not kinds & {*owners, "stream"}:
             options.error(f"--{name.replace('_', '-')} is for a {owners[0]}, and there is none among the input")
+    for name in ("jobs", "borders"):
+        if given.inside and getattr(given, name):
+            options.error(f"--{name} is for cages around the shapes; leave out --inside")
     if given.padding is not None and given.clearance is not None:
         options.error("--padding is the clearance of pictures; give only one of them")
     if given.format and STREAM not in given.output:

@@ -12,7 +12,7 @@ from ..errors import InvalidMeshError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
-from ..geometry.mesh import Mesh, Nesting
+from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place as in_words
 from ..parameters import check_count
 from ..stages import Stage, drain
@@ -22,7 +22,6 @@ from .hull_search import search_hulls
 from .offset import strict_offset
 from .outline import Outline
 from .request import Request
-from .small_holes import with_room
 
 HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is room, unless the clearance is larger."""
@@ -133,15 +132,15 @@ class _Search:
         """Meshes of those of the hulls that are small enough, different, and strictly enclose the fine mesh."""
         area = 0.0
         for hull in hulls:
-            if len(hull.vertices) <= self.target and abs(hull.area - area) > SAME_AREA_TOLERANCE * hull.area:
+            if len(hull.vertices) <= self.target and abs(hull.area - area) > SAME_AREA_TOLERANCE * abs(hull.area):
                 area = hull.area
                 try:
                     mesh = self.request.coarse(hull)
                 except InvalidMeshError:
                     continue
                 if CLEARANCE_RESERVE * self.clearance > self.distance:
-                    mesh = with_room(mesh, self.fine, self.clearance)
-                if Nesting(mesh, self.fine).encloses_loop_by_loop():
+                    mesh = self.request.with_room(mesh, self.clearance)
+                if self.request.nests(mesh):
                     yield mesh, hull
 
     def rank(self, hull: Outline) -> tuple[int, float]:

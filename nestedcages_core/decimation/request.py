@@ -9,11 +9,12 @@ import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import norm
 from .apportion import padded
 from .base import LEAST_PER_LOOP, Count, checked_budget
 from .outline import Outline
+from .small_holes import with_room
 
 TIE_TOLERANCE = 1e-9
 """Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
@@ -64,6 +65,14 @@ class Request:
     def mesh(self, loops: Sequence[FloatArray]) -> Mesh:
         """A mesh of loops (k, 2) in the order of the outline; its loop k stands for loop k of the fine mesh."""
         return Mesh.from_loops([loops[k] for k in np.argsort(self.loop_order)])
+
+    def with_room(self, coarse: Mesh, clearance: float) -> Mesh:
+        """The coarse mesh with small polygons in holes that the clearance nearly fills."""
+        return with_room(coarse, self.fine, clearance)
+
+    def nests(self, coarse: Mesh) -> bool:
+        """Whether each loop of the coarse mesh lies on the right side of its fine one, by exact predicates."""
+        return Nesting(coarse, self.fine).encloses_loop_by_loop()
 
     def same_roles(self, coarse: Mesh) -> Mesh:
         """The coarse mesh. Raises InvalidMeshError if its loops do not lie in each other as those of the fine mesh."""

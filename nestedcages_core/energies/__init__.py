@@ -8,6 +8,7 @@ from .base import CageEnergy, Energy
 from .blocks import Blocks
 from .displacement import InitialDisplacement, StepDisplacement
 from .element_energy import ElementEnergy
+from .inwards import inwards
 from .no_energy import NoEnergy
 from .shape_keeping import ShapeKeeping
 from .weighted_sum import WeightedSum
@@ -25,5 +26,6 @@ __all__ = [  # noqa: RUF022 - in the order of explanation
     "NoEnergy",  # zero: the cage moves only where it is pushed
     "WeightedSum",  # several of them
     "ElementEnergy",  # any formula per vertex, edge or turn, by automatic differentiation
+    "inwards",  # an energy for cages inside the fine mesh
     "signed_area",  # area enclosed by oriented loops
 ]

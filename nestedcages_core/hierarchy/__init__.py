@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from .clearance_bounds import least_room
 from .results import Hierarchy, Level, NestingReport, Progress
-from .run import NestedCagesRun, nested_cages
+from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
 
 __all__ = [
     "Hierarchy",
+    "InnerCagesRun",
     "Level",
     "NestedCagesRun",
     "NestingReport",
     "Progress",
     "Settings",
+    "inner_cages",
     "least_room",
     "nested_cages",
 ]

@@ -37,7 +37,7 @@ class NestingReport:
     wanted_clearance: float
     """The clearance that was asked for, or that the default came to."""
     excess: float
-    """area(cage) / area(fine) - 1."""
+    """area(cage) / area(fine) - 1; negative for inner cages."""
     start: str
     """"flow" or "outer hull": how the fine mesh came to lie inside the coarse one."""
     iterations: Mapping[str, int]
@@ -64,18 +64,20 @@ class Level:
     """One cage and the way to it."""
 
     fine: Mesh
-    """The mesh that this level's cage encloses: the input, or the cage of the level before."""
+    """The mesh that this level's cage encloses, or is inside of: the input, or the cage of the level before."""
     coarse: Mesh
     """Where the cage started."""
     cage: Mesh
     flow: FlowResult
     reinflation: Reinflation
     report: NestingReport
+    inside: bool = False
+    """Whether the cage lies inside `fine`, as those of `inner_cages` do; verify(fine, cage) is then its certificate."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hierarchy:
-    """Nested cages: level k encloses level k - 1, and all enclose the fine mesh."""
+    """Nested cages: level k encloses level k - 1, and all enclose the fine mesh; inner cages the other way round."""
 
     fine: Mesh
     levels: tuple[Level, ...]

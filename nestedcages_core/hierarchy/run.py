@@ -12,6 +12,7 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..stages import Stage
 from .attempts import clearances_for
+from .inner_level import InnerLevelBuilder
 from .level import LevelBuilder
 from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
@@ -41,6 +42,28 @@ def nested_cages(
     return run.hierarchy
 
 
+def inner_cages(
+    fine: Mesh,
+    levels: Sequence[int | Mesh],
+    settings: Settings | None = None,
+    *,
+    progress: Callable[[Progress], None] | None = None,
+) -> Hierarchy:
+    """Cages inside ``fine``, as large as their vertices allow, each inside the one before; the rest as `nested_cages`.
+
+    Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
+    ``report.excess`` is negative. A mesh of one's own is where its cage starts, and must lie inside. No flow is needed,
+    so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull.
+
+    Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
+    """
+    run = InnerCagesRun(fine, levels, settings)
+    for step in run:
+        if progress is not None:
+            progress(step)
+    return run.hierarchy
+
+
 class NestedCagesRun:
     """The work of :func:`nested_cages` as an iterator over its progress; dropping it cancels the work.
 
@@ -50,10 +73,13 @@ class NestedCagesRun:
     >>> run.hierarchy.cages                             # doctest: +SKIP
     """
 
+    builder: type[LevelBuilder | InnerLevelBuilder] = LevelBuilder
+    """What makes each level."""
+
     def __init__(self, fine: Mesh, levels: Sequence[int | Mesh], settings: Settings | None = None) -> None:
         if not isinstance(settings, Settings | None):
             raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
-        self._work = _hierarchy(fine, levels, settings if settings is not None else Settings())
+        self._work = _hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder)
         self._result: Hierarchy | None = None
         self._over = False
         self._unfinished = "the run has no result yet: iterate over it to its end first"
@@ -87,7 +113,18 @@ class NestedCagesRun:
         self._work.close()
 
 
-def _hierarchy(fine: Mesh, levels: Sequence[int | Mesh], settings: Settings) -> Stage[Progress, Hierarchy]:
+class InnerCagesRun(NestedCagesRun):
+    """The work of :func:`inner_cages` as an iterator over its progress; dropping it cancels the work."""
+
+    builder = InnerLevelBuilder
+
+
+def _hierarchy(
+    fine: Mesh,
+    levels: Sequence[int | Mesh],
+    settings: Settings,
+    builder: type[LevelBuilder | InnerLevelBuilder],
+) -> Stage[Progress, Hierarchy]:
     """All levels."""
     fine, wanted = _checked(fine, levels)
     finished: list[Level] = []
@@ -95,8 +132,8 @@ def _hierarchy(fine: Mesh, levels: Sequence[int | Mesh], settings: Settings) -> 
         inner = finished[-1].cage if finished else fine
         try:
             clearances = clearances_for(settings, fine)
-            builder = LevelBuilder(inner, clearances, settings, LevelProgress(index, len(wanted)))
-            finished.append((yield from builder.build(level)))
+            work = builder(inner, clearances, settings, LevelProgress(index, len(wanted)))
+            finished.append((yield from work.build(level)))
         except NestedCagesError as error:
             error.partial = Hierarchy(fine, tuple(finished))
             raise

@@ -21,7 +21,8 @@ def faults_of_level(level: Any, *, all_steps: bool = False) -> list[str]:
     """What the judge finds wrong with a level of a hierarchy."""
     way = level.reinflation
     like_fine = sorted(level.cage.loop_signs.tolist()) == sorted(level.fine.loop_signs.tolist())
-    faults = faults_of_cage(level.cage, level.fine, level.report.wanted_clearance, same_loops=like_fine)
+    around, within = (level.fine, level.cage) if level.inside else (level.cage, level.fine)
+    faults = faults_of_cage(around, within, level.report.wanted_clearance, same_loops=like_fine)
     last = len(way.cage_steps) - 1
     steps = (
         range(last) if all_steps else sorted({k * last // STEPS_JUDGED for k in range(STEPS_JUDGED)} & {*range(last)})

@@ -1,0 +1,172 @@
+"""Cages inside: certified with the roles swapped, as tight as outer ones, through the command too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import (
+    Area,
+    InnerCagesRun,
+    Mesh,
+    NestingError,
+    Settings,
+    ShapeKeeping,
+    StepDisplacement,
+    WeightedSum,
+    inner_cages,
+    nested_cages,
+    read_svg,
+    to_svg,
+    verify,
+    verify_motion,
+)
+from nestedcages_core.command import main
+from nestedcages_core.energies import inwards
+from nestedcages_core.hierarchy.settings import DEFAULT_CLEARANCE
+from shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
+
+
+def assert_inside(level) -> None:
+    """Certified and, by shapely, inside at the clearance; motion free of collisions; the fine mesh as it was."""
+    cage, fine, report = level.cage, level.fine, level.report
+    assert verify(fine, cage, report.wanted_clearance)
+    assert polygon(fine).contains(polygon(cage))
+    assert polygon(fine).boundary.distance(polygon(cage).boundary) >= report.wanted_clearance * (1.0 - 1e-6)
+    assert report.excess == pytest.approx(cage.area / fine.area - 1.0)
+    assert report.excess < 0.0
+    motion = level.reinflation
+    assert verify_motion(cage, fine, motion.cage_steps, motion.fine_steps)
+    assert np.array_equal(motion.fine_steps[-1], fine.vertices)
+    assert np.array_equal(motion.cage_steps[-1], cage.vertices)
+
+
+@pytest.mark.parametrize("fine", [star(), letter_a(), annulus(40), islands(), square_with_hole()])
+def test_levels_nest_inwards(fine: Mesh) -> None:
+    counts = [max(len(fine.vertices) // 2, 6 * len(fine.loops)), 5 * len(fine.loops)]
+    hierarchy = inner_cages(fine, counts)
+    assert [len(cage.vertices) for cage in hierarchy.cages] == [min(k, len(fine.vertices)) for k in counts]
+    assert hierarchy.levels[0].fine is hierarchy.fine
+    assert hierarchy.levels[1].fine is hierarchy.levels[0].cage
+    for level in hierarchy.levels:
+        assert_inside(level)
+        assert level.report.wanted_clearance == DEFAULT_CLEARANCE * fine.diagonal
+
+
+def test_the_largest_octagon_in_a_disc() -> None:
+    """The area of a regular octagon, whose vertices lie on those of the disc less the clearance."""
+    fine = Mesh.from_loops([ring(64)])
+    clearance = 1e-6
+    level = inner_cages(fine, [8], Settings(clearance=clearance)).levels[0]
+    octagon = 4.0 * np.sin(2.0 * np.pi / 8.0)
+    assert octagon * (1.0 - 1e-5) < level.cage.area < octagon
+
+
+def test_as_tight_as_a_cage_around_the_complement_in_a_box() -> None:
+    fine = letter_a()
+    box = np.array([[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]) * fine.diagonal
+    others = Mesh.from_loops([box, *(fine.vertices[loop] for loop in fine.loops)])
+    cage = nested_cages(others, [20], Settings(clearance=1e-5 * fine.diagonal)).levels[0].cage
+    outer = max(np.abs(cage.loop_areas))
+    in_box = outer - cage.area
+    own = inner_cages(fine, [16]).levels[0].cage.area
+    assert own >= in_box * (1.0 - 0.01)
+
+
+def test_a_mesh_of_ones_own_is_the_start() -> None:
+    fine = Mesh.from_loops([ring(64)])
+    mine = Mesh.from_loops([0.5 * ring(6)])
+    level = inner_cages(fine, [mine]).levels[0]
+    assert level.coarse is mine
+    assert level.report.start == "coarse mesh"
+    assert level.cage.area > 2.5
+    assert_inside(level)
+
+
+def test_a_mesh_that_is_not_inside_gives_its_counts_to_the_hull() -> None:
+    fine = annulus(40)
+    mine = annulus(10, 0.4)
+    level = inner_cages(fine, [mine]).levels[0]
+    assert level.report.start == "inner hull"
+    assert "inner hull instead" in level.report.notes[0]
+    assert [len(loop) for loop in level.cage.loops] == [10, 10]
+    with pytest.raises(NestingError, match="move it inside"):
+        inner_cages(fine, [mine], Settings(fallback=None))
+
+
+def test_narrow_shapes_get_less_than_the_default_clearance_but_not_less_than_asked() -> None:
+    thin = Mesh.from_loops([[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-6], [0.0, 1e-6]]])
+    level = inner_cages(thin, [4]).levels[0]
+    assert level.report.wanted_clearance < DEFAULT_CLEARANCE
+    assert "room for a clearance" in level.report.notes[0]
+    assert_inside(level)
+    with pytest.raises(NestingError):
+        inner_cages(thin, [4], Settings(clearance=1e-5))
+
+
+def test_too_few_vertices_for_a_thin_ring() -> None:
+    with pytest.raises(NestingError, match="ask for at least"):
+        inner_cages(annulus(64, 0.95), [8])
+
+
+@pytest.mark.parametrize("energy", [ShapeKeeping(), WeightedSum(((1.0, Area()), (0.1, StepDisplacement())))])
+def test_energies(energy) -> None:
+    assert_inside(inner_cages(star(), [24], Settings(energy=energy)).levels[0])
+
+
+def test_derivatives_of_the_lost_area_are_those_of_the_cage_walked_back() -> None:
+    cage = star(5, 20)
+    lost = inwards(Area(), 10.0)
+    assert lost.value(cage.vertices, cage.predecessor) == pytest.approx(10.0 - cage.area)
+    kept = ShapeKeeping().at(cage)
+    moved = 1.1 * cage.vertices + 0.01 * np.sin(np.arange(40.0)).reshape(-1, 2)
+    energy = inwards(kept, 10.0)
+    step = 1e-6 * np.cos(np.arange(40.0)).reshape(-1, 2)
+    change = energy.value(moved + step, cage.predecessor) - energy.value(moved - step, cage.predecessor)
+    assert change == pytest.approx(2.0 * float((energy.gradient(moved, cage.predecessor) * step).sum()), rel=1e-5)
+
+
+def test_far_from_the_origin_turned_and_scaled() -> None:
+    fine = star(5, 60)
+    wanted = inner_cages(fine, [20]).levels[0].report.excess
+    c, s = np.cos(0.7), np.sin(0.7)
+    other = Mesh(1e3 * fine.vertices @ np.array([[c, s], [-s, c]]) + 1e6, fine.edges)
+    assert inner_cages(other, [20]).levels[0].report.excess == pytest.approx(wanted, abs=1e-3)
+
+
+def test_a_run_can_be_stopped_and_shows_its_progress() -> None:
+    run = InnerCagesRun(star(), [40, 20])
+    fractions = [step.fraction for step in run]
+    assert fractions == sorted(fractions)
+    assert len(run.hierarchy.levels) == 2
+    stopped = InnerCagesRun(star(), [40])
+    next(stopped)
+    stopped.close()
+    with pytest.raises(RuntimeError, match="cancelled"):
+        _ = stopped.hierarchy
+
+
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 10_000), count=st.integers(3, 24))
+def test_random_shapes(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    radius = rng.uniform(0.3, 1.0, size=24)
+    angle = 2.0 * np.pi * np.arange(24) / 24.0
+    fine = Mesh.from_loops([radius[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)])
+    assert_inside(inner_cages(fine, [count]).levels[0])
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    drawing, cages = tmp_path / "letter.svg", tmp_path / "cages.svg"
+    drawing.write_text(to_svg(letter_a(2)))
+    assert main([str(drawing), "--levels", "20", "12", "--inside", "-o", str(cages), "--quiet"]) == 0
+    assert "excess -" in capsys.readouterr().out
+    fine, outer, inner = (read_svg(cages, element=name) for name in ("drawing", "cage-1", "cage-2"))
+    assert verify(fine, outer)
+    assert verify(outer, inner)
+    with pytest.raises(SystemExit):
+        main([str(drawing), "--levels", "20", "--inside", "--borders"])
