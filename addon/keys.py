@@ -31,6 +31,8 @@ FRAMES = "nested_cages_frames"
 HIDES = "nested_cages_hides"
 # Of an object: the fine mesh that it fills.
 FILLS = "nested_cages_fills"
+# Of an armature or empties: the cage whose corners they move.
+HANDLES_OF = "nested_cages_handles_of"
 # Of a scene: its first and last frame before the animation, and as the animation set them.
 RANGE = "nested_cages_range"
 

@@ -43,8 +43,9 @@ def write(
         _check_replaceable(collection)
     rollback = Rollback(scene, (collection for collection in earlier if collection is not None))
     try:
+        home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
         collections = [
-            _write_one(scene, result, timing, collection, rollback)
+            _write_one(scene, result, timing, collection or _new_collection(home, result), rollback)
             for result, collection in zip(results, earlier, strict=True)
         ]
         for result, collection in zip(results, collections, strict=True):
@@ -56,6 +57,25 @@ def write(
     for collection in collections:
         stage.enter(collection)
     return collections, lost
+
+
+def _home(scene: bpy.types.Scene, results: Sequence[Result]) -> bpy.types.Collection:
+    """Where the new outputs of a run go: the collection of the first drawing; several in one of their own there."""
+    source = results[0].drawing.source if results else None
+    own = ownership.home_of(scene, source)
+    if len(results) < 2:
+        return own
+    run = bpy.data.collections.new(f"Cages of {len(results)} Drawings")
+    own.children.link(run)
+    return run
+
+
+def _new_collection(home: bpy.types.Collection, result: Result) -> bpy.types.Collection:
+    """A collection for the output of a drawing."""
+    source = result.drawing.source
+    collection = bpy.data.collections.new(f"{source.name if source is not None else result.drawing.name} Cages")
+    home.children.link(collection)
+    return collection
 
 
 def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: float) -> None:
@@ -89,15 +109,12 @@ def _write_one(
     scene: bpy.types.Scene,
     result: Result,
     timing: Timing,
-    collection: bpy.types.Collection | None,
+    collection: bpy.types.Collection,
     rollback: Rollback,
 ) -> bpy.types.Collection:
-    """Writes one output into its collection, a new one if there is none."""
+    """Writes one output into its collection."""
     source, first = result.drawing.source, result.levels[0]
     name = source.name if source is not None else result.drawing.name
-    if collection is None:
-        collection = bpy.data.collections.new(f"{name} Cages")
-        ownership.home_of(scene, source).children.link(collection)
     collection[keys.COLOURS] = colours_of(scene, collection)
     for obj in members(collection):
         rollback.set_aside(obj)

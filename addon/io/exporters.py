@@ -162,9 +162,8 @@ def _svg(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tuple[
 
 
 def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tuple[str, int]:
-    down = {keys.Y_DOWN: True} if flip_y else {}
     turned = _turned(shapes, flip_y)
-    features = [core.exchange.Feature(mesh, {"name": name, **down}) for name, mesh in turned.items()]
+    features = [core.exchange.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
     return core.exchange.to_geojson(features), len(shapes)
 
 

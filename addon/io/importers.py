@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,26 +21,38 @@ from ..scene.plane import size
 SVG, MAPS = (".svg",), (".geojson", ".json")
 
 
+# Metres per unit of drawings, whose unit is a pixel; what was exported from Blender comes back as large as it was.
+PIXEL, EXPORTED = 0.01, 1.0
+# What written cages say of themselves in SVG, and the elements that are outlines in any SVG.
+OUR_SVG = re.compile(r"<svg\b[^>]*\bdata-outlines=")
+SHAPES = re.compile(r"<(path|rect|circle|ellipse|polygon|polyline)\b(?P<rest>[^>]*)")
+ID = re.compile(r"\sid\s*=\s*[\"']([^\"']*)[\"']")
+
+
 @dataclass(frozen=True)
 class Shape:
-    """A mesh of the core, its name, and whether its y points down by default."""
+    """A mesh of the core and its name, and by default: whether its y points down, and metres per unit."""
 
     name: str
     mesh: core.Mesh
     y_down: bool
+    scale: float = PIXEL
 
 
-def shapes_in(path: Path) -> list[Shape]:
-    """The filled area of an SVG, each feature of a GeoJSON, or a collision outline. Raises: UserError."""
+def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
+    """The filled area of an SVG, each feature of a GeoJSON, or a collision outline. Raises: UserError.
+
+    outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
+    """
     exchange = core.exchange
     try:
         if path.suffix.lower() in SVG:
-            return [Shape(path.stem, exchange.read_svg(path), True)]
+            return _svg_shapes(path, outlines)
         if path.suffix.lower() not in MAPS:
             raise UserError(f"'{path.name}' is no kind of file that is read: choose .svg, .geojson or .json")
         text = exchange.read_whole(path, exchange.Limits())
         if exchange.is_engine_json(text):
-            return [Shape(path.stem, exchange.from_engine_json(text), True)]
+            return [Shape(path.stem, exchange.from_engine_json(text), True, EXPORTED)]
         features = exchange.features_from_geojson(text)
     except (core.NestedCagesError, OSError) as error:
         raise UserError(f"'{path.name}' cannot be read: {error}") from error
@@ -49,9 +63,40 @@ def shapes_in(path: Path) -> list[Shape]:
             str(feature.properties.get("name") or feature.properties.get("NAME") or feature.id or path.stem),
             feature.mesh,
             bool(feature.properties.get(keys.Y_DOWN, False)),
+            EXPORTED if keys.Y_DOWN in feature.properties else PIXEL,
         )
         for feature in features
     ]
+
+
+def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
+    """The outlines of an SVG. Raises: core.NestedCagesError, OSError."""
+    exchange = core.exchange
+    content = exchange.read_whole(path, exchange.Limits())
+    text = content.decode("utf-8", errors="replace") if isinstance(content, bytes) else content
+    exported = OUR_SVG.search(text) is not None
+    scale = EXPORTED if exported else PIXEL
+    found: list[Shape] = []
+    if outlines == "SEVERAL" or (outlines == "AUTO" and exported):
+        numbered, names = _with_ids(text)
+        for name in names:
+            try:
+                found.append(Shape(name, exchange.from_svg(numbered, element=name), True, scale))
+            except core.NestedCagesError:
+                continue  # nothing of it is painted; if nothing is at all, the whole file says why
+    return found or [Shape(path.stem, exchange.from_svg(content), True, scale)]
+
+
+def _with_ids(text: str) -> tuple[str, list[str]]:
+    """An SVG in which every shape has an id, and these ids in order."""
+    names: list[str] = []
+
+    def named(match: re.Match[str]) -> str:
+        known = ID.search(match["rest"])
+        names.append(html.unescape(known[1]) if known else f"{match[1]} {len(names) + 1}")
+        return match[0] if known else f'<{match[1]} id="{names[-1]}"{match["rest"]}'
+
+    return SHAPES.sub(named, text), names
 
 
 def place(
@@ -59,13 +104,15 @@ def place(
 ) -> Work[list[bpy.types.Object]]:
     """New objects of edges, each around its own middle, so that places far away keep their digits. Raises: UserError.
 
-    y_down: whether the y axis points down, None for what is usual in the file; scale: metres per unit of the file.
+    y_down: whether the y axis points down, None for what is usual in the file; scale: metres per unit of the file, 0
+    for what is usual.
     """
     made: list[tuple[str, core.Mesh, NDArray[np.float64]]] = []
     for shape in shapes:
         yield Progress(0.5 + 0.5 * len(made) / len(shapes), f"placing '{shape.name}'")
         turned = shape.y_down if y_down is None else y_down
-        points = shape.mesh.vertices * (scale, -scale if turned else scale)
+        unit = scale or shape.scale
+        points = shape.mesh.vertices * (unit, -unit if turned else unit)
         middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
         stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops])
         made.append((shape.name, stored, middle))

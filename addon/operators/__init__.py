@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..generation.job import running
-from . import bake, bind, exporters, fault, image_outline, importers, levels, silhouette
+from . import bake, bind, exporters, fault, handles, image_outline, importers, levels, report, silhouette
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -16,6 +16,8 @@ CLASSES = (
     *fault.CLASSES,
     *bake.CLASSES,
     *bind.CLASSES,
+    *handles.CLASSES,
+    *report.CLASSES,
     *importers.CLASSES,
     *exporters.CLASSES,
     *levels.CLASSES,

@@ -43,10 +43,9 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         layout.prop(self, "levels")
         if OWN in self.levels:
             layout.prop(self, "level_objects")
-        for names in (groups.WHAT, groups.FRAMES, groups.ANIMATION, groups.LOOKS):
-            groups.draw(layout.column(), self, names)
-        for title, names in (("Drawing", groups.READING), ("Advanced", groups.ADVANCED)):
-            header, body = layout.panel(f"nested_cages_{title}", default_closed=True)
+        groups.draw(layout.column(), self, groups.SPACE)
+        for title, names in groups.parts():
+            header, body = layout.panel(f"nested_cages_{title}", default_closed=title != "Animation")
             header.label(text=title)
             if body is not None:
                 groups.draw(body.column(), self, names)

@@ -21,6 +21,11 @@ Y_ITEMS = (
     ("DOWN", "Down", "The y axis of the file points down, as in images"),
     ("UP", "Up", "The y axis of the file points up, as in maps"),
 )
+OUTLINE_ITEMS = (
+    ("AUTO", "Automatic", "As many outlines as there are in cages that were exported; one of other files"),
+    ("ONE", "One Outline", "The filled area of everything, with overlaps united"),
+    ("SEVERAL", "Several Outlines", "An outline of each shape"),
+)
 Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
@@ -56,7 +61,15 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
     )
     y: EnumProperty(name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO")
     scale: FloatProperty(
-        name="Scale", description="Length in Blender of one unit of the file", default=0.01, min=1e-9, soft_max=100.0
+        name="Scale",
+        description="Length in Blender of one unit of the file; 0 takes cages that were exported as they are, and a "
+        "hundredth of other SVG",
+        default=0.0,
+        min=0.0,
+        soft_max=100.0,
+    )
+    outlines: EnumProperty(
+        name="SVG As", description="What becomes of the shapes in an SVG", items=OUTLINE_ITEMS, default="AUTO"
     )
 
     def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
@@ -67,6 +80,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         self.layout.use_property_split = True
         self.layout.prop(self, "y")
         self.layout.prop(self, "scale")
+        self.layout.prop(self, "outlines")
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         names = [file.name for file in self.files if file.name]
@@ -77,7 +91,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         shapes: list[importers.Shape] = []
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
-            shapes += importers.shapes_in(path)
+            shapes += importers.shapes_in(path, self.outlines)
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
         select(context, *made)
         count = sum(len(mesh_of(obj).vertices) for obj in made)

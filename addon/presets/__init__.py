@@ -24,6 +24,15 @@ class NESTEDCAGES_PT_presets(PresetPanel, bpy.types.Panel):
     preset_add_operator = "scene.nested_cages_preset_add"
 
 
+class NESTEDCAGES_PT_method_presets(PresetPanel, bpy.types.Panel):
+    """Published methods, for comparisons."""
+
+    bl_label = "Published Methods"
+    preset_subdir = f"{SUBDIRECTORY}_methods"
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "scene.nested_cages_method_preset_add"
+
+
 class SCENE_OT_nested_cages_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
     """Adds or removes a preset."""
 
@@ -36,7 +45,24 @@ class SCENE_OT_nested_cages_preset_add(AddPresetBase, bpy.types.Operator):  # ty
     preset_values = tuple(f"settings.{name}" for name in NAMES)
 
 
-CLASSES = (NESTEDCAGES_PT_presets, SCENE_OT_nested_cages_preset_add)
+class SCENE_OT_nested_cages_method_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
+    """Adds or removes a preset of a method."""
+
+    bl_idname = "scene.nested_cages_method_preset_add"
+    bl_label = "Add Method Preset"
+    bl_description = "Store the settings as a method under a name, or remove a stored one"
+    preset_menu = "NESTEDCAGES_PT_method_presets"
+    preset_subdir = NESTEDCAGES_PT_method_presets.preset_subdir
+    preset_defines = SCENE_OT_nested_cages_preset_add.preset_defines
+    preset_values = SCENE_OT_nested_cages_preset_add.preset_values
+
+
+CLASSES = (
+    NESTEDCAGES_PT_presets,
+    NESTEDCAGES_PT_method_presets,
+    SCENE_OT_nested_cages_preset_add,
+    SCENE_OT_nested_cages_method_preset_add,
+)
 
 
 def register() -> None:

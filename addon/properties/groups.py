@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import bpy
 
 from . import conversion
 from .settings import GenerationProperties
 
-WHAT: tuple[str, ...] = ("use_selected_as_levels", "together", "clearance", "decimation", "energy")
+SPACE: tuple[str, ...] = ("clearance",)
+WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
+SHAPE: tuple[str, ...] = ("decimation", "energy")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
 ANIMATION: tuple[str, ...] = ("show_flow", "ease", "loop_back", "show_result")
 LOOKS: tuple[str, ...] = ("thickness",)
@@ -31,3 +34,25 @@ def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterab
         line = layout.column()
         line.active = chosen.has_use_for(name) and ALTERNATIVES.get(name, values.fit_length) == values.fit_length
         line.prop(values, name)
+
+
+# The extension's package, whatever name Blender gave it.
+PACKAGE = __package__.removesuffix(".addon.properties")
+
+
+def preferences() -> Any:
+    """The add-on's preferences, which are there while Blender has it enabled; else None."""
+    addon = bpy.context.preferences.addons.get(PACKAGE)
+    return addon.preferences if addon is not None else None
+
+
+def shows_research() -> bool:
+    """Whether the panels show what only those who compare methods need."""
+    found = preferences()
+    return found is not None and found.research
+
+
+def parts() -> list[tuple[str, tuple[str, ...]]]:
+    """The parts of the operator's panel, by title."""
+    found = [("Animation", (*FRAMES, *ANIMATION)), ("Drawing and Cages", (*WHICH, *READING, *SHAPE, *LOOKS))]
+    return [*found, ("Advanced", ADVANCED)] if shows_research() else found

@@ -87,6 +87,8 @@ class Drawing:
         """The loops of each object."""
         if self.united:
             return [faults.Part(self.name, self.identity, self.loops)]
+        if self.united:
+            return [faults.Part(self.name, self.identity, self.loops)]
         own = len(self.loops) - sum(len(other.loops) for other in self.others)
         parts = [(self, self.loops[:own]), *((other, other.loops) for other in self.others)]
         return [faults.Part(part.name, part.identity, loops) for part, loops in parts]

@@ -34,6 +34,11 @@ def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     return [obj for obj in collection.objects if keys.flag(obj, keys.HELPER) and level_of(obj) is None]
 
 
+def is_output(collection: bpy.types.Collection) -> bool:
+    """Whether a collection holds the output of a drawing."""
+    return keys.has(collection, keys.SOURCE)
+
+
 def is_bound(collection: bpy.types.Collection) -> bool:
     """Whether the cages of an output collection move what is in them."""
     return bool(keys.text(collection, keys.BOUND))
@@ -93,11 +98,6 @@ def home_of(scene: bpy.types.Scene, source: bpy.types.Object | None) -> bpy.type
     own = source.users_collection if source is not None else ()
     there = set(scene.collection.children_recursive)
     return next((c for c in own if c in there and c.is_editable and not is_output(c)), scene.collection)
-
-
-def is_output(collection: bpy.types.Collection) -> bool:
-    """Whether a collection holds the output of a drawing."""
-    return keys.has(collection, keys.SOURCE)
 
 
 def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .. import keys
+from ..errors import UserError
 from ..generation import output
 from ..generation.job import running
-from ..presets import NESTEDCAGES_PT_presets
+from ..generation.levels import LEAST_OF_A_PERCENTAGE, parse_levels
+from ..operators.base import last_fault
+from ..presets import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
 from ..properties import conversion, groups
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership
+from ..scene.counting import outline_count
 from ..scene.selection import collection_of_active, output_of_active
 
 CATEGORY = "Nested Cages"
@@ -57,10 +60,11 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         levels.operator("scene.nested_cages_level_add", text="", icon="ADD")
         if len(settings.level_list):
             _draw_list(column, settings)
-        groups.draw(column, settings, groups.WHAT)
-        groups.draw(layout.column(align=True), settings, groups.FRAMES)
-        groups.draw(layout.column(), settings, (*groups.ANIMATION, *groups.LOOKS))
-        _draw_length(layout, context)
+        for line in _said_of_levels(context, settings):
+            row = column.row()
+            row.alignment = "RIGHT"
+            row.label(text=line, translate=False)
+        groups.draw(column, settings, groups.SPACE)
         job = running()
         if job is None:
             row = layout.row()
@@ -69,6 +73,9 @@ class VIEW3D_PT_nested_cages(SidebarPanel, bpy.types.Panel):
         else:
             layout.progress(factor=job.fraction, text=job.message)
             layout.operator("object.nested_cages_cancel", icon="CANCEL")
+        if last_fault() is not None:
+            layout.operator("object.nested_cages_select_fault", icon="VIEWZOOM")
+        _draw_binding(layout, collection_of_active(context))
 
 
 class SettingsPanel(SidebarPanel):
@@ -85,18 +92,45 @@ class SettingsPanel(SidebarPanel):
         groups.draw(layout.column(), settings_of(context), self.names)
 
 
-class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
-    """How the selected objects are read"""
+class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
+    """When and how fast it plays how the cages come about"""
 
-    bl_label = "Drawing"
-    names = groups.READING
+    bl_label = "Animation"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = settings_of(context)
+        layout: Any = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(align=True)
+        groups.draw(column, settings, groups.FRAMES)
+        groups.draw(layout.column(), settings, groups.ANIMATION)
+        _draw_length(layout, context)
+        if collection_of_active(context) is not None:
+            column = layout.column(align=True)
+            column.operator("object.nested_cages_bake_action", icon="ACTION")
+            column.operator("object.nested_cages_remove_animation", icon="X")
+
+
+class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
+    """Which objects count, how they are read, and what shape cages take"""
+
+    bl_label = "Drawing and Cages"
+    names = (*groups.WHICH, *groups.READING, *groups.SHAPE, *groups.LOOKS)
 
 
 class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
-    """Methods of computation. Greyed-out settings don't apply to the chosen methods"""
+    """Parts of the method, for comparisons. Greyed-out settings don't apply to the chosen methods"""
 
     bl_label = "Advanced"
     names = groups.ADVANCED
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        return groups.shows_research()
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        NESTEDCAGES_PT_method_presets.draw_panel_header(self.layout)
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
@@ -115,22 +149,21 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         for obj in ownership.members(collection):
             box = layout.box().column(align=True)
             box.label(text=obj.name, icon="MOD_MESHDEFORM" if ownership.level_of(obj) else "MESH_DATA", translate=False)
-            for label, text in _readout(obj):
-                row = box.split(factor=0.45)
-                row.label(text=label)
-                row.label(text=text, translate=False)
+            box.label(text=_in_short(obj), translate=False)
             for line in _notes(obj):
                 box.label(text=line, translate=False)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
         if ownership.is_bound(collection):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
+        column.operator("object.nested_cages_report", icon="TEXT")
 
 
 class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
-    """What can be done with the active object's cages"""
+    """The active object's cages as other objects and as files"""
 
-    bl_label = "Use"
+    bl_label = "Convert and Export"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_parent_id = "VIEW3D_PT_nested_cages"
 
     @classmethod
@@ -139,15 +172,6 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        if ownership.is_bound(output_of_active(context)):
-            row = layout.row(align=True)
-            row.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
-            row.operator("object.nested_cages_unbind", icon="UNLINKED")
-        else:
-            layout.operator("object.nested_cages_bind", icon="LINKED")
-        column = layout.column(align=True)
-        column.operator("object.nested_cages_bake_action", icon="ACTION")
-        column.operator("object.nested_cages_remove_animation", icon="X")
         column = layout.column(align=True)
         column.operator(
             "object.nested_cages_to_objects", text="Convert Cages to Curves", icon="OUTLINER_OB_CURVE"
@@ -196,44 +220,60 @@ class NESTEDCAGES_UL_levels(bpy.types.UIList):
         row.prop(item, {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}[item.kind], text="")
 
 
-# What is stored on cages, and how it is shown.
-READOUT: tuple[tuple[str, str, Callable[[float], str]], ...] = (
-    ("Excess", keys.EXCESS, lambda value: f"{100.0 * value:.2f} %"),
-    ("Clearance", keys.CLEARANCE, lambda value: f"{value:.3g}"),
-    ("Time", keys.SECONDS, lambda value: f"{value:.2f} s"),
-)
-
-
-def _readout(obj: bpy.types.Object) -> list[tuple[str, str]]:
-    """Label and value of what is stored on an output object."""
-    vertices = keys.integer(obj, keys.VERTICES)
-    rows = [("Vertices", "" if vertices is None else str(vertices))]
-    for label, key, shown in READOUT:
-        value = keys.number(obj, key)
-        if value is not None:
-            rows.append((label, shown(value)))
-    start, end = keys.integer(obj, keys.FLOW_START), keys.integer(obj, keys.END)
-    if start is not None and end is not None:
-        rows.append(("Frames", f"{start} – {end}"))
-    if verdict := keys.text(obj, keys.CHECK):
-        rows.append(("Check", verdict))
-    return rows
+def _in_short(obj: bpy.types.Object) -> str:
+    """What an artist wants to know of an output object at a glance; all numbers are in the report."""
+    vertices, excess = keys.integer(obj, keys.VERTICES), keys.number(obj, keys.EXCESS)
+    parts = [] if vertices is None else [f"{vertices} vertices"]
+    if excess is not None:
+        parts.append(f"{100.0 * excess:.3g} % larger")
+    return ", ".join(parts)
 
 
 def _notes(obj: bpy.types.Object) -> list[str]:
-    """Lines of what is said about an output object in whole sentences."""
-    link = keys.text(obj, keys.LINK)
-    sentences = [f"Follows by {link}" if link else "", keys.text(obj, keys.NOTES)]
+    """Lines of what is said about an output object in words."""
+    method, _, _ = keys.text(obj, keys.LINK).partition(",")
+    sentences = [f"Follows by {method}" if method else "", keys.text(obj, keys.CHECK), keys.text(obj, keys.NOTES)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
+
+
+def _said_of_levels(context: bpy.types.Context, settings: NestedCagesSettings) -> list[str]:
+    """What the levels come to for the active drawing: "20 % = 93 vertices"."""
+    active = context.view_layer.objects.active
+    if active is None or active.mode != "OBJECT" or ownership.level_of(active) is not None:
+        return []
+    total = outline_count(active, settings.resolution)
+    try:
+        levels = parse_levels(settings.levels)
+    except UserError:
+        return []
+    if not total:
+        return []
+    return [
+        f"{level:g} % = {max(round(total * level / 100.0), LEAST_OF_A_PERCENTAGE)} vertices"
+        for level in levels
+        if isinstance(level, float)
+    ] or [f"of {total} vertices"]
+
+
+def _draw_binding(layout: bpy.types.UILayout, collection: bpy.types.Collection | None) -> None:
+    """Bind, or what can be done with what is bound."""
+    if collection is None or not ownership.is_bound(collection):
+        layout.operator("object.nested_cages_bind", icon="LINKED")
+        return
+    layout.operator("object.nested_cages_add_handles", icon="BONE_DATA")
+    row = layout.row(align=True)
+    row.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
+    row.operator("object.nested_cages_unbind", icon="UNLINKED")
 
 
 CLASSES = (
     NESTEDCAGES_UL_levels,
     VIEW3D_PT_nested_cages,
-    VIEW3D_PT_nested_cages_reading,
-    VIEW3D_PT_nested_cages_advanced,
     VIEW3D_PT_nested_cages_result,
+    VIEW3D_PT_nested_cages_animation,
+    VIEW3D_PT_nested_cages_reading,
     VIEW3D_PT_nested_cages_use,
+    VIEW3D_PT_nested_cages_advanced,
 )
 
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import BoolProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, PointerProperty, StringProperty
 
 from ..operators.base import Outcome
+from ..properties import groups
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
-
-# The extension's package, whatever name Blender gave it.
-PACKAGE = __package__.removesuffix(".addon.ui")
 
 
 def _move_panels(preferences: NestedCagesPreferences, _context: bpy.types.Context) -> None:
@@ -25,13 +23,26 @@ class NestedCagesDefaults(bpy.types.PropertyGroup, GenerationProperties):
 class NestedCagesPreferences(bpy.types.AddonPreferences):
     """Preferences of Nested Cages."""
 
-    bl_idname = PACKAGE
+    bl_idname = groups.PACKAGE
 
     category: StringProperty(
         name="Sidebar Tab",
         description="Tab in the sidebar of the 3D view that holds the panels",
         default=panels.CATEGORY,
         update=_move_panels,
+    )
+    research: BoolProperty(
+        name="Research Settings",
+        description="Show the panel Advanced with the parts of the method, for comparisons and teaching",
+        default=False,
+    )
+    line_width: FloatProperty(
+        name="Cage Width",
+        description="Width of cages in the 3D view; 0 leaves them as Blender's own wires",
+        default=2.5,
+        min=0.0,
+        max=20.0,
+        subtype="PIXEL",
     )
     has_defaults: BoolProperty(
         name="Own Defaults", description="Start new files with the settings below", default=False
@@ -42,6 +53,8 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "category")
+        layout.prop(self, "line_width")
+        layout.prop(self, "research")
         layout.prop(self, "has_defaults")
         column = layout.column()
         column.active = self.has_defaults
@@ -56,6 +69,8 @@ DEFAULTS = (
     "clearance",
     "decimation",
     "energy",
+    "fit_length",
+    "length",
     "frames_per_step",
     "show_flow",
     "ease",
@@ -92,8 +107,8 @@ class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
 
 def preferences() -> NestedCagesPreferences | None:
     """The preferences, which are there while Blender has the add-on enabled."""
-    addon = bpy.context.preferences.addons.get(PACKAGE)
-    return addon.preferences if addon is not None else None
+    found: NestedCagesPreferences | None = groups.preferences()
+    return found
 
 
 @persistent  # type: ignore[untyped-decorator]

@@ -58,7 +58,7 @@ WITH = {
     "solver": {"contact": "IPC"},
     "expansion_energy": {"contact": "IPC"},
 }
-PRESETS = ROOT / "addon" / "presets" / "nested_cages"
+PRESETS = list((ROOT / "addon" / "presets").glob("*/*.py"))
 
 
 def choices(addon):
@@ -227,7 +227,7 @@ def test_presets_keep_the_methods(addon, tmp_path, monkeypatch) -> None:
     assert (settings.tighten, settings.starts) == (False, 7)
 
 
-@pytest.mark.parametrize("path", sorted(PRESETS.glob("*.py")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(PRESETS), ids=lambda path: path.stem)
 def test_presets_that_come_along_set_all_that_makes_a_cage(addon, path) -> None:
     """Whatever was chosen before, a preset gives the same cages."""
     assigned = {

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import pytest
 
-from drawings import poly_curve, star
+from drawings import bezier_circle, circle, grid_face, poly_curve, star, text, wire
 
 
 class Layout:
@@ -26,6 +26,10 @@ class Layout:
 
     def panel(self, _identifier: str, **_named: Any) -> tuple[Layout, Layout]:
         return Layout(self.drawn), Layout(self.drawn)
+
+    def menu(self, name: str, **_named: Any) -> None:
+        assert hasattr(bpy.types, name)
+        self.drawn.append(name)
 
     def label(self, text: str = "", **_named: Any) -> None:
         self.drawn.append(text)
@@ -66,45 +70,98 @@ def draw(extension):
 
 def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> None:
     drawn = draw("VIEW3D_PT_nested_cages")
-    assert {"levels", "energy", "ease", "loop_back", "object.nested_cages_generate"} <= set(drawn)
+    assert {"levels", "clearance", "object.nested_cages_generate", "object.nested_cages_bind"} <= set(drawn)
+    assert not {"energy", "ease", "loop_back", "contact"} & set(drawn)
+    assert {"fit_length", "ease", "loop_back"} <= set(draw("VIEW3D_PT_nested_cages_animation"))
     assert "level_list" not in drawn
     bpy.ops.scene.nested_cages_level_add()
     assert "level_list" in draw("VIEW3D_PT_nested_cages")
     assert "resolution" in draw("VIEW3D_PT_nested_cages_reading")
 
 
-def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon) -> None:
+def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon, monkeypatch) -> None:
     names = sorted(set(addon.properties.settings.NAMES) - {"level_objects"})
-    parts = ("", "_reading", "_advanced")
+    parts = ("", "_animation", "_reading", "_advanced")
     drawn = [name for part in parts for name in draw(f"VIEW3D_PT_nested_cages{part}")]
     assert sorted(name for name in drawn if name in names) == names
     drawn = []
     operator, settings = bpy.ops.object.nested_cages_generate.get_rna_type(), bpy.context.scene.nested_cages
     values = SimpleNamespace(bl_rna=operator, layout=Layout(drawn), **{n: getattr(settings, n) for n in names})
     addon.operators.generate.OBJECT_OT_nested_cages_generate.draw(values, bpy.context)
+    assert sorted(name for name in drawn if name in names) == sorted(set(names) - set(addon.properties.groups.ADVANCED))
+    drawn.clear()
+    monkeypatch.setattr(addon.properties.groups, "shows_research", lambda: True)
+    addon.operators.generate.OBJECT_OT_nested_cages_generate.draw(values, bpy.context)
     assert sorted(name for name in drawn if name in names) == names
 
 
 def test_the_panel_shows_the_length_as_soon_as_it_is_known(draw) -> None:
     poly_curve("Drawing", [star()])
-    assert not any(text.startswith("Length") for text in draw("VIEW3D_PT_nested_cages"))
+    assert not any(text.startswith("Length") for text in draw("VIEW3D_PT_nested_cages_animation"))
     bpy.ops.object.nested_cages_generate(levels="20")
     settings, end = bpy.context.scene.nested_cages, bpy.data.collections["Drawing Cages"]["nested_cages_end"]
-    assert f"Length as before: {end} frames, {end / 24:.1f} s" in draw("VIEW3D_PT_nested_cages")
+    assert "Length as before: 120 frames, 5.0 s" in draw("VIEW3D_PT_nested_cages_animation")
+    settings.fit_length = False
+    assert f"Length as before: {end} frames, {end / 24:.1f} s" in draw("VIEW3D_PT_nested_cages_animation")
     settings.loop_back = True
-    assert f"Length as before: {2 * end + 3} frames, {(2 * end + 3) / 24:.1f} s" in draw("VIEW3D_PT_nested_cages")
+    expected = f"Length as before: {2 * end + 3} frames, {(2 * end + 3) / 24:.1f} s"
+    assert expected in draw("VIEW3D_PT_nested_cages_animation")
 
 
-def test_results_are_shown_with_and_without_animation(draw) -> None:
+COUNTED = {
+    "curve": (lambda: poly_curve("Drawing", [star(465)]), 465),
+    "Bezier curve": (lambda: bezier_circle("Drawing", resolution=12), 48),
+    "edges": (lambda: wire("Drawing", [star(60), circle(12, 0.3)]), 72),
+    "faces": (lambda: grid_face("Drawing", 4), 16),
+    "text": (lambda: text("Drawing", "Ag&"), None),
+}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_levels_are_told_in_vertices_beside_them(draw, addon, name) -> None:
+    make, count = COUNTED[name]
+    obj = make()
+    if count is None:
+        count = len(addon.scene.convert.read(bpy.context, obj).points)
+    bpy.context.scene.nested_cages.levels = "20%, 50%"
+    drawn = draw("VIEW3D_PT_nested_cages")
+    assert f"20 % = {max(4, round(0.2 * count))} vertices" in drawn
+    assert f"50 % = {round(0.5 * count)} vertices" in drawn
+
+
+def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="20")
-    assert "Frames" in draw("VIEW3D_PT_nested_cages_result")
+    cage = bpy.data.objects["Drawing Cage 1"]
+    assert f"20 vertices, {100.0 * cage['nested_cages_excess']:.3g} % larger" in draw("VIEW3D_PT_nested_cages_result")
     assert {"object.nested_cages_bake_action", "object.nested_cages_remove_animation"} <= set(
-        draw("VIEW3D_PT_nested_cages_use")
+        draw("VIEW3D_PT_nested_cages_animation")
     )
-    bpy.ops.object.nested_cages_remove_animation()
+    bpy.ops.object.nested_cages_bind()
     drawn = draw("VIEW3D_PT_nested_cages_result")
-    assert "Frames" not in drawn and "Excess" in drawn
+    assert "Follows by Harmonic Coordinates" in drawn and not any("error" in line for line in drawn)
+    assert {"object.nested_cages_add_handles", "object.nested_cages_unbind"} <= set(draw("VIEW3D_PT_nested_cages"))
+    assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
+    report = bpy.data.texts["Nested Cages Report"].as_string()
+    for words in ("Drawing Cage 1", "clearance: ", "under affine poses", "Certified as stored"):
+        assert words in report
+
+
+def test_research_is_off_unless_the_preferences_say_otherwise(extension, addon, monkeypatch) -> None:
+    panel = addon.ui.panels.VIEW3D_PT_nested_cages_advanced
+    assert not panel.poll(bpy.context)
+    assert addon.ui.preferences.NestedCagesPreferences.bl_rna.properties["research"].default is False
+    monkeypatch.setattr(addon.properties.groups, "preferences", lambda: SimpleNamespace(research=True))
+    assert panel.poll(bpy.context)
+
+
+def test_a_fault_is_offered_in_the_panel(draw, addon) -> None:
+    addon.operators.base.remember_fault(None)
+    assert "object.nested_cages_select_fault" not in draw("VIEW3D_PT_nested_cages")
+    poly_curve("Open", [star()], cyclic=False)
+    with pytest.raises(RuntimeError):
+        bpy.ops.object.nested_cages_generate()
+    assert "object.nested_cages_select_fault" in draw("VIEW3D_PT_nested_cages")
 
 
 @pytest.mark.parametrize("kind", ["COUNT", "PERCENT", "OBJECT"])

@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 from drawings import poly_curve, star
 
-PRESETS = ROOT / "addon" / "presets" / "nested_cages"
+PRESETS = ROOT / "addon" / "presets"
 
 
 def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
@@ -72,9 +72,9 @@ def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> 
         assert mine.default == (scenes.default if name != "fit_length" else not scenes.default)
 
 
-@pytest.mark.parametrize("name", sorted(path.stem.replace("_", " ") for path in PRESETS.glob("*.py")))
-def test_presets_that_come_with_the_add_on_work(addon, name) -> None:
-    path = bpy.utils.preset_find(name, "nested_cages", display_name=True)
+@pytest.mark.parametrize("stored", sorted(PRESETS.glob("*/*.py")), ids=lambda path: path.stem)
+def test_presets_that_come_with_the_add_on_work(addon, stored) -> None:
+    path = bpy.utils.preset_find(stored.stem.replace("_", " "), stored.parent.name, display_name=True)
     assert path
     bpy.ops.script.execute_preset(filepath=path, menu_idname="NESTEDCAGES_PT_presets")
     settings = bpy.context.scene.nested_cages

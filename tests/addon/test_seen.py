@@ -269,8 +269,34 @@ def test_select_fault_finds_the_ends_of_an_open_curve(addon) -> None:
 
 
 def test_loops_are_told_by_the_names_of_their_objects(addon) -> None:
-    poly_curve("One", [star(), circle(12, 0.3)])
-    wire("Two", [circle(40, 1.0, (0.9, 0.0))])
-    bpy.data.objects["One"].select_set(True)
-    with pytest.raises(RuntimeError, match=r"loop 0 of 'One' and 'Two' cross|'Two' and loop 0 of 'One' cross"):
-        generate(together=True)
+    """Numbers that count through all objects mean nothing to a user."""
+    faults = addon.scene.faults
+    one = faults.Part("One", 1, [star(), circle(12, 0.3)])
+    two = faults.Part("Two", 2, [circle(40, 1.0, (0.9, 0.0))])
+    message = "Loops 0 and 2 cross near (0.5, 0.8): edge 1-2 meets edge 3-4; loop 1 is fine."
+    expected = "loop 0 of 'One' and 'Two' cross near (0.5, 0.8): edge 1-2 meets edge 3-4; loop 1 of 'One' is fine."
+    assert faults.with_names(message, [one, two]) == expected
+    assert faults.with_names(message, [one]) == message
+    assert faults.with_names("Loop 7 is open.", [one, two]) == "Loop 7 is open."
+
+
+def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:
+    scene = bpy.context.scene
+    face, character = bpy.data.collections.new("Face"), bpy.data.collections.new("Character")
+    scene.collection.children.link(character)
+    character.children.link(face)
+    for x, name in enumerate(("Eye", "Nose", "Mouth")):
+        obj = poly_curve(name, [star()])
+        obj.location.x = 3.0 * x
+        face.objects.link(obj)
+        scene.collection.objects.unlink(obj)
+    for obj in face.objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = face.objects[0]
+    assert generate() == {"FINISHED"}
+    run = bpy.data.collections["Cages of 3 Drawings"]
+    assert set(face.children) == {run}
+    assert sorted(collection.name for collection in run.children) == ["Eye Cages", "Mouth Cages", "Nose Cages"]
+    assert len(scene.timeline_markers) == 3
+    assert generate(levels="12") == {"FINISHED"}
+    assert len(bpy.data.collections) == 6

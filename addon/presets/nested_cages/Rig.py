@@ -1,14 +1,14 @@
-"""Few vertices and some room to move in, as for posing by hand."""
+"""One cage of few, evenly spaced vertices with some room to move in, to be bound and posed."""
 
 import bpy
 
 settings = bpy.context.scene.nested_cages
 
-settings.levels = "24, 12"
+settings.levels = "16"
 settings.use_selected_as_levels = False
 settings.together = False
 settings.clearance = 0.02
-settings.decimation = "ON_CURVE"
+settings.decimation = "ARC_LENGTH"
 settings.energy = "AREA"
 settings.contact = "AUTOMATIC"
 settings.repairs = {"PARITY", "FINITE", "HOME"}

@@ -1,0 +1,60 @@
+"""Write Report: every number that is known of the cages, as a text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+from .. import keys
+from ..scene import ownership
+from ..scene.selection import output_of_active
+from .base import OnOutput, Outcome
+
+NAME = "Nested Cages Report"
+# What a report says of a cage, by what is stored on it.
+NUMBERS = (
+    ("vertices", keys.VERTICES),
+    ("excess", keys.EXCESS),
+    ("clearance", keys.CLEARANCE),
+    ("seconds", keys.SECONDS),
+    ("first frame", keys.FLOW_START),
+    ("growing back from frame", keys.REINFLATION_START),
+    ("tightening from frame", keys.TIGHTENING_START),
+    ("result on frame", keys.END),
+)
+SENTENCES = (keys.BEGINS_FROM, keys.CERTIFICATE, keys.LINK, keys.NOTES, keys.FINDING)
+
+
+class OBJECT_OT_nested_cages_report(OnOutput, bpy.types.Operator):
+    """Writes a report."""
+
+    bl_idname = "object.nested_cages_report"
+    bl_label = "Write Report"
+    bl_description = "Write all that is known of these cages into a text: certificates, errors of binding, times, notes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        collection = output_of_active(context)
+        text = bpy.data.texts.get(NAME) or bpy.data.texts.new(NAME)
+        text.from_string("\n".join(lines(collection)) + "\n")
+        self.report({"INFO"}, f"Written to the text '{NAME}': open it in a Text Editor")
+        return {"FINISHED"}
+
+
+def lines(collection: bpy.types.Collection) -> Iterator[str]:
+    """What is known of an output, level by level."""
+    yield collection.name
+    for obj in ownership.members(collection):
+        yield ""
+        yield obj.name
+        for label, key in NUMBERS:
+            value = keys.number(obj, key)
+            if value is not None:
+                yield f"    {label}: {value:.6g}"
+        for key in SENTENCES:
+            if sentence := keys.text(obj, key):
+                yield f"    {sentence}"
+
+
+CLASSES = (OBJECT_OT_nested_cages_report,)

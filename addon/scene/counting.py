@@ -1,0 +1,55 @@
+"""How many vertices the outline of an object will have, at a glance: for display, without evaluating it."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import bpy
+
+from .filling import loop_edges, mesh_of
+
+
+def outline_count(obj: bpy.types.Object, resolution: int = 0) -> int | None:
+    """Vertices of an outline before modifiers; None for kinds of which that is not known before they are read.
+
+    resolution: segments between two control points of a curve, 0 = the curve's own.
+    """
+    if obj.type == "MESH":
+        return len(loop_edges(mesh_of(obj)))
+    if obj.type == "CURVE":
+        counts = [_points(spline, resolution) for spline in obj.data.splines]
+        return sum(counts)
+    if obj.type == "FONT":
+        text = obj.data
+        shape = (text.body, text.font.filepath if text.font else "", resolution or text.resolution_u)
+        return _points_of_text(obj.session_uid, *shape)
+    return None
+
+
+def _points(spline: bpy.types.Spline, resolution: int) -> int:
+    """Points of the line that a spline draws."""
+    if spline.type == "POLY":
+        return len(spline.points)
+    fine = resolution or spline.resolution_u
+    if spline.type == "BEZIER":
+        points = list(spline.bezier_points)
+        ahead = [*points[1:], *(points[:1] if spline.use_cyclic_u else [])]
+        straight = sum(
+            here.handle_right_type == there.handle_left_type == "VECTOR"
+            for here, there in zip(points, ahead, strict=False)
+        )
+        return straight + (len(ahead) - straight) * fine
+    return (len(spline.points) - (not spline.use_cyclic_u)) * fine
+
+
+@lru_cache(maxsize=64)
+def _points_of_text(identity: int, _body: str, _font: str, resolution: int) -> int | None:
+    """Points of the outlines of a text, which has no splines of its own; asked for again only if the text changes."""
+    obj = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
+    if obj is None:
+        return None
+    curve = obj.to_curve(bpy.context.evaluated_depsgraph_get())
+    try:
+        return sum(_points(spline, resolution) for spline in curve.splines)
+    finally:
+        obj.to_curve_clear()

@@ -1,0 +1,74 @@
+"""The menus: everything in one submenu of Object and of the context menu, where F3 finds it, and files in File."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.exporters import SHAPE_ITEMS
+from ..properties.settings import copy_values, settings_of
+
+
+class VIEW3D_MT_nested_cages(bpy.types.Menu):
+    """All that can be done with drawings and their cages"""
+
+    bl_label = "Nested Cages"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        assert layout is not None
+        copy_values(settings_of(context), layout.operator("object.nested_cages_generate", icon="MOD_MESHDEFORM"))
+        layout.operator("object.nested_cages_select_fault", icon="VIEWZOOM")
+        layout.operator("object.nested_cages_verify", icon="CHECKMARK")
+        layout.separator()
+        layout.operator("object.nested_cages_bind", icon="LINKED")
+        layout.operator("object.nested_cages_add_handles", icon="BONE_DATA")
+        layout.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
+        layout.operator("object.nested_cages_unbind", icon="UNLINKED")
+        layout.separator()
+        layout.operator("object.nested_cages_bake_action", icon="ACTION")
+        layout.operator("object.nested_cages_remove_animation", icon="X")
+        layout.separator()
+        for shape, name, _ in SHAPE_ITEMS:
+            convert = layout.operator(
+                "object.nested_cages_to_objects", text=f"Convert Cages to {name}", icon="OUTLINER_OB_MESH"
+            )
+            convert.shape = shape
+        layout.separator()
+        layout.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
+        layout.operator("object.nested_cages_silhouette", icon="MOD_SOLIDIFY")
+        layout.operator("object.nested_cages_import", icon="IMPORT")
+        layout.operator("object.nested_cages_export", icon="EXPORT")
+        layout.operator("object.nested_cages_report", icon="TEXT")
+
+
+def _object_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.separator()
+    self.layout.menu(VIEW3D_MT_nested_cages.__name__, icon="MOD_MESHDEFORM")
+
+
+def _import_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.operator("object.nested_cages_import", text="Outlines for Cages (.svg/.geojson/.json)")
+
+
+def _export_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.operator("object.nested_cages_export", text="Nested Cages (.svg/.geojson/.json)")
+
+
+MENUS = (
+    ("VIEW3D_MT_object", _object_menu),
+    ("VIEW3D_MT_object_context_menu", _object_menu),
+    ("TOPBAR_MT_file_import", _import_menu),
+    ("TOPBAR_MT_file_export", _export_menu),
+)
+
+
+def register() -> None:
+    bpy.utils.register_class(VIEW3D_MT_nested_cages)
+    for menu, entries in MENUS:
+        getattr(bpy.types, menu).append(entries)
+
+
+def unregister() -> None:
+    for menu, entries in MENUS:
+        getattr(bpy.types, menu).remove(entries)
+    bpy.utils.unregister_class(VIEW3D_MT_nested_cages)

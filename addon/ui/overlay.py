@@ -1,0 +1,100 @@
+"""Cages in the 3D view as lines of a width in pixels, which shows at any zoom; corners of bound ones as handles.
+
+In renders a modifier gives lines their width; see `scene.display`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+from numpy.typing import NDArray
+
+from ..properties import groups
+from ..scene import filling, ownership
+from ..scene.plane import transform
+
+# Pixels, before the scale of the interface: the lines, unless the preferences say otherwise, what selected cages have
+# more, and the handles.
+WIDTH, MORE, HANDLE = 2.5, 1.5, 9.0
+# How far the colour of a selected cage goes to white.
+LIGHTER = 0.45
+
+
+class Strokes(NamedTuple):
+    """Ends of lines (2 m, 3) and handles (k, 3) in the world, with their colour and the width of the lines."""
+
+    ends: NDArray[np.float32]
+    handles: NDArray[np.float32]
+    colour: tuple[float, float, float, float]
+    width: float
+
+
+def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
+    """The cages that are seen, as they are on this frame; one that is being edited shows itself."""
+    depsgraph, chosen = context.evaluated_depsgraph_get(), groups.preferences()
+    wide = WIDTH if chosen is None else chosen.line_width
+    for collection in context.scene.collection.children_recursive:
+        members = ownership.members(collection) if ownership.is_output(collection) else []
+        for obj in members[1:]:
+            if obj.mode == "OBJECT" and obj.visible_get():
+                mesh = filling.mesh_of(obj.evaluated_get(depsgraph))
+                points = transform(np.array(obj.matrix_world), filling.points_of(mesh)).astype(np.float32)
+                handles = points if obj == members[-1] and ownership.is_bound(collection) else points[:0]
+                colour, width = np.array(obj.color), wide
+                if obj.select_get():
+                    colour[:3] += LIGHTER * (1.0 - colour[:3])
+                    width += MORE
+                r, g, b, _ = colour.tolist()
+                yield Strokes(points[filling.loop_edges(mesh)].reshape(-1, 3), handles, (r, g, b, 1.0), width)
+
+
+def _buffer(points: NDArray[np.float32]) -> Any:
+    """What a batch is made of."""
+    return points
+
+
+def _draw() -> None:
+    """Draws over a 3D view that shows overlays."""
+    context = bpy.context
+    space = context.space_data
+    chosen = groups.preferences()
+    shown = isinstance(space, bpy.types.SpaceView3D) and space.overlay.show_overlays
+    if not shown or (chosen is not None and not chosen.line_width):
+        return
+    scale = context.preferences.system.ui_scale
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    viewport: Any = gpu.state.viewport_get()  # type: ignore[func-returns-value]
+    gpu.state.blend_set("ALPHA")
+    for found in strokes(context):
+        shader.bind()
+        shader.uniform_float("viewportSize", viewport[2:])
+        shader.uniform_float("lineWidth", found.width * scale)
+        shader.uniform_float("color", found.colour)
+        batch_for_shader(shader, "LINES", {"pos": _buffer(found.ends)}).draw(shader)
+        if len(found.handles):
+            dots = gpu.shader.from_builtin(POINTS)
+            gpu.state.point_size_set(HANDLE * scale)
+            dots.bind()
+            dots.uniform_float("color", found.colour)
+            batch_for_shader(dots, "POINTS", {"pos": _buffer(found.handles)}).draw(dots)
+    gpu.state.blend_set("NONE")
+
+
+# Blender 4.5 gave points a shader of their own.
+POINTS = "POINT_UNIFORM_COLOR" if bpy.app.version >= (4, 5, 0) else "UNIFORM_COLOR"
+
+_handlers: list[object] = []
+
+
+def register() -> None:
+    _handlers.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"))
+
+
+def unregister() -> None:
+    while _handlers:
+        bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")

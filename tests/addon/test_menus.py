@@ -1,0 +1,60 @@
+"""Everything is in one submenu, and what is exported comes back as it was."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from drawings import poly_curve, star
+from test_panels import Layout
+
+
+class Parent:
+    """A menu that is drawn."""
+
+    def __init__(self) -> None:
+        self.drawn: list[str] = []
+        self.layout = Layout(self.drawn)
+
+
+def test_all_operators_are_in_the_submenu(addon) -> None:
+    parent = Parent()
+    addon.ui.menus.VIEW3D_MT_nested_cages.draw(parent, bpy.context)
+    known = {f"object.{name}" for name in dir(bpy.ops.object) if name.startswith("nested_cages")}
+    assert known - set(parent.drawn) == {"object.nested_cages_cancel"}
+
+
+@pytest.mark.parametrize("kind", ["SVG", "GEOJSON"])
+def test_three_exported_outlines_come_back_as_three_of_the_same_size(addon, tmp_path, kind) -> None:
+    poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="20, 10")
+    path = str(tmp_path / ("cages" + addon.operators.exporters.SUFFIXES[kind]))
+    bpy.ops.object.nested_cages_export(filepath=path, kind=kind)
+    names = ("Drawing Fine", "Drawing Cage 1", "Drawing Cage 2")
+    sizes = sorted(tuple(np.ptp([v.co for v in bpy.data.objects[name].data.vertices], axis=0)) for name in names)
+    before = set(bpy.data.objects)
+    assert bpy.ops.object.nested_cages_import(filepath=path) == {"FINISHED"}
+    made = sorted(set(bpy.data.objects) - before, key=lambda obj: obj.dimensions.x)
+    assert len(made) == 3
+    found = sorted(tuple(np.ptp([v.co for v in obj.data.vertices], axis=0)) for obj in made)
+    np.testing.assert_allclose(found, sizes, rtol=1e-6)
+    for obj in made:
+        bpy.data.objects.remove(obj)
+    assert bpy.ops.object.nested_cages_import(filepath=path, scale=2.0, outlines="ONE") == {"FINISHED"}
+    made = set(bpy.data.objects) - before
+    assert len(made) == (1 if kind == "SVG" else 3)
+    assert max(obj.dimensions.x for obj in made) == pytest.approx(2.0 * max(size[0] for size in sizes), rel=1e-4)
+
+
+def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
+    path = tmp_path / "two.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 10"><rect width="10" height="10"/>'
+        '<circle id="dot" cx="12" cy="5" r="4"/><path fill="none" d="M0 0h1"/></svg>'
+    )
+    assert bpy.ops.object.nested_cages_import(filepath=str(path)) == {"FINISHED"}
+    assert len(bpy.data.objects) == 1
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
+    assert sorted(obj.name for obj in bpy.data.objects) == ["dot", "rect 1", "two"]
+    assert bpy.data.objects["rect 1"].dimensions.x == pytest.approx(0.1)
