@@ -11,5 +11,6 @@ except ImportError:
 
 if bpy is not None and __package__:
     from .addon import register, unregister
+    from .addon.api import cages
 
-    __all__ = ["register", "unregister"]
+    __all__ = ["cages", "register", "unregister"]

@@ -55,6 +55,7 @@ ADDON_ROOMS = (
     "presets",
     "operators",
     "ui",
+    "api",
     "__init__",
 )
 DOOR = "core.py"

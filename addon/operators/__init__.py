@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..generation.job import running
-from . import bake, bind, exporters, fault, handles, image_outline, importers, levels, report, silhouette
+from . import bake, bind, cutout, exporters, fault, handles, image_outline, importers, levels, report, silhouette
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
@@ -22,6 +22,7 @@ CLASSES = (
     *exporters.CLASSES,
     *levels.CLASSES,
     *image_outline.CLASSES,
+    *cutout.CLASSES,
     *silhouette.CLASSES,
 )
 

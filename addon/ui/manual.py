@@ -26,6 +26,7 @@ OPERATORS = {
     "export": "export",
     "import": "export",
     "from_image": "pictures",
+    "cutout": "pictures",
     "silhouette": "silhouette",
 }
 SETTINGS = {

@@ -35,6 +35,7 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
             convert.shape = shape
         layout.separator()
         layout.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
+        layout.operator("object.nested_cages_cutout", icon="IMAGE_PLANE")
         layout.operator("object.nested_cages_silhouette", icon="MOD_SOLIDIFY")
         layout.operator("object.nested_cages_import", icon="IMPORT")
         layout.operator("object.nested_cages_export", icon="EXPORT")

@@ -1,0 +1,113 @@
+"""The add-on for scripts: objects in, cages out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+
+from .scene import convert, ownership
+from .scene.selection import scene_of
+
+Levels = str | int | float | Sequence[str | int | float | bpy.types.Object]
+
+
+def cages(
+    objects: Sequence[bpy.types.Object], levels: Levels = "20%, 8%", **settings: Any
+) -> list[list[bpy.types.Object]]:
+    """Makes cages around objects, each in its own, and returns the cages of each, innermost first.
+
+    objects: curves, texts, Grease Pencil drawings, hair curves or flat meshes, in the current view layer.
+    levels: vertex counts (int), fractions of the vertices (float below 1) or objects of your own, or a text such as
+    "64, 24" or "20%, 8%".
+    settings: properties of the operator `object.nested_cages_generate`, by the same names: clearance, decimation,
+    energy, together, close_open ... Those that are not given have the operator's defaults, whatever the panel says.
+
+    An object that cannot be caged while others can has an empty list; with ``together=True`` there is one list, for
+    all. Earlier cages of the same objects are replaced. Selection, active object and current frame stay.
+
+    Raises: ValueError with the operator's message if nothing can be caged.
+    """
+    chosen = list(objects)
+    context = bpy.context
+    for obj in chosen:
+        if not convert.readable(obj):
+            raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
+        if obj.name not in context.view_layer.objects or not obj.visible_get():
+            raise ValueError(f"'{obj.name}' is not visible in the current view layer, so it cannot be caged")
+    if not chosen:
+        raise ValueError("No objects were given")
+    text, own = _levels(levels)
+    known = bpy.ops.object.nested_cages_generate.get_rna_type().properties
+    unknown = [name for name in settings if name not in known]
+    if unknown:
+        raise ValueError(f"There is no setting '{unknown[0]}'")
+    before = {obj: _meshes(context, obj) for obj in chosen}
+    with _selected(context, chosen):
+        try:
+            bpy.ops.object.nested_cages_generate(
+                **{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings}
+            )
+        except RuntimeError as error:
+            raise ValueError(str(error).removeprefix("Error: ").strip()) from error
+    wanted = chosen[:1] if settings.get("together") or settings.get("use_selected_as_levels") else chosen
+    return [_cages_of(context, obj) if _meshes(context, obj) != before[obj] else [] for obj in wanted]
+
+
+def _cages_of(context: bpy.types.Context, obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The cages around an object, innermost first."""
+    collection = ownership.collection_of(scene_of(context), obj)
+    return ownership.members(collection)[1:] if collection is not None else []
+
+
+def _meshes(context: bpy.types.Context, obj: bpy.types.Object) -> list[int]:
+    """The numbers by which Blender knows the meshes of an object's cages: new cages have new ones."""
+    return [cage.data.session_uid for cage in _cages_of(context, obj) if cage.data is not None]
+
+
+def _levels(levels: Levels) -> tuple[str, list[str]]:
+    """The operator's text for levels, and the names of own objects."""
+    if isinstance(levels, str):
+        return levels, []
+    listed = [levels] if isinstance(levels, int | float) else list(levels)
+    own = [level.name for level in listed if isinstance(level, bpy.types.Object)]
+    return ", ".join(map(_word, listed)), own
+
+
+def _word(level: str | float | bpy.types.Object) -> str:
+    """One level as the operator reads it. Raises: ValueError."""
+    if isinstance(level, bpy.types.Object):
+        return "*"
+    if isinstance(level, float):
+        if not 0.0 < level < 1.0:
+            raise ValueError(f"A level given as a fraction is between 0 and 1, not {level!r}")
+        return f"{100.0 * level:.6f}%"
+    return str(level)
+
+
+@contextmanager
+def _selected(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
+    """Selects these objects alone for a while, in Object Mode, the first of them active."""
+    layer = context.view_layer
+    before, active = list(context.selected_objects), layer.objects.active
+    if context.mode != "OBJECT":
+        raise ValueError("Switch to Object Mode first")
+    scene = scene_of(context)
+    frame, subframe = scene.frame_current, scene.frame_subframe
+
+    def choose(chosen: Sequence[bpy.types.Object], first: bpy.types.Object | None) -> None:
+        for other in context.selected_objects:
+            other.select_set(False)
+        for obj in chosen:
+            obj.select_set(True)
+        layer.objects.active = first
+
+    choose(objects, objects[0])
+    try:
+        yield
+    finally:
+        choose([obj for obj in before if obj.name in layer.objects], active)
+        if (scene.frame_current, scene.frame_subframe) != (frame, subframe):
+            scene.frame_set(frame, subframe=subframe)

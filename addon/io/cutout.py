@@ -1,0 +1,204 @@
+"""A picture as a flat mesh that shows it: its outline filled with triangles, with texture coordinates and material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+from mathutils.geometry import delaunay_2d_cdt
+from numpy.typing import NDArray
+
+from ..core import core, predicates
+from ..errors import UserError
+from ..scene import display, filling
+from ..scene.plane import PLANARITY, Frame
+
+Points = NDArray[np.float64]
+
+# Points inside the outline, so that the picture bends smoothly: cells along the longer side.
+CELLS = 24
+# Inner points keep this part of a cell away from the outline.
+MARGIN = 0.5
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """Where a picture lies in the world: its lower left corner, its width and its height, (3,) each."""
+
+    corner: Points
+    width: Points
+    height: Points
+
+    def frame(self) -> Frame:
+        """A frame of unit scale in the middle of the picture. Raises: UserError if the picture is sheared."""
+        x, y = (side / np.linalg.norm(side) for side in (self.width, self.height))
+        if abs(float(x @ y)) > PLANARITY:
+            raise UserError("The picture is sheared: apply the scale of its object and its parents, or use a new one")
+        matrix = np.eye(4)
+        middle = self.corner + 0.5 * (self.width + self.height)
+        matrix[:3, :] = np.column_stack([x, y, np.cross(x, y), middle]).astype(np.float32)
+        return Frame(matrix=matrix, height=0.0, scale=1.0, own=True)
+
+    def placed(self, parts: Points) -> Points:
+        """Points (n, 2), in parts of the picture's width and height, in the frame, as float32 has them."""
+        sides = np.array([np.linalg.norm(self.width), np.linalg.norm(self.height)])
+        return ((parts - 0.5) * sides).astype(np.float32).astype(np.float64)
+
+
+def load(path: Path) -> bpy.types.Image:
+    """The image of a file, an earlier one if it has been loaded. Raises: UserError."""
+    try:
+        return bpy.data.images.load(str(path), check_existing=True)
+    except RuntimeError as error:
+        raise UserError(f"'{path.name}' cannot be read as an image") from error
+
+
+def image_on(obj: bpy.types.Object | None) -> bpy.types.Image | None:
+    """The image of an image empty, or on the active material of a mesh."""
+    if obj is None:
+        return None
+    if obj.type == "EMPTY":
+        return obj.data if isinstance(obj.data, bpy.types.Image) else None
+    material = obj.active_material if obj.type == "MESH" else None
+    if material is None or material.node_tree is None:
+        return None
+    textures: Any = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeTexImage" and node.image]
+    return next((node.image for node in textures), None)
+
+
+def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:
+    """Where an object shows a picture of that size in pixels; without one, around the origin, its longer side 1 long.
+
+    Raises: UserError.
+    """
+    extent = np.array(size) / max(size)
+    matrix = np.eye(4)
+    corner = -0.5 * extent
+    if obj is not None:
+        matrix = np.array(obj.matrix_world, dtype=np.float64)
+        if obj.type == "MESH":
+            return _on_faces(obj, matrix)
+        extent = extent * obj.empty_display_size
+        corner = np.array(obj.empty_image_offset) * extent
+    axes = matrix[:3, :3]
+    return Canvas(
+        matrix[:3, 3] + axes[:, 0] * corner[0] + axes[:, 1] * corner[1], axes[:, 0] * extent[0], axes[:, 1] * extent[1]
+    )
+
+
+def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:
+    """The canvas of a flat mesh by its texture coordinates. Raises: UserError."""
+    mesh = filling.mesh_of(obj)
+    if mesh.uv_layers.active is None:
+        raise UserError(f"'{obj.name}' has no texture coordinates, so where its picture lies is not known")
+    uv, corners = np.empty((len(mesh.loops), 2), np.float32), np.empty(len(mesh.loops), np.int32)
+    mesh.uv_layers.active.data.foreach_get("uv", uv.ravel())
+    mesh.loops.foreach_get("vertex_index", corners)
+    points = filling.points_of(mesh)[corners]
+    parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
+    found, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
+    if rank < 3 or np.abs(parts @ found - points).max() > PLANARITY * np.ptp(points, axis=0).max():
+        raise UserError(f"'{obj.name}' is no flat picture: its texture coordinates do not fit one plane")
+    axes = matrix[:3, :3]
+    return Canvas(matrix[:3, 3] + axes @ found[2], axes @ found[0], axes @ found[1])
+
+
+def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image) -> bpy.types.Mesh:
+    """A new mesh around the outline, in the canvas's frame, that shows the picture."""
+    points, triangles = _triangles(outline)
+    data = bpy.data.meshes.new(name)
+    corners = np.column_stack([points, np.zeros(len(points))])
+    data.from_pydata(corners.tolist(), [], triangles.tolist())
+    sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])
+    parts = points / sides + 0.5
+    layer = data.uv_layers.new(name="UVMap")
+    used = np.empty(len(data.loops), np.int32)
+    data.loops.foreach_get("vertex_index", used)
+    layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
+    data.materials.append(material_of(image))
+    data.update()
+    return data
+
+
+def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
+    """Points (n, 2), those of the outline first, and counter-clockwise triangles (t, 3) that fill it evenly."""
+    border = np.asarray(outline.vertices)
+    low, high = border.min(axis=0), border.max(axis=0)
+    cell = float((high - low).max()) / CELLS
+    x, y = (np.arange(low[k] + 0.5 * cell, high[k], cell) for k in range(2))
+    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    starts, ends = border[outline.edges[:, 0]], border[outline.edges[:, 1]]
+    inside = predicates.winding_number(grid, starts, ends) == 1
+    inner = grid[inside & (_distances(grid, starts, ends) > MARGIN * cell)].astype(np.float32).astype(np.float64)
+    points = np.concatenate([border, inner])
+    found = delaunay_2d_cdt([Vector(point) for point in points], outline.edges.tolist(), [], 0, 0.0)
+    origin = [first[0] if first else -1 for first in found[3]]
+    triangles = np.array([[origin[corner] for corner in face] for face in found[2]], dtype=np.int64).reshape(-1, 3)
+    middles = points[triangles].mean(axis=1)
+    kept = (triangles >= 0).all(axis=1) & (predicates.winding_number(middles, starts, ends) == 1)
+    return points, triangles[kept]
+
+
+def _distances(points: Points, starts: Points, ends: Points) -> Points:
+    """Distance (n,) of points to the nearest of the segments from starts to ends, (m, 2) each."""
+    along = ends - starts
+    offset = points[:, None] - starts
+    part = np.clip((offset * along).sum(axis=2) / (along * along).sum(axis=1), 0.0, 1.0)
+    gaps: Points = np.linalg.norm(offset - part[..., None] * along, axis=2).min(axis=1)
+    return gaps
+
+
+def material_of(image: bpy.types.Image) -> bpy.types.Material:
+    """A material that shows an image as it is, without light, transparent where the image is; the file has one."""
+    name = f"{image.name} Cutout"
+    material = bpy.data.materials.get(name)
+    if material is not None and _shows(material, image):
+        return material
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:  # Blender 5.0 always has one
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    picture, glow, clear, mix, end = (
+        display.new_node(tree, kind)
+        for kind in (
+            "ShaderNodeTexImage",
+            "ShaderNodeEmission",
+            "ShaderNodeBsdfTransparent",
+            "ShaderNodeMixShader",
+            "ShaderNodeOutputMaterial",
+        )
+    )
+    picture.image, picture.extension = image, "CLIP"
+    for source, target in (
+        (picture.outputs["Color"], glow.inputs["Color"]),
+        (picture.outputs["Alpha"], mix.inputs[0]),
+        (clear.outputs[0], mix.inputs[1]),
+        (glow.outputs[0], mix.inputs[2]),
+        (mix.outputs[0], end.inputs["Surface"]),
+    ):
+        tree.links.new(source, target)
+    for place, node in enumerate((picture, glow, clear, mix, end)):
+        node.location = (220.0 * place, -150.0 * (node == clear))
+    if hasattr(material, "surface_render_method"):
+        material.surface_render_method = "BLENDED"
+    return material
+
+
+def _shows(material: bpy.types.Material, image: bpy.types.Image) -> bool:
+    nodes: Any = material.node_tree.nodes if material.node_tree is not None else ()
+    return any(node.bl_idname == "ShaderNodeTexImage" and node.image == image for node in nodes)
+
+
+def place(
+    context: bpy.types.Context, name: str, data: bpy.types.Mesh, frame: Frame, beside: bpy.types.Object | None
+) -> bpy.types.Object:
+    """A new object with the mesh in its frame, in the collection of the object that showed the picture, if any."""
+    obj = bpy.data.objects.new(name, data)
+    (beside.users_collection[0] if beside is not None else context.collection).objects.link(obj)
+    obj.matrix_world = Matrix(frame.matrix.tolist())
+    return obj

@@ -1,0 +1,211 @@
+"""Cutout: pictures as meshes that their cages move."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+
+from ..animation import bake
+from ..binding import binding, handles
+from ..core import core
+from ..errors import UserError, counted
+from ..generation import output
+from ..generation.generate import Generation, Options, Request, Result
+from ..generation.job import Work, completed
+from ..generation.levels import parse_levels
+from ..io import cutout
+from ..io.cutout import Canvas
+from ..io.image_outline import Picture
+from ..properties import conversion
+from ..properties.settings import settings_of
+from ..scene import ownership
+from ..scene.convert import Drawing
+from ..scene.selection import found_object, scene_of, select
+from .base import DialogJobOperator, Outcome
+
+# Properties that the core takes by the same names.
+OPTIONS = ("padding", "threshold", "holes")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A picture, where it lies, and the number of the object that shows it, if one does."""
+
+    image: bpy.types.Image
+    canvas: Canvas
+    shown_by: int | None
+
+
+class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+    """Cuts pictures out and binds them."""
+
+    bl_idname = "object.nested_cages_cutout"
+    bl_label = "Cutout"
+    bl_description = (
+        "Cut pictures out along their opaque pixels, as meshes that show them and follow a cage: of files, or of the "
+        "selected image planes and image empties"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+    exclusive = True
+
+    filepath: StringProperty(
+        name="File Path",
+        description="Picture with an alpha channel; empty takes the selected image planes and image empties",
+        subtype="FILE_PATH",
+        options={"SKIP_PRESET", "SKIP_SAVE"},
+        default="",
+    )
+    directory: StringProperty(
+        name="Folder", description="Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
+    )
+    files: CollectionProperty(
+        name="Files",
+        description="Pictures, if there are several",
+        type=bpy.types.OperatorFileListElement,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+    filter_image: BoolProperty(name="Images", description="Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
+    vertices: IntProperty(
+        name="Vertices", description="Vertex count of the mesh's outline", default=64, min=3, soft_max=256
+    )
+    padding: FloatProperty(
+        name="Padding",
+        description="Distance in pixels between the outline and opaque pixels",
+        default=1.0,
+        min=0.0,
+        soft_max=32.0,
+    )
+    threshold: FloatProperty(
+        name="Threshold",
+        description="Opacity above which a pixel counts as opaque",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    holes: BoolProperty(name="Holes", description="Keep holes open instead of filling them", default=False)
+    levels: StringProperty(
+        name="Cages", description="Vertices of each cage, innermost first, such as 16 or 32, 12", default="16"
+    )
+    bind: BoolProperty(name="Bind", description="Make the pictures follow their cages", default=True)
+    handles: BoolProperty(
+        name="Handles", description="Add a bone per corner of each bound cage, which moves that corner", default=True
+    )
+
+    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+        if _shown(context):
+            return context.window_manager.invoke_props_dialog(self)
+        asked: Any = ImportHelper.invoke(self, context, event)
+        return {*asked}
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        for name in ("vertices", *OPTIONS, "levels", "bind", "handles"):
+            self.layout.prop(self, name)
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        parts, settings = self._parts(context), settings_of(context)
+        levels = parse_levels(self.levels)
+        frames = [part.canvas.frame() for part in parts]
+        outlines: list[core.Mesh] = []
+        requests: list[Request] = []
+        for part, frame in zip(parts, frames, strict=True):
+            picture = Picture.of(part.image)
+            found = yield from picture.outline(self.vertices, **{name: getattr(self, name) for name in OPTIONS})
+            points = part.canvas.placed(np.asarray(found.vertices) / picture.size)
+            drawing = Drawing(_stem(part.image), frame, tuple(points[loop] for loop in found.loops))
+            outlines.append(drawing.mesh())
+            requests.append(Request(drawing))
+        generation = Generation(requests, Options(levels=levels, methods=conversion.methods(settings)))
+        yield from generation
+        made: list[bpy.types.Object] = []
+        try:
+            for part, outline, result in zip(parts, outlines, generation.results, strict=True):
+                shown_by, drawing = found_object(part.shown_by), result.drawing
+                data = cutout.filled(drawing.name, outline, part.canvas, part.image)
+                made.append(cutout.place(context, drawing.name, data, drawing.frame, shown_by))
+            context.view_layer.update()
+            self._write(context, made, generation.results)
+        except BaseException:
+            for obj in made:
+                data = obj.data
+                bpy.data.objects.remove(obj)
+                bpy.data.meshes.remove(data)
+            raise
+        for part in parts:
+            shown_by = found_object(part.shown_by)
+            if shown_by is not None:
+                shown_by.hide_set(True)
+                shown_by.hide_render = True
+        return {"FINISHED"}
+
+    def _write(self, context: bpy.types.Context, made: Sequence[bpy.types.Object], results: Sequence[Result]) -> None:
+        """Cages around the new objects, without animation, and bound."""
+        placed = [
+            replace(result, drawing=replace(result.drawing, identity=obj.session_uid))
+            for obj, result in zip(made, results, strict=True)
+        ]
+        scene = scene_of(context)
+        collections, _ = output.write(scene, placed, conversion.timing(settings_of(context)))
+        for collection in collections:
+            if bake.is_animated(collection):
+                bake.remove(scene, collection)
+        context.view_layer.update()
+        rigs: list[bpy.types.Object] = []
+        for collection in collections if self.bind else ():
+            try:
+                completed(binding.bind(context, collection))
+            except UserError as error:
+                self.report({"WARNING"}, f"Not bound: {error}")
+                continue
+            if self.handles:
+                rigs += handles.add(context, ownership.members(collection)[-1], handles.BONES)
+        select(context, *(rigs or made))
+        how = "the bones" if rigs else "the vertices of the cage"
+        self.report({"INFO"}, f"{counted(len(made), 'picture')} cut out: move {how} to pose it")
+
+    def _parts(self, context: bpy.types.Context) -> list[Part]:
+        """The pictures that are asked for. Raises: UserError."""
+        if self.filepath or self.files:
+            folder = Path(bpy.path.abspath(self.directory))
+            several = [folder / item.name for item in self.files if item.name]
+            images = [cutout.load(path) for path in several or [Path(bpy.path.abspath(self.filepath))]]
+            return [Part(image, cutout.canvas_of(None, _size(image)), None) for image in images]
+        shown = _shown(context)
+        if not shown:
+            raise UserError("Choose a picture file, or select image planes or image empties")
+        return [
+            Part(image, cutout.canvas_of(obj, _size(image)), obj.session_uid)
+            for obj in shown
+            if (image := cutout.image_on(obj)) is not None
+        ]
+
+
+def _shown(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected objects that show a picture and are not cutouts, the active one first."""
+    active = context.view_layer.objects.active
+    found = [obj for obj in context.selected_objects if cutout.image_on(obj) is not None]
+    return sorted(found, key=lambda obj: (obj is not active, obj.name))
+
+
+def _size(image: bpy.types.Image) -> tuple[int, int]:
+    """Width and height in pixels. Raises: UserError if there are none."""
+    width, height = image.size
+    if not width or not height:
+        raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
+    return width, height
+
+
+def _stem(image: bpy.types.Image) -> str:
+    """The name of an image without the ending of its file."""
+    return Path(image.name).stem or image.name
+
+
+CLASSES = (OBJECT_OT_nested_cages_cutout,)

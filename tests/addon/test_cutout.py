@@ -1,0 +1,184 @@
+"""Cutouts: from a picture to a mesh that shows it and follows its cage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+import shapely
+from mathutils import Matrix
+
+from drawings import evaluated, in_world, snapshot
+
+WIDTH, HEIGHT = 96, 48
+
+
+def opacity() -> Any:
+    """(HEIGHT, WIDTH) an ellipse with a hole, the bottom row first."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    radius = np.hypot((x - 47.5) / 44.0, (y - 23.5) / 20.0)
+    return ((radius < 1.0) & (radius > 0.3)).astype(np.float32)
+
+
+def picture(name: str = "part.png") -> Any:
+    image = bpy.data.images.new(name, WIDTH, HEIGHT, alpha=True)
+    pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
+    pixels[:, :, 3] = opacity()
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
+
+
+def file_of(image: Any, folder: Path) -> Path:
+    path = folder / image.name
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    return path
+
+
+def empty(image: Any) -> Any:
+    obj = bpy.data.objects.new("Empty", image)
+    obj.empty_display_type, obj.empty_display_size = "IMAGE", 3.0
+    bpy.context.scene.collection.objects.link(obj)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def plane(image: Any) -> Any:
+    bpy.ops.mesh.primitive_plane_add(size=2.0)
+    obj = bpy.context.object
+    obj.scale = (2.0, 1.0, 1.0)
+    material = bpy.data.materials.new("Shown")
+    if material.node_tree is None:
+        material.use_nodes = True
+    material.node_tree.nodes.new("ShaderNodeTexImage").image = image
+    obj.data.materials.append(material)
+    return obj
+
+
+def cut(**options: Any) -> Any:
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.nested_cages_cutout(**options) == {"FINISHED"}
+    return next(obj for obj in bpy.data.objects if obj.name in ("part", "leg") and obj.type == "MESH")
+
+
+def faces(obj: Any) -> Any:
+    points = evaluated(obj)[:, :2].astype(float)
+    return shapely.union_all([shapely.Polygon(points[list(face.vertices)]) for face in obj.data.polygons])
+
+
+def assert_shows_all_pixels(obj: Any, unit: float) -> None:
+    """The mesh covers all opaque pixels, and each of its corners has the place of the picture that lies there."""
+    rows, columns = np.nonzero(opacity())
+    centres = (np.column_stack([columns, rows]) + 0.5 - (WIDTH / 2, HEIGHT / 2)) * unit
+    area = faces(obj).buffer(1e-6)
+    assert shapely.contains_xy(area, centres).all()
+    layer = obj.data.uv_layers.active.data
+    for face in obj.data.polygons:
+        assert face.normal.z > 0.99
+        for corner, vertex in zip(face.loop_indices, face.vertices, strict=True):
+            place = np.array(obj.data.vertices[vertex].co[:2]) / (WIDTH * unit, HEIGHT * unit) + 0.5
+            assert np.allclose(layer[corner].uv, place, atol=1e-6)
+
+
+def cage_of(obj: Any) -> Any:
+    return bpy.data.objects[f"{obj.name} Cage 1"]
+
+
+def assert_follows(obj: Any) -> None:
+    """The picture is at rest as it was made, and goes where the cage goes."""
+    rest = np.array([vertex.co[:] for vertex in obj.data.vertices])
+    assert np.abs(evaluated(obj) - rest).max() < 1e-5
+    for vertex in cage_of(obj).data.vertices:
+        vertex.co.x += 0.25
+    cage_of(obj).data.update()
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated(obj) - rest - (0.25, 0.0, 0.0)).max() < 1e-5
+
+
+def test_a_file_becomes_a_bound_mesh_that_shows_it(tmp_path) -> None:
+    path = file_of(picture(), tmp_path)
+    obj = cut(filepath=str(path))
+    assert obj.name == "part" and len(obj.data.vertices) > 100
+    assert_shows_all_pixels(obj, 1.0 / WIDTH)
+    nodes = obj.active_material.node_tree.nodes
+    assert [node.image.size[:] for node in nodes if node.bl_idname == "ShaderNodeTexImage"] == [(WIDTH, HEIGHT)]
+    assert len(cage_of(obj).data.vertices) == 16
+    assert bpy.context.scene.timeline_markers[:] == []
+    rig = bpy.context.object
+    assert rig.type == "ARMATURE" and len(rig.pose.bones) == 16
+    rest = evaluated(obj)
+    for bone in rig.pose.bones:
+        bone.matrix = Matrix.Translation((0.0, 0.5, 0.0)) @ bone.matrix
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated(obj) - rest - (0.0, 0.5, 0.0)).max() < 1e-5
+    for bone in rig.pose.bones:
+        bone.matrix_basis = Matrix()
+    assert_follows(obj)
+
+
+def test_several_files_share_nothing_but_the_scene(tmp_path) -> None:
+    for name in ("arm.png", "leg.png"):
+        file_of(picture(name), tmp_path)
+    cut(directory=str(tmp_path), files=[{"name": "arm.png"}, {"name": "leg.png"}])
+    for name in ("arm", "leg"):
+        assert_follows(bpy.data.objects[name])
+
+
+def test_an_image_empty_is_cut_out_where_it_is() -> None:
+    shown = empty(picture())
+    shown.location, shown.rotation_euler = (1.0, 2.0, 3.0), (0.5, 0.2, 0.3)
+    shown.scale = (1.0, 2.0, 1.0)
+    bpy.context.view_layer.update()
+    matrix = np.array(shown.matrix_world)
+    obj = cut(holes=True)
+    assert shown.hide_get() and shown.hide_render
+    corners = [loop.uv[:] for loop in obj.data.uv_layers.active.data]
+    used = [loop.vertex_index for loop in obj.data.loops]
+    points = in_world(obj, evaluated(obj))[used]
+    # An image empty of size 3 has its longer side 3 long, and its lower left corner at minus a half.
+    local = (np.array(corners) - 0.5) * (3.0, 3.0 * HEIGHT / WIDTH)
+    expected = local @ matrix[:3, :2].T + matrix[:3, 3]
+    assert np.abs(points - expected).max() < 1e-5
+    assert_follows(obj)
+
+
+def test_an_image_plane_is_cut_out_where_it_is_with_its_hole() -> None:
+    shown = plane(picture())
+    obj = cut(holes=True, bind=False)
+    assert_shows_all_pixels(obj, 4.0 / WIDTH)
+    assert len(faces(obj).interiors) == 1
+    assert shown.hide_get()
+
+
+@pytest.mark.parametrize(
+    ("break_it", "message"),
+    [
+        (lambda obj: obj.data.uv_layers.remove(obj.data.uv_layers[0]), "has no texture coordinates"),
+        (lambda obj: setattr(obj.data.vertices[0], "co", (-1.0, -1.0, 1.0)), "is no flat picture"),
+    ],
+)
+def test_what_is_no_picture_is_told_and_nothing_changes(break_it: Any, message: str) -> None:
+    break_it(plane(picture()))
+    bpy.context.view_layer.update()
+    before = snapshot()
+    with pytest.raises(RuntimeError, match=message):
+        cut()
+    assert snapshot() == before
+
+
+def test_nothing_is_chosen() -> None:
+    with pytest.raises(RuntimeError, match="Choose a picture file, or select image planes or image empties"):
+        cut()
+
+
+def test_a_file_that_is_no_picture_is_told(tmp_path) -> None:
+    path = tmp_path / "note.png"
+    path.write_text("no picture")
+    with pytest.raises(RuntimeError, match=r"note.png"):
+        cut(filepath=str(path))
