@@ -8,6 +8,8 @@ from typing import Any
 
 import bpy
 
+from . import keys
+from .animation import stage
 from .scene import convert, ownership
 from .scene.selection import scene_of
 
@@ -32,6 +34,16 @@ def cages(
     """
     chosen = list(objects)
     context = bpy.context
+    context.view_layer.update()
+    with _shown(context, chosen):
+        return _cages(context, chosen, levels, settings)
+
+
+def _cages(
+    context: bpy.types.Context, chosen: Sequence[bpy.types.Object], levels: Levels, settings: dict[str, Any]
+) -> list[list[bpy.types.Object]]:
+    """The same for visible objects, without taking care of what was hidden. Raises: ValueError."""
+    operator: Any = bpy.ops.object.nested_cages_generate  # type: ignore[attr-defined]
     for obj in chosen:
         if not convert.readable(obj):
             raise ValueError(f"'{obj.name}' has no outline, it is of the type {obj.type}")
@@ -40,16 +52,14 @@ def cages(
     if not chosen:
         raise ValueError("No objects were given")
     text, own = _levels(levels)
-    known = bpy.ops.object.nested_cages_generate.get_rna_type().properties
+    known = operator.get_rna_type().properties
     unknown = [name for name in settings if name not in known]
     if unknown:
         raise ValueError(f"There is no setting '{unknown[0]}'")
     before = {obj: _meshes(context, obj) for obj in chosen}
     with _selected(context, chosen):
         try:
-            bpy.ops.object.nested_cages_generate(
-                **{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings}
-            )
+            operator(**{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings})
         except RuntimeError as error:
             raise ValueError(str(error).removeprefix("Error: ").strip()) from error
     wanted = chosen[:1] if settings.get("together") or settings.get("use_selected_as_levels") else chosen
@@ -85,6 +95,21 @@ def _word(level: str | float | bpy.types.Object) -> str:
             raise ValueError(f"A level given as a fraction is between 0 and 1, not {level!r}")
         return f"{100.0 * level:.6f}%"
     return str(level)
+
+
+@contextmanager
+def _shown(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
+    """Drawings that make way for the animation of earlier cages are shown for a while."""
+    outputs = [ownership.collection_of(scene_of(context), obj) for obj in objects]
+    hiding = [found for found in outputs if found is not None and keys.has(found, keys.HIDES)]
+    for collection in hiding:
+        stage.leave(collection)
+    context.view_layer.update()
+    try:
+        yield
+    finally:
+        for collection in hiding:
+            stage.enter(collection)
 
 
 @contextmanager

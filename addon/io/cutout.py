@@ -46,7 +46,8 @@ class Canvas:
     def placed(self, parts: Points) -> Points:
         """Points (n, 2), in parts of the picture's width and height, in the frame, as float32 has them."""
         sides = np.array([np.linalg.norm(self.width), np.linalg.norm(self.height)])
-        return ((parts - 0.5) * sides).astype(np.float32).astype(np.float64)
+        points: Points = ((parts - 0.5) * sides).astype(np.float32).astype(np.float64)
+        return points
 
 
 def load(path: Path) -> bpy.types.Image:
@@ -66,8 +67,8 @@ def image_on(obj: bpy.types.Object | None) -> bpy.types.Image | None:
     material = obj.active_material if obj.type == "MESH" else None
     if material is None or material.node_tree is None:
         return None
-    textures: Any = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeTexImage" and node.image]
-    return next((node.image for node in textures), None)
+    nodes: Any = material.node_tree.nodes
+    return next((node.image for node in nodes if node.bl_idname == "ShaderNodeTexImage" and node.image), None)
 
 
 def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:

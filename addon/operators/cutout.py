@@ -27,6 +27,7 @@ from ..properties import conversion
 from ..properties.settings import settings_of
 from ..scene import ownership
 from ..scene.convert import Drawing
+from ..scene.filling import mesh_of
 from ..scene.selection import found_object, scene_of, select
 from .base import DialogJobOperator, Outcome
 
@@ -102,7 +103,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
     def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
         if _shown(context):
             return context.window_manager.invoke_props_dialog(self)
-        asked: Any = ImportHelper.invoke(self, context, event)
+        asked: Any = ImportHelper.invoke(self, context, event)  # type: ignore[func-returns-value]
         return {*asked}
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -135,9 +136,9 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
             self._write(context, made, generation.results)
         except BaseException:
             for obj in made:
-                data = obj.data
+                mesh = mesh_of(obj)
                 bpy.data.objects.remove(obj)
-                bpy.data.meshes.remove(data)
+                bpy.data.meshes.remove(mesh)
             raise
         for part in parts:
             shown_by = found_object(part.shown_by)

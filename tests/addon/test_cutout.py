@@ -41,7 +41,8 @@ def file_of(image: Any, folder: Path) -> Path:
 
 
 def empty(image: Any) -> Any:
-    obj = bpy.data.objects.new("Empty", image)
+    obj = bpy.data.objects.new("Empty", None)
+    obj.data = image
     obj.empty_display_type, obj.empty_display_size = "IMAGE", 3.0
     bpy.context.scene.collection.objects.link(obj)
     obj.select_set(True)
