@@ -30,7 +30,8 @@ output files (by extension, all lengths and places in the units of the input):
                   on its pixels, a map has the north up
   .geojson        one feature per cage, with its level, vertices, excess and clearance
   .json           a collision outline for game engines: the coarsest cage as outer loops and holes
-  Files are written whole or not at all. For several input files name outputs with {stem}, such as cages/{stem}.svg
+  Files are written whole or not at all. For several input files name outputs with {stem}, such as cages/{stem}.svg;
+  a .json without it takes the outlines of several pictures as the frames of one animation
 
 exit status:
   0  all cages were made, certified and written
@@ -210,7 +211,8 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
     for path in given.output:
         if path != STREAM and Path(path).suffix.lower() not in WRITTEN:
             options.error(f"{Path(path).name}: a file is written if it ends in {', '.join(WRITTEN)}")
-        if path != STREAM and len(paths) > 1 and STEM not in path:
+        animation = Path(path).suffix.lower() == ".json" and all(kind_of(each) == "picture" for each in paths)
+        if path != STREAM and len(paths) > 1 and STEM not in path and not animation:
             options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
     stems = Counter(Path(path).stem for path in paths)
     if given.output and len(paths) > 1 and max(stems.values()) > 1:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import NestedCagesError
-from ..exchange import Feature, to_engine_json, to_geojson, to_svg, write_whole
+from ..exchange import Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
+from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
 from .making import Cage, Made, Result
 from .sources import STREAM, Source
@@ -55,6 +56,21 @@ def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool) -> str:
         return to_geojson(features, indent=1, crs=result.source.crs)
     flip = result.source.height if flip_y else None
     return to_engine_json(result.made[0].cages[-1].mesh, flip_y=flip, triangles=triangles, indent=1)
+
+
+def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
+    """The last cages of several pictures as the frames of an animation, corners in corresponding order.
+
+    Raises NestedCagesError where a picture has no cage, or the pictures are to be flipped and differ in height.
+    """
+    missing = [Path(result.source.path).name for result in results if not result.made]
+    if missing:
+        raise NestedCagesError(f"not written, since {', '.join(missing)} has no outline.")
+    heights = {result.source.height for result in results}
+    if flip_y and len(heights) > 1:
+        raise NestedCagesError("the pictures differ in height, so their frames cannot be flipped alike.")
+    outlines = corresponding([result.made[0].cages[-1].mesh for result in results])
+    return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
 
 
 def put(path: str, text: str) -> None:

@@ -11,7 +11,7 @@ from typing import Any, TextIO
 from ..errors import NestedCagesError
 from .making import Result, make
 from .options import check_use, of_drawings, parser
-from .outputs import check, entry, format_of, put, report, target, text_of
+from .outputs import STEM, check, entry, format_of, frames_of, put, report, target, text_of
 from .progress import ProgressLine, tell
 from .sources import STREAM, Source, expanded, read
 
@@ -37,10 +37,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     entries: list[dict[str, Any]] = []
     failed = False
     try:
+        frames = [path for path in given.output if len(paths) > 1 and path != STREAM and STEM not in path]
+        given.output = [path for path in given.output if path not in frames]
+        results: list[Result] = []
         for path in paths:
-            said = _file(path, given, line, out, several=len(paths) > 1)
+            result, said = _file(path, given, line, out, several=len(paths) > 1)
             failed = failed or bool(said["errors"])
             entries.append(said)
+            results.append(result)
+        for file in frames:
+            failed = not _animation(file, results, given, out) or failed
         if given.report is not None:
             put(given.report, report(entries))
     except OSError as error:
@@ -54,8 +60,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return FAILED if failed else DONE
 
 
-def _file(path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO, *, several: bool) -> dict[str, Any]:
-    """Read, make, say and write one file; its entry in the report, errors included."""
+def _animation(path: str, results: Sequence[Result], given: argparse.Namespace, out: TextIO) -> bool:
+    """Write the outlines of several pictures as the frames of one animation; whether that was possible."""
+    try:
+        put(path, frames_of(results, flip_y=given.flip_y))
+    except NestedCagesError as error:
+        tell(f"error: {path}: {error}", sys.stderr)
+        return False
+    tell(f"Wrote {path}", out)
+    return True
+
+
+def _file(
+    path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO, *, several: bool
+) -> tuple[Result, dict[str, Any]]:
+    """Read, make, say and write one file; what was made, and its entry in the report, errors included."""
     result = Result(Source(path, "unknown"))
     written: list[str] = []
     failures: list[str] = []
@@ -83,7 +102,7 @@ def _file(path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO,
     for failure in failures:
         prefix = f"{path}: " if several and not failure.startswith(path) else ""
         tell(f"error: {prefix}{failure}", sys.stderr)
-    return {**entry(result, written), "errors": failures}
+    return result, {**entry(result, written), "errors": failures}
 
 
 def _of_system(error: OSError, path: str) -> str:

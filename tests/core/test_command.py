@@ -17,6 +17,7 @@ import shapely
 
 from nestedcages_core import (
     Mesh,
+    frames_from_engine_json,
     from_engine_json,
     from_svg,
     nested_cages,
@@ -110,6 +111,26 @@ def test_a_picture_becomes_an_outline(tmp_path: Path, capsys: pytest.CaptureFixt
         assert shapely.covers(polygon(outline), squares).all()
         assert ("triangles" in json.loads(out.read_text())) == (flip is not None)
     assert "12 vertices" in capsys.readouterr().out
+
+
+def test_pictures_become_the_frames_of_an_animation(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    y, x = np.indices((40, 60))
+    for frame in range(3):
+        turned = 0.3 * frame + 0.2
+        u = (x - 30) * np.cos(turned) + (y - 20) * np.sin(turned)
+        v = (y - 20) * np.cos(turned) - (x - 30) * np.sin(turned)
+        (tmp_path / f"walk_{frame}.png").write_bytes(png((np.abs(u) < 14) & (np.abs(v) < 6)))
+    out = tmp_path / "walk.json"
+    assert main([str(tmp_path / "walk_*.png"), "--levels", "8", "-o", str(out), "--flip-y"]) == 0
+    assert f"Wrote {out}" in capsys.readouterr().out
+    frames = frames_from_engine_json(out.read_text(), flip_y=40.0)
+    assert [time for time, _ in frames] == [0.0, 1.0, 2.0]
+    assert {len(outline.vertices) for _, outline in frames} == {8}
+    (tmp_path / "walk_3.png").write_bytes(png(np.zeros((40, 60), bool)))
+    out.unlink()
+    assert main([str(tmp_path / "walk_*.png"), "--levels", "8", "-o", str(out)]) == 1
+    assert "not written, since walk_3.png has no outline" in capsys.readouterr().err
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
