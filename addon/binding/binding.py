@@ -112,8 +112,8 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
     for obj in levels:
         if obj.mode != "OBJECT":
             raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")
-        if not obj.is_editable or not obj.data.is_editable:
-            raise UserError(f"'{obj.name}' cannot be bound because it is linked from another file")
+        if problem := ownership.why_locked(obj):
+            raise UserError(problem)
         if obj.name not in context.view_layer.objects:
             raise UserError(f"'{obj.name}' is not in this view layer: tick its collection in the Outliner")
     return levels

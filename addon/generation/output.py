@@ -101,8 +101,8 @@ def _check_replaceable(collection: bpy.types.Collection | None) -> None:
     for obj in members(collection) if collection else ():
         if obj.mode != "OBJECT":
             raise UserError(f"'{obj.name}' is about to be replaced but is being edited: go back to Object Mode first")
-        if not obj.is_editable:
-            raise UserError(f"'{obj.name}' cannot be replaced because it is linked from another file")
+        if problem := ownership.why_locked(obj):
+            raise UserError(problem)
 
 
 def _write_one(

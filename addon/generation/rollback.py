@@ -63,7 +63,7 @@ class Rollback:
         kept = [value for obj in (*self._surplus, *self._kept) for value in _properties(obj).values()]
         for obj in self._kept:
             shape_keys.remove_steps(obj)
-            for modifier in [modifier for modifier in obj.modifiers if modifier.name.startswith(display.OURS)]:
+            for modifier in [modifier for modifier in obj.modifiers if display.is_ours(modifier)]:
                 display.remove_modifier(obj, modifier)
             keys.remove(obj, keys.ours(obj))
             self._lost.append(f"'{obj.name}' is no level any more and was kept for what was made on it")

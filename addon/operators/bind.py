@@ -8,6 +8,7 @@ from bpy.props import EnumProperty
 from ..binding import binding
 from ..binding.deform_modifiers import NAMES, PRISM, SURFACE
 from ..binding.weights import HARMONIC, LINEAR
+from ..errors import UserError
 from ..generation.job import Work
 from ..scene import ownership
 from ..scene.selection import output_of_active, select
@@ -92,7 +93,11 @@ class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
     bl_description = "Restore cages and drawing as they were before binding, with their animation"
 
     def execute(self, context: bpy.types.Context) -> Outcome:
-        for sentence in binding.unbind(output_of_active(context)):
+        collection = output_of_active(context)
+        problem = next(filter(None, map(ownership.why_locked, ownership.members(collection))), "")
+        if problem:
+            return self.fail(UserError(problem))
+        for sentence in binding.unbind(collection):
             self.report({"WARNING"}, sentence)
         return {"FINISHED"}
 

@@ -188,7 +188,7 @@ class Rig:
 
 def is_rigged(obj: bpy.types.Object) -> bool:
     """Whether an output object, which does not hide itself, carries work of an artist that would go with it."""
-    modifiers = [modifier for modifier in obj.modifiers if not modifier.name.startswith(display.OURS)]
+    modifiers = [modifier for modifier in obj.modifiers if not display.is_ours(modifier)]
     children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
     animated = obj.animation_data is not None and obj.animation_data.action is not None
     return bool(not Rig.of(obj).blank or len(obj.constraints) or modifiers or children or animated)

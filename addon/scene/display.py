@@ -21,6 +21,8 @@ TONES = ((0.85, 1.0), (0.5, 1.0), (0.95, 0.8))
 NAMING = ("NodeSocketObject", "NodeSocketMaterial")
 # What the names of our modifiers and node groups begin with.
 OURS = "Nested Cages "
+# Types of our modifiers; those of other types, such as of handles, belong to the artist.
+OUR_TYPES = ("NODES", "SURFACE_DEFORM", "MESH_DEFORM")
 THICKNESS = "Nested Cages Thickness"
 AUTOMATIC_THICKNESS = "Nested Cages Automatic Thickness"
 THICKNESSES = (THICKNESS, AUTOMATIC_THICKNESS)
@@ -98,6 +100,11 @@ def render_lines(obj: bpy.types.Object, shown: bool) -> None:
     modifier = nodes_modifier(obj, AUTOMATIC_THICKNESS)
     if modifier is not None:
         modifier.show_render = shown
+
+
+def is_ours(modifier: bpy.types.Modifier) -> bool:
+    """Whether a modifier shows or binds output, and is made anew with it."""
+    return modifier.name.startswith(OURS) and modifier.type in OUR_TYPES
 
 
 def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:

@@ -100,6 +100,18 @@ def home_of(scene: bpy.types.Scene, source: bpy.types.Object | None) -> bpy.type
     return next((c for c in own if c in there and c.is_editable and not is_output(c)), scene.collection)
 
 
+def why_locked(obj: bpy.types.Object) -> str:
+    """Why an output object cannot be changed; empty if it can. Overrides can be posed, but lose what is added."""
+    if obj.override_library is not None:
+        return (
+            f"'{obj.name}' is an override of another file: it can be posed and keyed here, but for this open that "
+            "file, or make it local first (Object > Relations > Make Local)"
+        )
+    if not obj.is_editable or not obj.data.is_editable:
+        return f"'{obj.name}' is linked from another file: open that file, or make it local first"
+    return ""
+
+
 def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
     """Makes an object a child of the drawing that it belongs to, in the drawing's plane; of nothing if it is gone.
 

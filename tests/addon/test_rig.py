@@ -335,3 +335,86 @@ def test_verify_looks_at_the_drawing_as_it_is_seen() -> None:
     assert cage["nested_cages_check"].startswith("Broken")
     assert "does not enclose 'Drawing'" in cage["nested_cages_finding"]
     assert source.data.vertices[0].select
+
+
+@pytest.fixture
+def saved(tmp_path):
+    """A file with a bound and posed drawing in a collection of its own, and how the drawing is seen."""
+    source = wire("Drawing", [star() * 2.0])
+    character = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(character)
+    character.objects.link(source)
+    bpy.context.scene.collection.objects.unlink(source)
+    *_, cage = generate(source, "12")
+    bpy.ops.object.nested_cages_bind()
+    rigged(cage)
+    bpy.context.scene.frame_set(1)
+    cage.data.vertices[3].co.x += 0.25
+    cage.data.update()
+    path, shown = str(tmp_path / "character.blend"), evaluated(source)
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    return path, shown
+
+
+def brought(path, link):
+    """The collection of the saved file in a new one."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=link) as (_, wanted):
+        wanted.collections = ["Character"]
+    bpy.context.scene.collection.children.link(wanted.collections[0])
+    bpy.context.view_layer.update()
+    return wanted.collections[0]
+
+
+def test_an_appended_rig_can_be_worked_on(saved) -> None:
+    path, shown = saved
+    brought(path, link=False)
+    source = bpy.data.objects["Drawing"]
+    np.testing.assert_array_equal(evaluated(source), shown)
+    *_, cage = generate(source, "16")
+    assert len(cage.data.vertices) == 16
+    assert_rigged(cage)
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+
+
+def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved) -> None:
+    path, shown = saved
+    collection = brought(path, link=True)
+    np.testing.assert_array_equal(evaluated(bpy.data.objects["Drawing"]), shown)
+    collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    bpy.context.view_layer.update()
+    own = {obj.name: obj for obj in bpy.data.objects if obj.override_library is not None}
+    source, cage = own["Drawing"], own["Drawing Cage 1"]
+    cage.location.x = 1.0
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated(source) - shown - (1.0, 0.0, 0.0)).max() < 1e-5
+    source.location.y += 4.0
+    bpy.context.view_layer.update()
+    assert cage.matrix_world.translation.y == pytest.approx(4.0)
+    before = snapshot()
+    for work in (bpy.ops.object.nested_cages_rebind, bpy.ops.object.nested_cages_unbind):
+        activate(source)
+        with pytest.raises(RuntimeError, match="is an override of another file"):
+            work()
+    activate(source)
+    with pytest.raises(RuntimeError, match="is an override of another file"):
+        bpy.ops.object.nested_cages_generate(levels="10")
+    assert snapshot()["meshes"] == before["meshes"]
+
+
+@pytest.mark.parametrize("kind", ["BONES", "EMPTIES"])
+def test_handles_move_the_drawing_with_new_cages_too(kind) -> None:
+    source = wire("Drawing", [star() * 2.0])
+    *_, cage = generate(source, "12")
+    bpy.ops.object.nested_cages_bind()
+    activate(cage)
+    assert bpy.ops.object.nested_cages_add_handles(kind=kind) == {"FINISHED"}
+    generate(source, "16")
+    rest = evaluated(source)
+    if kind == "BONES":
+        modifier = next(modifier for modifier in cage.modifiers if modifier.type == "ARMATURE")
+        modifier.object.pose.bones[0].location = (0.0, 0.3, 0.0)
+    else:
+        next(modifier for modifier in cage.modifiers if modifier.type == "HOOK").object.location.x += 0.3
+    bpy.context.view_layer.update()
+    assert 0.02 < np.abs(evaluated(source) - rest).max() < 0.35
