@@ -35,6 +35,8 @@ FILLS = "nested_cages_fills"
 HANDLES_OF = "nested_cages_handles_of"
 # Of a scene: its first and last frame before the animation, and as the animation set them.
 RANGE = "nested_cages_range"
+# Whether the cages of a collection follow the drawing's own animation.
+MOVING = "nested_cages_moving"
 
 # Of its objects: the level, 0 for the fine mesh, and the number of vertices. Of cages: the certificate and report.
 LEVEL = "nested_cages_level"

@@ -50,6 +50,7 @@ ADDON_ROOMS = (
     "rigging",
     "generation",
     "binding",
+    "following",
     "io",
     "properties",
     "presets",

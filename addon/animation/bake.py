@@ -80,6 +80,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
             visibility.always_show(obj)
         obj.hide_viewport = obj.hide_render = False
         keys.remove(obj, (*TIMES, keys.PHASES))
+    keys.remove(collection, [keys.MOVING])
 
 
 def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:

@@ -150,7 +150,7 @@ def _write_one(
     others = {
         str(number): made for number, part in enumerate(result.drawing.others) if (made := part.source) is not None
     }
-    keys.remove(collection, [keys.OTHERS])
+    keys.remove(collection, [keys.OTHERS, keys.MOVING])
     if others:
         collection[keys.OTHERS] = others
     keys.store(collection, {keys.NAME: name, keys.LEVELS: len(result.levels), keys.END: played[-1].end})

@@ -109,7 +109,9 @@ def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Obje
     """Raises: UserError if cages play how they came about, in which what is inside comes through them on purpose."""
     for obj in objects:
         collection = ownership.collection_about(scene, obj) if ownership.level_of(obj) is not None else None
-        if collection is not None and not ownership.is_bound(collection) and bake.is_animated(collection):
+        if collection is None or ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
+            continue
+        if bake.is_animated(collection):
             raise UserError(
                 f"'{collection.name}' plays how its cages came about, and there they are crossed on purpose: "
                 "bind the drawing or remove the animation first, or check single frames"

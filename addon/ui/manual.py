@@ -22,6 +22,8 @@ OPERATORS = {
     "unbind": "bind",
     "bake_action": "animation",
     "remove_animation": "animation",
+    "follow": "motion",
+    "live": "motion",
     "to_objects": "export",
     "export": "export",
     "import": "export",

@@ -19,6 +19,7 @@ from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership
 from ..scene.counting import outline_count
 from ..scene.selection import collection_of_active, output_of_active
+from . import motion
 
 CATEGORY = "Nested Cages"
 # Letters in a line of a note: what fits into the sidebar as wide as Blender opens it.
@@ -133,6 +134,17 @@ class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
         NESTEDCAGES_PT_method_presets.draw_panel_header(self.layout)
 
 
+class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
+    """Cages that follow a drawing"""
+
+    bl_label = "Motion"
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        motion.draw(self.layout, context)
+
+
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
     """What is known of the active object's cages"""
 
@@ -154,7 +166,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
                 box.label(text=line, translate=False)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
-        if ownership.is_bound(collection):
+        if ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
 
@@ -271,6 +283,7 @@ CLASSES = (
     VIEW3D_PT_nested_cages,
     VIEW3D_PT_nested_cages_result,
     VIEW3D_PT_nested_cages_animation,
+    VIEW3D_PT_nested_cages_motion,
     VIEW3D_PT_nested_cages_reading,
     VIEW3D_PT_nested_cages_use,
     VIEW3D_PT_nested_cages_advanced,

@@ -1,0 +1,104 @@
+"""Cages that follow, and the drawing that they follow, to keyed shape keys on children of its object."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import keys
+from ..animation import bake, shape_keys, stage, timeline, visibility
+from ..animation.timeline import Timing
+from ..core import core
+from ..errors import UserError
+from ..generation import output
+from ..generation.generate import CageLevel, Result
+from ..scene import ownership
+from ..scene.plane import Frame
+from .moving import Moving, MovingCage
+
+
+def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0) -> list[str]:
+    """Writes the output of each drawing in place of earlier output; returns sentences about what of an artist's work
+    on that is not on the new one. Raises: UserError, before anything is changed.
+    """
+    for result in results:
+        source = result.poses.drawing.source
+        if source is None:
+            raise UserError(f"'{result.poses.drawing.name}' was deleted meanwhile, so its cages were dropped")
+        earlier = ownership.collection_of(scene, source)
+        if earlier is not None and ownership.is_bound(earlier):
+            raise UserError(f"'{earlier.name}' is bound to its cages, which move it: unbind it first")
+    start = round(float(results[0].poses.frames[0]))
+    timing = Timing(start_frame=start, frames_per_step=1, show_flow=False)
+    collections, lost = output.write(scene, [_standing(result) for result in results], timing, thickness)
+    for collection, result in zip(collections, results, strict=True):
+        _play(scene, collection, result)
+    return lost
+
+
+def _standing(result: Moving) -> Result:
+    """The first pose with its cages, as if they had been made for it alone."""
+    drawing, source = result.poses.drawing, result.poses.drawing.source
+    assert source is not None
+    world = np.array(source.matrix_world, dtype=np.float64)
+    frame = Frame(world @ drawing.frame.matrix, drawing.frame.height, result.poses.scale, drawing.frame.own)
+    inner, edges = result.poses.points[:1].astype(np.float32), result.edges
+    levels = []
+    for cage in result.cages:
+        levels.append(CageLevel(edges, cage.edges, inner, cage.steps[:1], 0, 0, cage.certificates[0], _report(cage)))
+        inner, edges = cage.steps[:1], cage.edges
+    return Result(replace(drawing, frame=frame), tuple(levels))
+
+
+def _report(cage: MovingCage) -> core.NestingReport:
+    excess, least = float(np.median(cage.excess)), cage.clearance
+    return core.NestingReport(
+        strict=True,
+        simple=True,
+        clearance=least,
+        wanted_clearance=least,
+        excess=excess,
+        start="flow",
+        iterations={},
+        seconds={"following": cage.seconds},
+        notes=cage.notes,
+    )
+
+
+def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Moving) -> None:
+    """Keys the shapes of the objects of an output, which are children of the drawing's object."""
+    poses = result.poses
+    stage.leave(collection)
+    timeline.restore_scene(scene, collection)
+    fine, *cages = ownership.members(collection)
+    for obj in (fine, *cages):
+        visibility.always_show(obj)
+        keys.remove(obj, (*bake.TIMES, keys.PHASES))
+    shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1")
+    for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
+        shape_keys.add_steps(obj, cage.steps, cage.frames, f"Level {number}")
+        keys.store(obj, _facts(poses.frames, cage, number, poses.scale))
+    keys.store(collection, {keys.MOVING: True, keys.END: round(float(poses.frames[-1]))})
+
+
+def _facts(frames: NDArray[np.float64], cage: MovingCage, number: int, scale: float) -> dict[str, Any]:
+    """What the panel and other programs can read from a cage; lengths are those of the scene."""
+    first, last = round(float(frames[0])), round(float(frames[-1]))
+    clearance, excess = cage.clearance * scale, cage.excess
+    sentence = (
+        f"Certified as stored from frame {first} to {last} and at all instants between: simple, strictly encloses "
+        f"level {number - 1}; clearance {clearance:.3g} at least, excess {100.0 * np.median(excess):.2f} % in the "
+        f"median, {100.0 * excess.max():.2f} % at most"
+    )
+    return {
+        keys.CLEARANCE: clearance,
+        keys.EXCESS: float(np.median(excess)),
+        keys.FLOW_START: first,
+        keys.END: last,
+        keys.CERTIFICATE: sentence,
+    }

@@ -1,0 +1,135 @@
+"""Follow Animation: cages around a drawing that moves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, IntProperty
+
+from ..errors import UserError, counted
+from ..following import moving, poses, writing
+from ..generation.generate import Options
+from ..generation.job import Progress, Work
+from ..properties import conversion, groups
+from ..properties.settings import GenerationProperties
+from ..scene.selection import scene_of
+from .base import DialogJobOperator, Outcome
+from .generate import sources, why_nothing
+
+# Part of the work that reading the frames is taken to be.
+READING_PART = 0.2
+
+
+class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy.types.Operator):
+    """Makes cages that follow the animation of the selected drawings."""
+
+    bl_idname = "object.nested_cages_follow"
+    bl_label = "Follow Animation"
+    bl_description = (
+        "Wrap the selected drawings, however they are animated, in cages that move with them and strictly enclose "
+        "them at every instant"
+    )
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
+
+    frame_start: IntProperty(name="Start", description="First frame; the scene's if it is not set", default=1)
+    frame_end: IntProperty(name="End", description="Last frame; the scene's if it is not set", default=250)
+    frame_step: IntProperty(name="Step", description="Frames from one pose to the next", default=1, min=1, soft_max=12)
+    cyclic: BoolProperty(
+        name="Cyclic",
+        description="Let the last cage be the first one again; where the drawing is not back by then, a frame is added",
+        default=False,
+    )
+    still: BoolProperty(
+        name="One Cage for All Frames",
+        description="Make still cages around all that the drawing sweeps from the first to the last frame",
+        default=False,
+    )
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode != "OBJECT":
+            return "Switch to Object Mode"
+        return "" if sources(context) else why_nothing(context)
+
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+        self._set_range(scene_of(context))
+        asked: Any = context.window_manager.invoke_props_dialog(self)
+        return {*asked}
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "levels")
+        groups.draw(layout.column(), self, ("clearance", "energy"))
+        frames = layout.column(align=True)
+        frames.prop(self, "frame_start")
+        frames.prop(self, "frame_end")
+        layout.prop(self, "still")
+        following = layout.column()
+        following.active = not self.still
+        following.prop(self, "frame_step")
+        following.prop(self, "cyclic")
+        groups.draw(layout.column(), self, groups.READING)
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        scene, reading = scene_of(context), conversion.reading_options(self)
+        options = conversion.options(self)
+        name = scene.name
+        self._set_range(scene)
+        frames = list(range(self.frame_start, self.frame_end + 1, 1 if self.still else self.frame_step))
+        if len(frames) < 2:
+            raise UserError(
+                f"From frame {self.frame_start} to {self.frame_end} in steps of {self.frame_step} there is no motion: "
+                "give at least two frames"
+            )
+        self.exclusive = True  # the frame changes while they are read
+        objects, read = sources(context), []
+        for number, obj in enumerate(objects):
+            found = yield from _part(poses.read_poses(context, obj, frames, reading), number, len(objects), 0.0)
+            read.append(found)
+        self.exclusive = False
+        results = []
+        for number, found in enumerate(read):
+            asked = Options(options.levels, options.clearance / found.scale, options.methods)
+            work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
+            result = yield from _part(work, number, len(read), READING_PART)
+            results.append(result)
+        after = bpy.data.scenes.get(name)
+        if after is None:
+            raise UserError("The scene of the drawing is gone, so its cages were dropped")
+        for sentence in writing.write(after, results, self.thickness):
+            self.report({"WARNING"}, sentence)
+        self._tell(results)
+        return {"FINISHED"}
+
+    def _set_range(self, scene: bpy.types.Scene) -> None:
+        """Takes the frames that are not set from the scene."""
+        for name in ("frame_start", "frame_end"):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(scene, name))
+
+    def _tell(self, results: list[moving.Moving]) -> None:
+        cages = [cage for result in results for cage in result.cages]
+        for note in dict.fromkeys(note for cage in cages for note in cage.notes):
+            self.report({"WARNING"}, note)
+        shown = ", ".join(f"{100.0 * cage.excess.mean():.2f} %" for cage in cages)
+        certified = f"certified on {counted(len(results[0].poses.frames), 'frame')} and between them"
+        self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; mean excess {shown}")
+
+
+def _part(work: Work[Any], number: int, count: int, begin: float) -> Work[Any]:
+    """Work on one of several drawings, with its progress as a part of that of all."""
+    length = READING_PART if begin == 0.0 else 1.0 - READING_PART
+    try:
+        while True:
+            try:
+                step = next(work)
+            except StopIteration as done:
+                return done.value
+            yield Progress(begin + length * (number + step.fraction) / count, step.message)
+    finally:
+        work.close()
+
+
+CLASSES = (OBJECT_OT_nested_cages_follow,)
