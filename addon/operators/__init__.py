@@ -5,7 +5,20 @@ from __future__ import annotations
 import bpy
 
 from ..generation.job import running
-from . import bake, bind, cutout, exporters, fault, follow, handles, image_outline, importers, levels, report, silhouette
+from . import (
+    bake,
+    bind,
+    cutout,
+    exporters,
+    fault,
+    follow,
+    handles,
+    image_outline,
+    importers,
+    levels,
+    report,
+    silhouette,
+)
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
 from .verify import OBJECT_OT_nested_cages_verify
 
