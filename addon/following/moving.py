@@ -191,8 +191,8 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
             certificates = yield from _around_all(
                 name, core.Mesh(level.cage.astype(np.float64), level.cage_edges), poses
             )
-        notes, edges, step = level.report.notes, level.cage_edges, level.cage[None]
-        cages.append(MovingCage(edges, poses.frames[:1], step, certificates, perf_counter() - began, notes))
+        notes, edges, still = level.report.notes, level.cage_edges, level.cage[None]
+        cages.append(MovingCage(edges, poses.frames[:1], still, certificates, perf_counter() - began, notes))
     return Moving(poses, fine.edges, tuple(cages))
 
 

@@ -13,6 +13,7 @@ from ..errors import UserError
 from ..generation.checking import same_frame
 from ..generation.job import Progress, Work
 from ..scene.convert import Drawing, Outline, ReadingOptions, drawing_in, fine_drawing, read
+from ..scene.selection import scene_of
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ def read_poses(
 
     All frames from the first to the last are visited, as simulations need it.
     """
-    scene, wanted = context.scene, set(frames)
+    scene, wanted = scene_of(context), set(frames)
     found: list[Drawing] = []
     scale = 1.0
     with same_frame(scene):

@@ -142,7 +142,8 @@ class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        motion.draw(self.layout, context)
+        layout: Any = self.layout
+        motion.draw(layout, context)
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
