@@ -53,9 +53,15 @@ def counted(level: int | Percent, fine: core.Mesh) -> Wanted:
         least = 3 * len(sizes)
         note = f"A level of {level} is too small: {loops} {least} vertices, and so many are used."
         return Wanted(level) if level >= least else Wanted(least, (note,))
-    share, least = round(total * level / 100.0), sum(min(size, LEAST_OF_A_PERCENTAGE) for size in sizes)
-    note = f"{level:g} % of {total} vertices is too few: {loops} {least} for a close fit, and so many are used."
-    return Wanted(share) if share >= least else Wanted(least, (note,))
+    count = count_of(level, sizes)
+    note = f"{level:g} % of {total} vertices is too few: {loops} {count} for a close fit, and so many are used."
+    return Wanted(count, () if count == round(total * level / 100.0) else (note,))
+
+
+def count_of(level: Percent, sizes: Sequence[int]) -> int:
+    """The vertices that a percentage comes to for loops of these sizes."""
+    least = sum(min(size, LEAST_OF_A_PERCENTAGE) for size in sizes)
+    return max(round(sum(sizes) * level / 100.0), least)
 
 
 def wanted_levels(levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.Mesh], name: str) -> tuple[Wanted, ...]:

@@ -26,6 +26,9 @@ METHOD_ITEMS = (
     (PRISM, NAMES[PRISM], "By a closed prism over the cage: smooth across the whole cage, exact to a few per cent"),
 )
 
+# Of wires in a 3D view: all edges are shown, as Blender begins, or those where faces meet at an angle and borders.
+ALL_EDGES, OUTLINES = 1.0, 0.5
+
 
 class OnBinding(OnOutput):
     """Works on an output that is bound, or is not bound yet."""
@@ -51,6 +54,12 @@ class Binding(OnBinding, JobOperator):
         items=METHOD_ITEMS,
         default="AUTO",
     )
+
+    def show_result_in(self, context: bpy.types.Context) -> None:
+        """Lets the 3D view leave out edges between coplanar triangles, unless that was chosen: outlines are handles."""
+        space = context.space_data
+        if isinstance(space, bpy.types.SpaceView3D) and space.overlay.wireframe_threshold == ALL_EDGES:
+            space.overlay.wireframe_threshold = OUTLINES
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         collection = output_of_active(context)

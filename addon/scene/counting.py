@@ -9,21 +9,21 @@ import bpy
 from .filling import loop_edges, mesh_of
 
 
-def outline_count(obj: bpy.types.Object, resolution: int = 0) -> int | None:
-    """Vertices of an outline before modifiers; None for kinds of which that is not known before they are read.
+def loop_sizes(obj: bpy.types.Object, resolution: int = 0) -> tuple[int, ...]:
+    """Vertices of each loop of an outline before modifiers, of a mesh of all loops together; nothing for kinds of which
+    that is not known before they are read.
 
     resolution: segments between two control points of a curve, 0 = the curve's own.
     """
     if obj.type == "MESH":
-        return len(loop_edges(mesh_of(obj)))
+        return (len(loop_edges(mesh_of(obj))),)
     if obj.type == "CURVE":
-        counts = [_points(spline, resolution) for spline in obj.data.splines]
-        return sum(counts)
+        return tuple(_points(spline, resolution) for spline in obj.data.splines)
     if obj.type == "FONT":
         text = obj.data
         shape = (text.body, text.font.filepath if text.font else "", resolution or text.resolution_u)
-        return _points_of_text(obj.session_uid, *shape)
-    return None
+        return _text_sizes(obj.session_uid, *shape)
+    return ()
 
 
 def _points(spline: bpy.types.Spline, resolution: int) -> int:
@@ -43,13 +43,13 @@ def _points(spline: bpy.types.Spline, resolution: int) -> int:
 
 
 @lru_cache(maxsize=64)
-def _points_of_text(identity: int, _body: str, _font: str, resolution: int) -> int | None:
-    """Points of the outlines of a text, which has no splines of its own; asked for again only if the text changes."""
+def _text_sizes(identity: int, _body: str, _font: str, resolution: int) -> tuple[int, ...]:
+    """Vertices of the loops of a text, which has no splines of its own; asked for again only if the text changes."""
     obj = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
     if obj is None:
-        return None
+        return ()
     curve = obj.to_curve(bpy.context.evaluated_depsgraph_get())
     try:
-        return sum(_points(spline, resolution) for spline in curve.splines)
+        return tuple(_points(spline, resolution) for spline in curve.splines)
     finally:
         obj.to_curve_clear()

@@ -51,6 +51,7 @@ def collection_of(scene: bpy.types.Scene, source: bpy.types.Object) -> bpy.types
 
 def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
     """The output that an object belongs to or is the source of."""
+    obj = keys.block(obj, keys.HANDLES_OF, bpy.types.Object) or obj
     if level_of(obj) is not None:
         return next((c for c in obj.users_collection if keys.has(c, keys.SOURCE)), None)
     return collection_of(scene, obj)

@@ -11,13 +11,13 @@ from .. import keys
 from ..errors import UserError
 from ..generation import output
 from ..generation.job import running
-from ..generation.levels import LEAST_OF_A_PERCENTAGE, parse_levels
+from ..generation.levels import count_of, parse_levels
 from ..operators.base import last_fault
 from ..presets import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
 from ..properties import conversion, groups
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership
-from ..scene.counting import outline_count
+from ..scene.counting import loop_sizes
 from ..scene.selection import collection_of_active, output_of_active
 from . import motion
 
@@ -254,18 +254,16 @@ def _said_of_levels(context: bpy.types.Context, settings: NestedCagesSettings) -
     active = context.view_layer.objects.active
     if active is None or active.mode != "OBJECT" or ownership.level_of(active) is not None:
         return []
-    total = outline_count(active, settings.resolution)
+    sizes = loop_sizes(active, settings.resolution)
     try:
         levels = parse_levels(settings.levels)
     except UserError:
         return []
-    if not total:
+    if not sum(sizes):
         return []
-    return [
-        f"{level:g} % = {max(round(total * level / 100.0), LEAST_OF_A_PERCENTAGE)} vertices"
-        for level in levels
-        if isinstance(level, float)
-    ] or [f"of {total} vertices"]
+    return [f"{level:g} % = {count_of(level, sizes)} vertices" for level in levels if isinstance(level, float)] or [
+        f"of {sum(sizes)} vertices"
+    ]
 
 
 def _draw_binding(layout: bpy.types.UILayout, collection: bpy.types.Collection | None) -> None:
