@@ -175,6 +175,7 @@ def material_of(image: bpy.types.Image) -> bpy.types.Material:
         )
     )
     picture.image, picture.extension = image, "CLIP"
+    tree.nodes.active = picture  # what solid views show as the texture
     for source, target in (
         (picture.outputs["Color"], glow.inputs["Color"]),
         (picture.outputs["Alpha"], mix.inputs[0]),

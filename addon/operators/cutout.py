@@ -147,6 +147,12 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
                 shown_by.hide_render = True
         return {"FINISHED"}
 
+    def show_result_in(self, context: bpy.types.Context) -> None:
+        """Lets a solid view show the pictures, unless its colour was chosen."""
+        space = context.space_data
+        if isinstance(space, bpy.types.SpaceView3D) and space.shading.color_type == "MATERIAL":
+            space.shading.color_type = "TEXTURE"
+
     def _write(self, context: bpy.types.Context, made: Sequence[bpy.types.Object], results: Sequence[Result]) -> None:
         """Cages around the new objects, without animation, and bound."""
         placed = [

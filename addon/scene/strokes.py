@@ -22,7 +22,7 @@ def drawing(name: str, loops: Sequence[NDArray[np.float64]], radius: float) -> b
     """
     if not hasattr(bpy.types, "GreasePencilDrawing"):
         raise UserError("Grease Pencil drawings need Blender 4.3 or later: choose curves instead")
-    known: Any = getattr(bpy.data, "grease_pencils_v3", None) or bpy.data.grease_pencils
+    known: Any = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils)
     data: Any = known.new(name)
     strokes = data.layers.new(name).frames.new(bpy.context.scene.frame_current).drawing
     strokes.add_strokes([len(loop) for loop in loops])
