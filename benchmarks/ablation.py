@@ -1,12 +1,13 @@
 """What each mechanism buys: it is switched off alone, and cages are made of the same shapes as with it.
 
-    python benchmarks/ablation.py --shapes 60 --jobs 2 --output docs/ablation.md
+    python benchmarks/ablation.py --shapes 150 --output docs/ablation.md
 
-Prints, for each mechanism, what is lost without it: shapes that get no cage or start from the hull, excess relative to
-that with it (mean and worst; above 1 it helps), and time. Mechanisms are switched off by settings where there are some,
-otherwise by replacing a constant or a function of the core (mechanisms.py); a name that is no longer there is an error.
-Where probes tell in which cases a mechanism is used, only these are made again. A mechanism that buys nothing is to be
-removed. `--results FILE` keeps what was made, so that a long run can be made in parts with `--only`.
+First a quick pass, decimation and flow only, finds the cases in which rare mechanisms are used. Then cages are made
+with and without each mechanism: of the first cases that use it, or of cases of all kinds where every case does. Prints
+what is lost without it: cages, and starts on the curve; the excess relative to that with it (mean and worst; above 1 it
+helps); and time. Mechanisms are switched off by settings where there are some, otherwise by replacing a constant or a
+function of the core (mechanisms.py); a name that is no longer there is an error. A mechanism that buys nothing is to be
+removed. `--results FILE` keeps what was made, so that a long run can be made in parts.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, contextmanager, suppress
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import asdict, dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -32,7 +33,10 @@ import numpy as np
 import clone  # noqa: F401
 from data import shape, shape_names
 from mechanisms import MECHANISMS, Around, Mechanism
-from nestedcages_core import ArcLength, Mesh, NestedCagesError, nested_cages, verify
+from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, TwoSidedFlow, nested_cages, verify
+from nestedcages_core.hierarchy.settings import DEFAULT_CLEARANCE
+from nestedcages_core.hierarchy.units import SolverUnits
+from nestedcages_core.stages import drain
 from random_shapes import KINDS, random_shape
 
 LARGEST = 500
@@ -52,6 +56,9 @@ OWN_COUNT = 24
 
 FIRST_SEED = 40_000
 """Of the random shapes."""
+
+REMOVED = "Nothing was removed."
+"""What is gone because it bought nothing."""
 
 SMALL_EXCESS = 3e-4
 """Added to both sides of a ratio of excesses: what the clearance alone costs."""
@@ -151,17 +158,22 @@ def watched(name: str, happened: Callable[[Sequence[Any], Any], bool], used: set
     return Around(make)
 
 
+@contextmanager
+def watching(used: set[str]) -> Iterator[None]:
+    """Note the mechanisms that are used."""
+    with ExitStack() as stack:
+        for name, mechanism in MECHANISMS.items():
+            patches = {at: watched(name, happened, used) for at, happened in mechanism.probes.items()}
+            stack.enter_context(switched_off(patches))
+        yield
+
+
 def run(job: tuple[Case, str | None]) -> Made:
     """Make the cage of a case with a mechanism off; None: as it is, noting which ones are used."""
     case, name = job
     mechanism = MECHANISMS[name] if name is not None else Mechanism("")
     used: set[str] = set()
-    with ExitStack() as stack:
-        stack.enter_context(switched_off(mechanism.patches))
-        for other, probed in MECHANISMS.items() if name is None else ():
-            stack.enter_context(
-                switched_off({at: watched(other, happened, used) for at, happened in probed.probes.items()})
-            )
+    with switched_off(mechanism.patches), watching(used) if name is None else nullcontext():
         begin = time.process_time()
         try:
             settings = replace(mechanism.settings(), clearance=case.clearance)
@@ -188,11 +200,27 @@ class Bought:
     """Cases whose excess differs at all."""
 
 
+def probe(case: Case) -> list[str]:
+    """The mechanisms that decimation and flow of a case use, of those with probes."""
+    used: set[str] = set()
+    clearance = DEFAULT_CLEARANCE * case.fine.diagonal if case.clearance is None else case.clearance
+    with watching(used), suppress(NestedCagesError):
+        coarse: Mesh | None = case.level if isinstance(case.level, Mesh) else None
+        if not isinstance(case.level, Mesh):
+            coarse = drain(OnCurve().starts(case.fine, case.level, clearance=clearance, most=1))[0].on_curve
+        if coarse is not None:
+            units = SolverUnits.of(case.fine)
+            drain(TwoSidedFlow().run(units.from_input(case.fine), units.from_input(coarse)))
+    return sorted(used)
+
+
 def compare(with_it: Sequence[Made], without: Sequence[Made], all_cases: Sequence[Case]) -> Bought:
     """The difference over all cases."""
     lost = sum(a.certified for a in with_it) - sum(b.certified for b in without)
     flows = sum(a.start == "flow" for a in with_it) - sum(b.start == "flow" for b in without)
     both = [k for k in range(len(all_cases)) if with_it[k].certified and without[k].certified]
+    if not both:
+        return Bought(lost, flows, 1.0, 1.0, "", 1.0, 0)
     ratios = np.array([(without[k].excess + SMALL_EXCESS) / (with_it[k].excess + SMALL_EXCESS) for k in both])
     worst = int(ratios.argmax())
     seconds = sum(b.seconds for b in without) / sum(a.seconds for a in with_it)
@@ -208,6 +236,8 @@ def main() -> int:
     parser.add_argument("--kinds", nargs="+", default=names, choices=names, metavar="KIND", help="of random shapes")
     parser.add_argument("--largest", type=int, default=LARGEST, help="vertices of the largest shape")
     parser.add_argument("--only", nargs="+", default=None, metavar="NAME", help="mechanisms (default: all)")
+    parser.add_argument("--rare", type=int, default=30, help="cages of cases that use a mechanism, at most")
+    parser.add_argument("--common", type=int, default=60, help="cages for a mechanism that every case uses")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--results", type=Path, help="JSON file that keeps what was made, read first if there")
     parser.add_argument("--output", type=Path, help="Markdown file to write")
@@ -216,57 +246,91 @@ def main() -> int:
 
     wanted = list(MECHANISMS) if options.only is None else [n for n in MECHANISMS if any(o in n for o in options.only)]
     chosen = cases(options.shapes, options.kinds, options.largest)
-    stored = json.loads(options.results.read_text()) if options.results and options.results.exists() else {}
+    store = Store(options.results)
     with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
-        by_name: dict[str | None, list[Made]] = {}
-        for name in [None, *wanted]:
-            kept = stored.setdefault(name or "", {})
-            missing = [case for case in chosen if case.name not in kept]
-            if name is not None:
-                missing = [case for case in missing if uses(name, Made(**stored[""][case.name]))]
-            for case, made in zip(missing, pool.map(run, [(case, name) for case in missing]), strict=True):
-                kept[case.name] = asdict(made)
-                if options.results:
-                    options.results.write_text(json.dumps(stored))
-            by_name[name] = [Made(**kept.get(case.name, stored[""][case.name])) for case in chosen]
-            print(table(by_name, chosen).splitlines()[-1], flush=True)
+        store.probe(chosen, pool)
+        spread = chosen[:: max(1, len(chosen) // options.common)][: options.common]
+        store.make(spread, None, pool)
+        rows = []
+        for name in wanted:
+            if MECHANISMS[name].probes:
+                using = [case for case in chosen if store.uses(case, name)]
+                compared = using[: options.rare]
+            else:
+                using, compared = chosen, spread
+            store.make(compared, None, pool)
+            store.make(compared, name, pool)
+            bought = compare([store.made(c, None) for c in compared], [store.made(c, name) for c in compared], compared)
+            rows.append(row(name, len(using), len(compared), bought))
+            print(rows[-1], flush=True)
     if options.output:
-        options.output.write_text(table(by_name, chosen), encoding="utf-8")
+        options.output.write_text(page(rows, len(chosen), options), encoding="utf-8")
     return 0
 
 
-def uses(name: str, as_it_is: Made) -> bool:
-    """Whether a case can change without the mechanism."""
-    return not MECHANISMS[name].probes or name in as_it_is.used
+class Store:
+    """What was made so far, kept in a file."""
+
+    def __init__(self, path: Path | None) -> None:
+        self.path = path
+        known = json.loads(path.read_text()) if path and path.exists() else {"used": {}, "made": {}}
+        self.used, self._made = known["used"], known["made"]
+
+    def probe(self, chosen: Sequence[Case], pool: Executor) -> None:
+        """Find the mechanisms that cases use."""
+        missing = [case for case in chosen if case.name not in self.used]
+        for case, used in zip(missing, pool.map(probe, missing), strict=True):
+            self.used[case.name] = used
+            self._save()
+
+    def make(self, chosen: Sequence[Case], name: str | None, pool: Executor) -> None:
+        """Make the cages of cases with a mechanism off."""
+        missing = [case for case in chosen if f"{case.name}: {name}" not in self._made]
+        for case, made in zip(missing, pool.map(run, [(case, name) for case in missing]), strict=True):
+            self._made[f"{case.name}: {name}"] = asdict(made)
+            self._save()
+
+    def made(self, case: Case, name: str | None) -> Made:
+        """The outcome of a case."""
+        return Made(**self._made[f"{case.name}: {name}"])
+
+    def uses(self, case: Case, name: str) -> bool:
+        """Whether a case is known to use a mechanism."""
+        return name in self.used[case.name] or name in self._made.get(f"{case.name}: None", {}).get("used", ())
+
+    def _save(self) -> None:
+        if self.path:
+            self.path.write_text(json.dumps({"used": self.used, "made": self._made}))
 
 
-def table(made: Mapping[str | None, Sequence[Made]], chosen: Sequence[Case]) -> str:
+def row(name: str, used: int, compared: int, bought: Bought) -> str:
+    """A line of the table."""
+    return (
+        f"| {MECHANISMS[name].room} | {name} | {used} | {compared} | {bought.successes} | {bought.flows} "
+        f"| {bought.mean:.4f} | {bought.worst:.3f} | {bought.worst_case} | {bought.time:.2f} | {bought.changed} |"
+    )
+
+
+def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
     """A Markdown page."""
-    as_it_is = made[None]
-    certified = sum(each.certified for each in as_it_is)
-    excess = np.mean([each.excess for each in as_it_is if each.certified])
     lines = [
         "# What each mechanism buys",
         "",
-        "Made by `python benchmarks/ablation.py --output docs/ablation.md`: each mechanism is switched off alone.",
+        REMOVED,
         "",
-        f"{len(chosen)} cases; with everything on {certified} are certified, mean excess {100 * excess:.2f} %, "
-        f"{sum(each.seconds for each in as_it_is):.0f} s of processor time. Excess and time are without the mechanism, "
-        "relative to with it: above 1, it helps.",
+        f"Made by `python benchmarks/ablation.py --shapes {options.shapes} --largest {options.largest} --rare "
+        f"{options.rare} --common {options.common} --output docs/ablation.md`. Each mechanism is switched off alone, "
+        f"and the same cages are made with and without it. Of {count} cases, *used* is how many are known to use it, "
+        "*compared* of how many cages are made twice. *Lost* are cages that cannot be made without it, *flows* those "
+        "that start on the curve only with it. Excess and time are without the mechanism, relative to with it: above "
+        "1, it helps. A cage is *changed* if its excess differs at all.",
         "",
-        "| room | without | used in | cages lost | flows lost | excess, mean | worst | of case | time | changed |",
-        "|---|---|---:|---:|---:|---:|---:|---|---:|---:|",
+        "| room | without | used | compared | lost | flows | excess, mean | worst | of case | time | changed |",
+        "|---|---|---:|---:|---:|---:|---:|---:|---|---:|---:|",
+        *rows,
+        "",
     ]
-    for name, results in made.items():
-        if name is None:
-            continue
-        bought = compare(as_it_is, results, chosen)
-        used = sum(uses(name, each) for each in as_it_is)
-        lines.append(
-            f"| {MECHANISMS[name].room} | {name} | {used} | {bought.successes} | {bought.flows} | {bought.mean:.4f} "
-            f"| {bought.worst:.3f} | {bought.worst_case} | {bought.time:.2f} | {bought.changed} |"
-        )
-    return "\n".join([*lines, ""])
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":
