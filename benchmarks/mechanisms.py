@@ -241,11 +241,6 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={"flow.two_sided:_Run.geodesic": no_stage},
         probes={"flow.two_sided:_Run.geodesic": found_something},
     ),
-    "flow: correspondence": Mechanism(
-        "flow",
-        patches={"flow.two_sided:_Run.correspondence": no_stage},
-        probes={"flow.two_sided:_Run.correspondence": found_something},
-    ),
     # contact
     "IPC first (sequential QPs first)": Mechanism("contact", patches={"hierarchy.attempts:IPC_FIRST": 0}),
     "IPC only": Mechanism("contact", with_contacts(IPC())),

@@ -2,8 +2,7 @@
 
 In this order: inside (nothing to do); vertices (descent with samples at the vertices of both meshes); erosion (a tiny
 move inwards where the meshes only touch); boundary (descent with samples along both boundaries); geodesic (limbs that
-the coarse mesh cuts off are first drawn in along the inside of the fine mesh); correspondence (the fine mesh is laid
-along the coarse one).
+the coarse mesh cuts off are first drawn in along the inside of the fine mesh).
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ from ..parameters import check_count, check_positive
 from ..stages import Stage, mapped
 from .base import FlowResult, Obstacle, stuck
 from .containment import Containment
-from .correspondence import lay_along
 from .energy_flow import Descent, EnergyFlow
 from .erosion import erode
 from .geodesic import retract, solid_graph
@@ -120,7 +118,6 @@ class _Run:
         yield self.boundary()
         for whole in (True, False):
             yield self.geodesic(1.0, whole)
-        yield self.correspondence()
         for whole in (True, False):
             yield self.geodesic(NARROW_MARGIN, whole)
 
@@ -177,18 +174,6 @@ class _Run:
         descent = yield from self.descend(self.sampled, start, settings.limit)
         obstacle = None if descent.obstacle is None else retraction.pieces or descent.obstacle
         return self.result("geodesic", retraction.steps + descent.steps, obstacle)
-
-    def correspondence(self) -> Method:
-        """Straight to positions along the inside of the coarse mesh, if there are such."""
-        yield 0.0
-        laid = lay_along(self.matching, self.settings.margin * self.unit)
-        if laid is None or self.containment.obstacle(laid) is not None:
-            return None
-        motion = laid - self.fine.vertices
-        count = int(np.ceil(np.abs(motion).max() / (self.settings.longest_step * self.unit)))
-        self.iterations += count
-        steps = [self.fine.vertices + (k / count) * motion for k in range(1, count)]
-        return self.result("correspondence", [*steps, laid], None)
 
     def descend(self, energy: PenetrationEnergy, start: FloatArray, limit: int) -> Stage[float, Descent]:
         """Descent of an energy from (n, 2) positions."""

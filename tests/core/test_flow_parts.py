@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from nestedcages_core import Mesh
 from nestedcages_core.flow.containment import Containment
-from nestedcages_core.flow.correspondence import _Cost, _in_order, lay_along
 from nestedcages_core.flow.erosion import erode
 from nestedcages_core.flow.geodesic import Retraction, retract, solid_graph
 from nestedcages_core.flow.loop_matching import match_loops
 from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
 from nestedcages_core.flow.samples import Spacing, local_margins
 from nestedcages_core.flow.smoothing import StepSystem
-from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, lines, polygon, resampled, ring, star
+from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, polygon, ring, star
 
 
 def penetration_energy(fine: Mesh, coarse: Mesh, spacing: float) -> PenetrationEnergy:
@@ -151,26 +146,3 @@ def test_retraction_stays_in_the_fine_solid(whole: bool) -> None:
     lengths = [np.abs(b - a).max() for a, b in zip([fine.vertices, *way.steps], way.steps, strict=False)]
     assert max(lengths) <= 0.05 * 1.001
     assert shapely.contains_xy(polygon(coarse), way.steps[-1]).all()
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.integers(2, 8), st.integers(2, 5), st.integers(0, 1000))
-def test_corners_are_assigned_at_least_cost(vertices: int, corners: int, seed: int) -> None:
-    corners = min(vertices, corners)
-    rng = np.random.default_rng(seed)
-    cost = _Cost(*(rng.normal(size=(count, 2)) for count in (vertices, vertices, corners, corners)))
-    table = np.stack([cost.of(corner) for corner in range(corners)], axis=1)
-    chosen = _in_order(cost)
-    assert chosen[0] == 0
-    assert (np.diff(chosen) > 0).all()
-    totals = [table[list(c), range(1, corners)].sum() for c in combinations(range(1, vertices), corners - 1)]
-    assert np.isclose(table[chosen[1:], range(1, corners)].sum(), min(totals))
-
-
-def test_laid_along_the_coarse_mesh() -> None:
-    fine, coarse = letter_a(), letter_a_coarse()
-    laid = lay_along(match_loops(fine, coarse), 0.01)
-    assert laid is not None
-    assert Containment(match_loops(fine, coarse)).obstacle(laid) is None
-    assert lines(laid, fine).hausdorff_distance(lines(coarse.vertices, coarse)) < 0.03
-    assert lay_along(match_loops(coarse, resampled(fine, 60)), 0.01) is None
