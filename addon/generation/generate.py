@@ -95,7 +95,7 @@ class Result:
     levels: tuple[CageLevel, ...]
 
 
-_memory: Memory[tuple[CageLevel, ...]] = Memory()
+known_levels: Memory[tuple[CageLevel, ...]] = Memory()
 """Levels that were computed in this session: what is asked for again is not computed again."""
 
 
@@ -141,7 +141,7 @@ class Generation:
         done, reached = 0, 0.0
         for request, fine, levels in self._plans:
             key = key_of(fine, levels, self._clearances(request, fine), self.options.methods)
-            known = _memory.get(key)
+            known = known_levels.get(key)
             if known is None:
                 finished: list[CageLevel] = []
                 try:
@@ -154,7 +154,7 @@ class Generation:
                     done += len(levels)
                     continue
                 known = tuple(finished)
-                _memory.put(key, known, sum(level.fine_steps.nbytes + level.cage_steps.nbytes for level in known))
+                known_levels.put(key, known, sum(level.fine_steps.nbytes + level.cage_steps.nbytes for level in known))
             done += len(levels)
             reached = done / total
             yield Progress(reached, f"{request.fine.name}, level {len(levels)}")

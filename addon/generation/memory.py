@@ -37,6 +37,10 @@ class Memory(Generic[Value]):
         while len(self._values) > 1 and sum(held for _, held in self._values.values()) > MOST_BYTES:
             self._values.popitem(last=False)
 
+    def clear(self) -> None:
+        """Forgets everything."""
+        self._values.clear()
+
 
 def key_of(fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], methods: object) -> str:
     """What a result depends on, to the last bit."""

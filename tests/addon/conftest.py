@@ -63,8 +63,9 @@ def extension() -> Iterator[ModuleType]:
 
 @pytest.fixture(autouse=True)
 def empty_scene(extension: ModuleType) -> None:
-    """A scene without objects, on frame 1 of 1 to 250."""
+    """A scene without objects, on frame 1 of 1 to 250, and nothing remembered of earlier computations."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    import_module(f"{PACKAGE}.addon.generation.generate").known_levels.clear()
 
 
 @pytest.fixture
