@@ -50,13 +50,15 @@ def write(
         ]
         for result, collection in zip(results, collections, strict=True):
             _set_thickness(collection, result, thickness)
+        for collection in collections:
+            stage.enter(collection)
     except BaseException:
         rollback.restore()
+        for before in earlier:
+            if before is not None:
+                stage.enter(before)
         raise
-    lost = rollback.finish()
-    for collection in collections:
-        stage.enter(collection)
-    return collections, lost
+    return collections, rollback.finish()
 
 
 def _home(scene: bpy.types.Scene, results: Sequence[Result]) -> bpy.types.Collection:

@@ -327,7 +327,7 @@ def everything():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("before", ["plain", "baked", "keyed", "thick"])
-@pytest.mark.parametrize("place", ["first level", "second level", "second drawing", "markers", "thickness"])
+@pytest.mark.parametrize("place", ["first level", "second level", "second drawing", "markers", "thickness", "moving copy"])
 def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, place) -> None:
     for x, name in ((0.0, "One"), (3.0, "Two")):
         poly_curve(name, [star()]).location.x = x
@@ -355,6 +355,7 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
         "second drawing": (addon.animation.shape_keys, "add_steps", 4),
         "markers": (addon.animation.timeline, "add_markers", 2),
         "thickness": (addon.scene.display, "set_thickness", 4),
+        "moving copy": (addon.scene.filled_copy, "make", 2),
     }[place]
     real, countdown = getattr(room, name), itertools.count(1)
 
@@ -508,7 +509,16 @@ def not_a_number():
 
 REFUSALS = {
     "duplicate loops": (lambda: poly_curve("Twice", [star(), star()]), {}, "'Twice': "),
-    "loops that touch": (lambda: poly_curve("Touch", [circle(4), circle(4, 1.0, (2.0, 0.0))]), {}, "'Touch': "),
+    "loops that touch": (
+        lambda: poly_curve("Touch", [circle(4), np.array([(1.0, 0.0), (2.0, -1.0), (3.0, 0.0), (2.0, 1.0)])]),
+        {},
+        "'Touch': Vertices 0 of loop 0 and 4 of loop 1 both lie at (1, 0)",
+    ),
+    "loops a rounding apart": (
+        lambda: poly_curve("Touch", [circle(4), circle(4, 1.0, (2.0, 0.0))]),
+        {},
+        "'Touch, level 1': There is no room for a cage near (1, ",
+    ),
     "a single point": (lambda: poly_curve("Point", [np.zeros((4, 2))]), {}, "'Point'"),
     "no numbers": (not_a_number, {}, "'Broken'"),
     "no room": (
