@@ -27,6 +27,7 @@ def switch(obj: bpy.types.Object, frames: Sequence[tuple[int, bool]]) -> None:
     """Hides or shows the object, in the viewport and in renders, from each of some frames on."""
     keyframes = [float(number) for pair in frames for number in pair]
     shape_keys.animate(obj, [(path, keyframes) for path in VISIBILITY], shape_keys.CONSTANT, obj.name)
+    obj.update_tag(refresh={"TIME"})  # so that it is hidden or shown now, and not from the next frame on
 
 
 def is_free(obj: bpy.types.Object) -> bool:

@@ -42,6 +42,7 @@ def write(
     for collection in earlier:
         _check_replaceable(collection)
     rollback = Rollback(scene, (collection for collection in earlier if collection is not None))
+    staged: list[bpy.types.Collection] = []
     try:
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
         collections = [
@@ -51,11 +52,12 @@ def write(
         for result, collection in zip(results, collections, strict=True):
             _set_thickness(collection, result, thickness)
         for collection in collections:
+            staged.append(collection)
             stage.enter(collection)
     except BaseException:
         rollback.restore()
         for before in earlier:
-            if before is not None:
+            if before in staged:
                 stage.enter(before)
         raise
     return collections, rollback.finish()

@@ -65,12 +65,22 @@ def make(
         if shape == "GREASE_PENCIL":
             strokes.set_colour(new, tuple(obj.color))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
-        if frame.own and obj.parent is None and not obj.constraints:
-            ownership.copy_transform(obj, new)
+        standing = _standing(obj)
+        if frame.own and standing is not None:
+            ownership.copy_transform(standing, new)
         else:
             new.matrix_world = Matrix(frame.matrix.tolist())
         made.append(new)
     return made
+
+
+def _standing(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The object whose transform alone places this one: itself, or a parent in whose space it is; None if more does."""
+    while not obj.constraints and obj.parent is not None and obj.parent_type == "OBJECT":
+        if obj.matrix_parent_inverse != Matrix() or obj.matrix_basis != Matrix():
+            return None
+        obj = obj.parent
+    return None if obj.constraints or obj.parent is not None else obj
 
 
 def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:

@@ -51,9 +51,9 @@ def test_the_picture_is_drawn(demo: tuple[Path, str]) -> None:
 def test_the_file_holds_drawing_and_cages_alone(demo: tuple[Path, str]) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(demo[0] / "letter_a.blend"))
     assert len(bpy.data.scenes) == 1
-    assert [item.type for item in bpy.data.objects].count("MESH") == 3
+    assert [item.type for item in bpy.data.objects].count("MESH") == 4  # the fine mesh, the cages and the moving copy
     assert [item.type for item in bpy.data.objects].count("CURVE") == 1
-    assert len(bpy.data.objects) == 4
+    assert len(bpy.data.objects) == 5
     assert not bpy.data.cameras
 
 

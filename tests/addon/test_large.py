@@ -51,7 +51,8 @@ def test_a_large_drawing_is_written_saved_and_loaded(addon, tmp_path) -> None:
     made = result(addon)
     (level,) = made.levels
     timing = addon.animation.timeline.Timing(1, 2)
-    (collection,) = addon.generation.output.write(bpy.context.scene, [made], timing)
+    (collection,), lost = addon.generation.output.write(bpy.context.scene, [made], timing)
+    assert not lost
     end = collection["nested_cages_end"]
     assert end == 1 + 2 * (STEPS - 1)
     path = str(tmp_path / "large.blend")

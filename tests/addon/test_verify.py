@@ -220,4 +220,5 @@ def test_thickness_is_for_renders_only(addon) -> None:
     assert points[:, 2].max() == pytest.approx(0.025, rel=1e-3)
     modifier.show_viewport = False
     bpy.ops.object.nested_cages_generate(levels="20, 10", thickness=0.0)
-    assert not cage.modifiers
+    assert [modifier.name for modifier in cage.modifiers] == ["Nested Cages Automatic Thickness"]
+    assert not cage.modifiers[0].show_viewport
