@@ -258,7 +258,15 @@ def import_of(tmp_path):
         for square in squares
     ]
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
-    return {"filepath": str(path), "directory": "", "files": [], "y": "AUTO", "scale": 1.0, "outlines": "AUTO", "answered": True}
+    return {
+        "filepath": str(path),
+        "directory": "",
+        "files": [],
+        "y": "AUTO",
+        "scale": 1.0,
+        "outlines": "AUTO",
+        "answered": True,
+    }
 
 
 def image_of():

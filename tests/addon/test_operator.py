@@ -327,7 +327,9 @@ def everything():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("before", ["plain", "baked", "keyed", "thick"])
-@pytest.mark.parametrize("place", ["first level", "second level", "second drawing", "markers", "thickness", "moving copy"])
+@pytest.mark.parametrize(
+    "place", ["first level", "second level", "second drawing", "markers", "thickness", "moving copy"]
+)
 def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, place) -> None:
     for x, name in ((0.0, "One"), (3.0, "Two")):
         poly_curve(name, [star()]).location.x = x
