@@ -145,13 +145,13 @@ def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode.
 
     Output of a drawing that is selected itself is about to be replaced, not to be caged. With nothing selected, the
-    active object counts if it is a drawing that makes way for its animation on this frame.
+    active object counts if it has cages: an original that made way for its animation is not selected any more.
     """
     if context.mode == "EDIT_MESH":
         return list(context.objects_in_mode_unique_data)
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
     active = context.view_layer.objects.active
-    if not context.selected_objects and active is not None and _makes_way(context, active):
+    if not context.selected_objects and active is not None and _has_cages(context, active):
         return [active]
     return [obj for obj in selected if not _is_output_of(obj, selected)]
 
@@ -169,10 +169,9 @@ def why_nothing(context: bpy.types.Context) -> str:
     return f"Nothing is selected: select {wanted}"
 
 
-def _makes_way(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-    """Whether an original is hidden on this frame by the animation of its cages."""
-    collection = ownership.collection_of(scene_of(context), obj) if convert.readable(obj) else None
-    return collection is not None and keys.has(collection, keys.HIDES) and not obj.visible_get()
+def _has_cages(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    """Whether an object is a drawing with cages."""
+    return convert.readable(obj) and ownership.collection_of(scene_of(context), obj) is not None
 
 
 def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
