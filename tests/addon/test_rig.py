@@ -161,6 +161,7 @@ def test_a_posed_drawing_is_still_posed_with_new_cages() -> None:
     bent = base(cage)
     bent[:, 1] += 0.2 * bent[:, 0]
     cage.data.vertices.foreach_set("co", bent.ravel())
+    cage.data.update()
     cage.location.x = 0.7
     posed = evaluated(source)
     assert np.abs(posed - rest).max() > 0.5
@@ -298,6 +299,28 @@ def test_a_copy_of_a_bound_drawing_shows_the_same_where_it_is(kind, linked) -> N
     bpy.context.view_layer.update()
     assert copy != source
     assert np.abs(world(copy) - world(source) - (0.0, 4.0, 0.0)).max() < 1e-5
+
+
+def test_an_instance_shows_the_pose_where_it_is() -> None:
+    source = wire("Drawing", [star() * 2.0])
+    character = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(character)
+    character.objects.link(source)
+    bpy.context.scene.collection.objects.unlink(source)
+    *_, cage = generate(source, "12")
+    bpy.ops.object.nested_cages_bind()
+    cage.location.x += 0.25
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", character
+    instance.location.y = 4.0
+    bpy.context.scene.collection.objects.link(instance)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    (found,) = [
+        np.array([i.matrix_world @ vertex.co for vertex in i.object.data.vertices])
+        for i in depsgraph.object_instances
+        if i.is_instance and i.object.name == "Drawing"
+    ]
+    assert np.abs(found - world(source) - (0.0, 4.0, 0.0)).max() < 1e-5
 
 
 def test_cages_are_in_the_collection_of_their_drawing() -> None:
