@@ -92,6 +92,7 @@ from .motion import MotionReport as MotionReport
 from .motion import MovingCages as MovingCages
 from .motion import MovingLevel as MovingLevel
 from .motion import animated_cages
+from .motion import followed as followed
 from .motion import stream_cages as stream_cages
 from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
 from .published.gurditta_jacobson_2022 import PaperContact as PaperContact

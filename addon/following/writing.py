@@ -18,6 +18,7 @@ from ..errors import UserError
 from ..generation import output
 from ..generation.generate import CageLevel, Result
 from ..scene import ownership
+from ..scene.convert import Drawing
 from ..scene.plane import Frame
 from .moving import Moving, MovingCage
 
@@ -43,16 +44,20 @@ def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 
 
 def _standing(result: Moving) -> Result:
     """The first pose with its cages, as if they had been made for it alone."""
-    drawing, source = result.poses.drawing, result.poses.drawing.source
-    assert source is not None
-    world = np.array(source.matrix_world, dtype=np.float64)
-    frame = Frame(world @ drawing.frame.matrix, drawing.frame.height, result.poses.scale, drawing.frame.own)
     inner, edges = result.poses.points[:1].astype(np.float32), result.edges
     levels = []
     for cage in result.cages:
         levels.append(CageLevel(edges, cage.edges, inner, cage.steps[:1], 0, 0, cage.certificates[0], _report(cage)))
         inner, edges = cage.steps[:1], cage.edges
-    return Result(replace(drawing, frame=frame), tuple(levels))
+    return Result(_in_world(result.poses.drawing, result.poses.scale), tuple(levels))
+
+
+def _in_world(drawing: Drawing, scale: float) -> Drawing:
+    """A drawing in its object's space as one of the scene; scale: the world length of its unit."""
+    source, frame = drawing.source, drawing.frame
+    assert source is not None
+    world = np.array(source.matrix_world, dtype=np.float64)
+    return replace(drawing, frame=Frame(world @ frame.matrix, frame.height, scale, frame.own))
 
 
 def _report(cage: MovingCage) -> core.NestingReport:
@@ -73,17 +78,54 @@ def _report(cage: MovingCage) -> core.NestingReport:
 def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Moving) -> None:
     """Keys the shapes of the objects of an output, which are children of the drawing's object."""
     poses = result.poses
-    stage.leave(collection)
-    timeline.restore_scene(scene, collection)
+    _end_animation(scene, collection)
     fine, *cages = ownership.members(collection)
-    for obj in (fine, *cages):
-        visibility.always_show(obj)
-        keys.remove(obj, (*bake.TIMES, keys.PHASES))
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1")
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
         shape_keys.add_steps(obj, cage.steps, cage.frames, f"Level {number}")
         keys.store(obj, _facts(poses.frames, cage, number, poses.scale))
     keys.store(collection, {keys.MOVING: True, keys.END: round(float(poses.frames[-1]))})
+
+
+def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
+    """Takes away what plays how cages come about, of an output without steps."""
+    stage.leave(collection)
+    timeline.restore_scene(scene, collection)
+    for obj in ownership.members(collection):
+        visibility.always_show(obj)
+        keys.remove(obj, (*bake.TIMES, keys.PHASES))
+
+
+def write_still(scene: bpy.types.Scene, result: Result) -> None:
+    """Writes the finished cages of a drawing in its object's space, without how they came about. Raises: UserError."""
+    source = result.drawing.source
+    if source is None:
+        raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were dropped")
+    levels = [
+        replace(level, fine_steps=level.fine_steps[-1:], cage_steps=level.cage_steps[-1:], flow_end=0, tightening=0)
+        for level in result.levels
+    ]
+    timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
+    drawing = _in_world(result.drawing, scale_of(source))
+    (collection,), _ = output.write(scene, [Result(drawing, tuple(levels))], timing)
+    _end_animation(scene, collection)
+    for obj in ownership.members(collection):
+        shape_keys.remove_steps(obj)
+
+
+def scale_of(obj: bpy.types.Object) -> float:
+    """The world length of a unit of an object's space."""
+    return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
+
+
+def still_facts(certificate: core.Certificate, number: int, scale: float) -> dict[str, Any]:
+    """What can be read from a cage that was moved by a step; lengths are those of the scene."""
+    clearance, excess = float(certificate.clearance) * scale, float(certificate.excess)
+    sentence = (
+        f"Certified as stored: simple, strictly encloses level {number - 1}; clearance {clearance:.3g}, "
+        f"excess {100.0 * excess:.2f} %"
+    )
+    return {keys.CLEARANCE: clearance, keys.EXCESS: excess, keys.CERTIFICATE: sentence}
 
 
 def _facts(frames: NDArray[np.float64], cage: MovingCage, number: int, scale: float) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..following import live as following_live
 from ..generation.job import running
 from . import (
     bake,
@@ -16,6 +17,7 @@ from . import (
     image_outline,
     importers,
     levels,
+    live,
     report,
     silhouette,
 )
@@ -32,6 +34,7 @@ CLASSES = (
     *handles.CLASSES,
     *report.CLASSES,
     *follow.CLASSES,
+    *live.CLASSES,
     *importers.CLASSES,
     *exporters.CLASSES,
     *levels.CLASSES,
@@ -47,6 +50,7 @@ def register() -> None:
 
 
 def unregister() -> None:
+    following_live.stop()
     job = running()
     if job is not None:
         job.end(bpy.context)  # Blender forgets a running operator whose class goes, without a word to it

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import bpy
 
+from ..following import live
 from ..properties.settings import copy_values, settings_of
 
 
-def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The button that follows an animation."""
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context, width: int) -> None:
+    """The button that follows an animation, and the switch that follows edits; sentences in lines of so many letters.
+
+    Says whether the cages are behind, and why they cannot follow.
+    """
     button: Any = layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
     copy_values(settings_of(context), button)
     button.use_selected_as_levels = False
+    now = live.current()
+    layout.operator("object.nested_cages_live", icon="REC", depress=now is not None)
+    if now is None:
+        return
+    column = layout.column(align=True)
+    column.label(text="Out of date" if now.behind else "Up to date", icon="TIME" if now.behind else "CHECKMARK")
+    for line in textwrap.wrap(now.problem, width):
+        column.label(text=line, translate=False)

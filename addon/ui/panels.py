@@ -143,7 +143,7 @@ class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout: Any = self.layout
-        motion.draw(layout, context)
+        motion.draw(layout, context, NOTE_WIDTH)
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):

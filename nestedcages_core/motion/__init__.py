@@ -4,5 +4,15 @@ from __future__ import annotations
 
 from .animated import AnimatedCagesRun, animated_cages, stream_cages
 from .results import Key, MotionReport, MovingCages, MovingLevel
+from .stepping import followed
 
-__all__ = ["AnimatedCagesRun", "Key", "MotionReport", "MovingCages", "MovingLevel", "animated_cages", "stream_cages"]
+__all__ = [
+    "AnimatedCagesRun",
+    "Key",
+    "MotionReport",
+    "MovingCages",
+    "MovingLevel",
+    "animated_cages",
+    "followed",
+    "stream_cages",
+]

@@ -12,6 +12,7 @@ from nestedcages_core import (
     NestingError,
     Settings,
     animated_cages,
+    followed,
     nested_cages,
     stream_cages,
     verify,
@@ -183,3 +184,13 @@ def test_points_are_carried_exactly_by_similarities() -> None:
 
     moved = carried(cage, before, similarity(before), np.ones(50))
     assert np.abs(moved - similarity(cage)).max() < 1e-12
+
+
+def test_one_step_leads_to_the_cage_of_an_edit() -> None:
+    fine = star()
+    cage, clearance = nested_cages(fine, [16]).levels[0].cage, 1e-4 * fine.diagonal
+    after = fine.moved(fine.vertices * (1.1, 0.9))
+    found = followed(cage, fine, after, clearance)
+    assert found is not None and np.array_equal(found.edges, cage.edges)
+    certificate = verify(found, after, clearance)
+    assert certificate.holds and certificate.excess < 1.1 * verify(cage, fine).excess + 0.01

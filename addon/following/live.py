@@ -1,0 +1,270 @@
+"""Live: while it is on, the cages of a drawing follow its edits.
+
+A handler notes that the drawing was changed; a timer does the work. Where the topology is the same, one step leads from
+the cages to the drawing of now; otherwise cages are made anew in slices. What the cages enclose is in the scene, so
+undo, which changes both, needs no care.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import nullcontext
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import keys
+from ..animation import bake
+from ..core import core
+from ..errors import UserError
+from ..generation.generate import AUTOMATIC_CLEARANCES, FLOAT32_ROUNDING, MARGIN, Generation, Options, Request, Result
+from ..generation.job import Job, Work, running
+from ..scene import filling, ownership
+from ..scene.convert import Drawing, ReadingOptions
+from ..scene.selection import found_object
+from . import writing
+from .editing import drawing_now
+
+# Seconds between looks at whether there is something to do, and of work per look while cages are made anew.
+TICK, SLICE = 0.02, 0.03
+# Seconds that a drawing must rest before its cages are made anew. A step needs no rest: it only waits as long as the
+# last one took, so that at least half of the time is Blender's.
+REST = 0.3
+
+
+class Live:
+    """Follows the edits of one drawing. ``behind``: whether the cages are out of date, ``problem``: why they cannot
+    follow, ``seconds``: what the last step took.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        source: bpy.types.Object,
+        options: Options,
+        reading: ReadingOptions,
+        changed: Callable[[], None],
+    ) -> None:
+        self.identity, self.scene = source.session_uid, scene.name
+        self.options, self.reading, self._changed = options, reading, changed
+        self.behind, self.problem, self.seconds = True, "", 0.0
+        self._marked = self._since = time.perf_counter()
+        self._dirty = True
+        self._job: Job[list[Result]] | None = None
+
+    def mark(self) -> None:
+        """The drawing may have been changed."""
+        self._dirty, self._marked = True, time.perf_counter()
+        if self._job is not None:
+            self._job.stop()
+            self._job = None
+
+    def tick(self, context: bpy.types.Context) -> bool:
+        """Does what is to be done now; False when following has come to its end."""
+        scene, source = bpy.data.scenes.get(self.scene), found_object(self.identity)
+        collection = ownership.collection_of(scene, source) if scene is not None and source is not None else None
+        if scene is None or source is None or collection is None or why_not(collection) or bake.is_animated(collection):
+            return False
+        if context.scene != scene:
+            return True
+        before = (self.behind, self.problem)
+        now = time.perf_counter()
+        if self._job is not None:
+            self._go_on(scene)
+        elif self._dirty and now - self._since >= self.seconds:
+            self._follow(context, source, collection, now)
+        if (self.behind, self.problem) != before or self._job is not None:
+            self._changed()
+        return True
+
+    def stop(self) -> None:
+        """Drops a job under way."""
+        if self._job is not None:
+            self._job.stop()
+            self._job = None
+
+    def _follow(
+        self, context: bpy.types.Context, source: bpy.types.Object, collection: bpy.types.Collection, now: float
+    ) -> None:
+        """Brings the cages up to date, or begins to make them anew."""
+        try:
+            drawing = drawing_now(context, source, self.reading)
+            after = drawing.mesh()
+            done = self._step(collection, drawing, after)
+        except UserError as error:
+            self._dirty, self.behind, self.problem = False, True, str(error)
+            return
+        self._since = time.perf_counter()
+        self.seconds = self._since - now
+        self.behind, self.problem = not done, ""
+        if done:
+            self._dirty = False
+        elif now - self._marked >= REST and running() is None:
+            self._dirty = False
+            self._begin(collection, drawing)
+
+    def _step(self, collection: bpy.types.Collection, drawing: Drawing, after: core.Mesh) -> bool:
+        """Whether the cages enclose the drawing of now, moved by one step if need be."""
+        objects = ownership.members(collection)
+        if len(objects) < 2 or any(obj.mode != "OBJECT" for obj in objects):
+            return False
+        before, *cages = (filling.outline(obj) for obj in objects)
+        if not np.array_equal(before.edges, after.edges):
+            return False
+        if np.array_equal(before.vertices, after.vertices):
+            return True
+        settings = self.options.methods.settings()
+        margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(after.vertices).max())
+        moved, certificates = [after], []
+        for cage in cages:
+            wanted = self._clearance(drawing, moved[0])
+            found = core.followed(cage, before, moved[-1], wanted + margin, settings)
+            if found is None:
+                return False
+            stored = found.moved(found.vertices.astype(np.float32).astype(np.float64))
+            certificates.append(core.verify(stored, moved[-1], wanted))
+            if not certificates[-1].holds:
+                return False
+            before, moved = cage, [*moved, stored]
+        for obj, mesh in zip(objects, moved, strict=True):
+            _move(obj, drawing.frame.points(mesh.vertices))
+        scale = writing.scale_of(objects[0])
+        for number, (obj, certificate) in enumerate(zip(objects[1:], certificates, strict=True), 1):
+            keys.remove(obj, [keys.CHECK, keys.FINDING])
+            keys.store(obj, writing.still_facts(certificate, number, scale))
+        return True
+
+    def _clearance(self, drawing: Drawing, fine: core.Mesh) -> float:
+        """The wanted clearance, in the drawing's units."""
+        source = drawing.source
+        if self.options.clearance > 0.0 and source is not None:
+            return self.options.clearance / writing.scale_of(source)
+        return AUTOMATIC_CLEARANCES[0] * fine.diagonal
+
+    def _begin(self, collection: bpy.types.Collection, drawing: Drawing) -> None:
+        """Begins to make cages with as many vertices as they have, as far as the drawing has so many."""
+        total = sum(map(len, drawing.loops))
+        levels = tuple(min(total, len(filling.mesh_of(obj).vertices)) for obj in ownership.members(collection)[1:])
+        clearance = self._clearance(drawing, drawing.mesh()) if self.options.clearance > 0.0 else 0.0
+
+        def work() -> Work[list[Result]]:
+            generation = Generation([Request(drawing)], Options(levels, clearance, self.options.methods))
+            yield from generation
+            return generation.results
+
+        self._job = Job(work())
+        self._job.start()
+
+    def _go_on(self, scene: bpy.types.Scene) -> None:
+        """Works on new cages, and writes them when they are done."""
+        job = self._job
+        assert job is not None
+        if job.cancelled:
+            self.stop()
+            self.problem = "Cancelled: edit the drawing, and its cages follow again"
+            return
+        try:
+            if not job.advance(SLICE):
+                return
+            self.stop()
+            writing.write_still(scene, job.result[0])
+            self.behind = False
+        except UserError as error:
+            self.stop()
+            self.problem = str(error)
+
+
+def why_not(collection: bpy.types.Collection) -> str:
+    """Why the cages of an output cannot follow edits; empty if they can."""
+    if ownership.is_bound(collection):
+        return "Unbind the drawing from its cages first"
+    if keys.flag(collection, keys.MOVING):
+        return "The cages follow an animation: remove that first"
+    return ""
+
+
+def _move(obj: bpy.types.Object, points: NDArray[np.float64]) -> None:
+    """Moves the vertices of a mesh object, and the Basis of its shape keys."""
+    mesh, stored = filling.mesh_of(obj), points.astype(np.float32).ravel()
+    mesh.vertices.foreach_set("co", stored)
+    if mesh.shape_keys is not None:
+        mesh.shape_keys.reference_key.points.foreach_set("co", stored)
+    mesh.update()
+
+
+_current: list[Live] = []
+
+
+def current() -> Live | None:
+    """What is followed now, if Live is on."""
+    return _current[0] if _current else None
+
+
+def start(live: Live) -> None:
+    """Switches Live on for a drawing, and off for any other."""
+    stop()
+    _current.append(live)
+    for handlers, function in _handlers():
+        handlers.append(function)
+    bpy.app.timers.register(_on_timer, first_interval=TICK)
+
+
+def stop() -> None:
+    """Switches Live off; no handler or timer stays."""
+    for live in _current:
+        live.stop()
+    _current.clear()
+    for handlers, function in _handlers():
+        if function in handlers:
+            handlers.remove(function)
+    if bpy.app.timers.is_registered(_on_timer):
+        bpy.app.timers.unregister(_on_timer)
+
+
+def _handlers() -> tuple[tuple[Any, Callable[..., None]], ...]:
+    app = bpy.app.handlers
+    return (
+        (app.depsgraph_update_post, _on_update),
+        (app.undo_post, _on_undo),
+        (app.redo_post, _on_undo),
+        (app.load_pre, _on_load),
+    )
+
+
+def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Notes that the shape of the drawing was changed: its object, or its data, which is tagged alone in Edit Mode."""
+    live = current()
+    source = found_object(live.identity) if live is not None else None
+    if live is None or source is None:
+        return
+    ours = {source.session_uid, source.data.session_uid if source.data is not None else 0}
+    for update in depsgraph.updates:
+        if update.id.original.session_uid in ours and (update.is_updated_geometry or update.id.original != source):
+            live.mark()
+            return
+
+
+def _on_undo(*_: object) -> None:
+    live = current()
+    if live is not None:
+        live.mark()
+
+
+def _on_load(*_: object) -> None:
+    stop()
+
+
+def _on_timer() -> float | None:
+    """Seconds until the next look; None when Live is off."""
+    live = current()
+    if live is None:
+        return None
+    windows = bpy.context.window_manager.windows
+    with bpy.context.temp_override(window=windows[0]) if len(windows) else nullcontext():
+        if live.tick(bpy.context):
+            return TICK
+    stop()
+    return None

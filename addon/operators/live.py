@@ -1,0 +1,59 @@
+"""Live: a switch that lets cages follow the edits of their drawing."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..animation import bake
+from ..errors import UserError
+from ..following import live
+from ..generation.generate import Options
+from ..properties import conversion
+from ..properties.settings import settings_of
+from ..scene import ownership
+from ..scene.selection import collection_of_active, output_of_active, scene_of
+from .base import Outcome, Reporting, redraw
+
+
+class OBJECT_OT_nested_cages_live(Reporting, bpy.types.Operator):
+    """Switches following on and off."""
+
+    bl_idname = "object.nested_cages_live"
+    bl_label = "Live"
+    bl_description = (
+        "Let the cages of the active object follow the edits of its drawing, in any mode, until it is switched off or "
+        "another file is opened. Removes the animation of how the cages came about"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if live.current() is not None:
+            return ""
+        collection = collection_of_active(context)
+        if collection is None:
+            return "Select a drawing that has cages, or one of its cages"
+        if ownership.source_of(collection) is None:
+            return "The drawing of these cages is gone"
+        return live.why_not(collection)
+
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        if live.current() is not None:
+            live.stop()
+            return {"FINISHED"}
+        scene, collection, settings = scene_of(context), output_of_active(context), settings_of(context)
+        source = ownership.source_of(collection)
+        assert source is not None
+        try:
+            options = Options((), settings.clearance, conversion.methods(settings))
+            if bake.is_animated(collection):
+                bake.remove(scene, collection)
+                self.report({"INFO"}, "The animation was removed: Generate makes it again")
+        except UserError as error:
+            return self.fail(error)
+        reading = conversion.reading_options(settings)
+        live.start(live.Live(scene, source, options, reading, lambda: redraw(bpy.context)))
+        return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_nested_cages_live,)

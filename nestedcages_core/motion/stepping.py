@@ -1,0 +1,24 @@
+"""One step: the cage of a drawing, moved to where the drawing is now."""
+
+from __future__ import annotations
+
+from ..geometry.mesh import Mesh
+from ..hierarchy import Settings
+from ..hierarchy.units import SolverUnits
+from ..verification import verify
+from .following import Follower
+
+
+def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: Settings | None = None) -> Mesh | None:
+    """The cage of a pose moved to another pose and tightened there; None where its way is blocked.
+
+    before, after: the same topology; cage: one of ``before``; clearance: a length, in the input's units. What is
+    returned is certified by `verify`. For a motion, whose instants are certified as well, see `animated_cages`.
+    """
+    units = SolverUnits.of(after)
+    follower = Follower.of(cage, before, units, clearance, settings if settings is not None else Settings())
+    cages = follower.next(*(units.points(mesh.vertices) for mesh in (cage, before, after)))
+    if cages is None:
+        return None
+    moved = cage.moved(units.to_input(cages[-1]))
+    return moved if verify(moved, after, clearance).holds else None

@@ -1,0 +1,225 @@
+"""Live: cages that follow edits, without a window: its timer's work is called as the timer would."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+
+import bpy
+import numpy as np
+import pytest
+
+from drawings import circle, edges_of, evaluated, poly_curve, solid, star, wire
+
+
+@pytest.fixture
+def live(addon):
+    yield addon.following.live
+    addon.following.live.stop()
+
+
+@pytest.fixture
+def tick(live):
+    """Ticks until the cages are up to date again, or cannot be."""
+
+    def work(most: float = 20.0) -> None:
+        bpy.context.view_layer.update()
+        end = time.perf_counter() + most
+        while live.current() is not None and time.perf_counter() < end:
+            live._on_timer()
+            now = live.current()
+            if now is not None and not now._dirty and now._job is None:
+                return
+
+    return work
+
+
+def switched_on(make, levels="24, 12"):
+    """A drawing with cages, and Live switched on."""
+    obj = make()
+    bpy.ops.object.nested_cages_generate(levels=levels)
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.hide_viewport = False
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    assert bpy.ops.object.nested_cages_live() == {"FINISHED"}
+    return obj, bpy.data.collections[f"{obj.name} Cages"]
+
+
+def holds(core, addon, collection, obj) -> bool:
+    """Whether the cages enclose the drawing of now, as stored."""
+    drawing = addon.following.editing.drawing_now(bpy.context, obj, addon.scene.convert.ReadingOptions())
+    meshes = [drawing.mesh()]
+    for member in addon.scene.ownership.members(collection)[1:]:
+        meshes.append(core.Mesh(evaluated(member)[:, :2].astype(float), edges_of(member)))
+    return all(core.verify(outer, inner).holds for inner, outer in pairwise(meshes))
+
+
+def handlers():
+    """The add-on's own, of all kinds."""
+    found = [getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)]
+    kinds = [kind for kind in found if isinstance(kind, list)]
+    return [function for kind in kinds for function in kind if ".addon." in function.__module__]
+
+
+def star_curve():
+    return poly_curve("Drawing", [star()])
+
+
+def star_mesh():
+    return wire("Drawing", [star()])
+
+
+def move_points(obj, factor: float) -> None:
+    if obj.type == "CURVE":
+        for point in list(obj.data.splines[0].points)[:8]:
+            point.co = (factor * point.co[0], factor * point.co[1], 0.0, 1.0)
+    else:
+        for vertex in list(obj.data.vertices)[:8]:
+            vertex.co = factor * vertex.co
+        obj.data.update()
+    obj.data.update_tag()
+
+
+@pytest.mark.parametrize("make", [star_curve, star_mesh])
+def test_an_edit_is_followed_by_a_step(addon, core, live, tick, make) -> None:
+    obj, collection = switched_on(make)
+    tick()
+    assert not live.current().behind
+    cages = addon.scene.ownership.members(collection)[1:]
+    meshes = [cage.data for cage in cages]
+    for factor in (1.1, 1.05, 0.9):
+        move_points(obj, factor)
+        bpy.context.view_layer.update()
+        assert live.current()._dirty
+        tick()
+        assert not live.current().behind and not live.current().problem
+        assert holds(core, addon, collection, obj)
+    assert [cage.data for cage in cages] == meshes  # by steps: these are the same meshes
+    assert "Certified as stored" in cages[0][addon.keys.CERTIFICATE]
+
+
+@pytest.mark.parametrize("make", [star_curve, star_mesh])
+def test_edit_mode_is_followed(addon, core, live, tick, make) -> None:
+    obj, collection = switched_on(make)
+    tick()
+    bpy.ops.object.mode_set(mode="EDIT")
+    select = bpy.ops.curve.select_all if obj.type == "CURVE" else bpy.ops.mesh.select_all
+    select(action="SELECT")
+    bpy.ops.transform.resize(value=(1.2, 1.0, 1.0))
+    bpy.context.view_layer.update()
+    assert live.current()._dirty
+    tick()
+    assert not live.current().behind and obj.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert holds(core, addon, collection, obj)
+    assert solid(collection.objects[1]).contains(solid(collection.objects[0]))
+
+
+def test_another_topology_is_made_anew_in_slices(addon, core, live, tick) -> None:
+    obj, collection = switched_on(star_curve)
+    tick()
+    spline = obj.data.splines.new("POLY")
+    spline.points.add(19)
+    loop = circle(20, 0.4, (4.0, 0.0))
+    spline.points.foreach_set("co", np.column_stack([loop, np.zeros(20), np.ones(20)]).ravel())
+    spline.use_cyclic_u = True
+    obj.data.update_tag()
+    bpy.context.view_layer.update()
+    time.sleep(live.current().seconds)
+    live._on_timer()
+    assert live.current().behind
+    tick()
+    assert not live.current().behind and holds(core, addon, collection, obj)
+    assert [len(o.data.vertices) for o in addon.scene.ownership.members(collection)] == [80, 24, 12]
+    assert addon.generation.job.running() is None
+    move_points(obj, 1.1)
+    tick()
+    assert not live.current().behind and holds(core, addon, collection, obj)
+
+
+def test_what_cannot_be_caged_is_said_and_nothing_changes(addon, live, tick) -> None:
+    obj, collection = switched_on(star_curve)
+    tick()
+    before = [evaluated(o) for o in collection.objects]
+    obj.data.splines[0].use_cyclic_u = False
+    obj.data.update_tag()
+    tick()
+    assert live.current().behind and "open" in live.current().problem
+    assert all(np.array_equal(b, evaluated(o)) for b, o in zip(before, collection.objects, strict=True))
+    obj.data.splines[0].use_cyclic_u = True
+    obj.data.update_tag()
+    tick()
+    assert not live.current().behind and not live.current().problem
+
+
+def test_other_objects_do_not_make_it_look(live, tick) -> None:
+    switched_on(star_curve)
+    tick()
+    other = poly_curve("Other", [circle()])
+    bpy.context.view_layer.update()
+    tick()
+    live.current()._dirty = False
+    move_points(other, 1.2)
+    bpy.context.view_layer.update()
+    assert not live.current()._dirty
+
+
+def test_nothing_is_left_behind_when_it_is_switched_off(live) -> None:
+    switched_on(star_curve)
+    assert handlers() and bpy.app.timers.is_registered(live._on_timer)
+    bpy.ops.object.nested_cages_live()
+    assert live.current() is None and not handlers()
+    assert not bpy.app.timers.is_registered(live._on_timer)
+
+
+def test_nothing_is_left_behind_when_another_file_is_opened(live, tmp_path) -> None:
+    switched_on(star_curve)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"))
+    assert live.current() is not None  # saving goes on
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "live.blend"))
+    assert live.current() is None and not handlers()
+    assert not bpy.app.timers.is_registered(live._on_timer)
+
+
+def test_nothing_is_left_behind_by_the_add_on(extension, live) -> None:
+    switched_on(star_curve)
+    extension.unregister()
+    found = live.current(), handlers()
+    extension.register()
+    assert found == (None, [])
+
+
+def test_it_ends_with_its_drawing_and_with_animation(addon, live) -> None:
+    obj, _ = switched_on(star_curve)
+    bpy.data.objects.remove(obj)
+    assert live._on_timer() is None and live.current() is None
+    obj, _ = switched_on(star_mesh)
+    bpy.ops.object.nested_cages_generate(levels="20")
+    assert live._on_timer() is None and live.current() is None
+
+
+def test_undo_is_followed(addon, core, live, tick) -> None:
+    obj, collection = switched_on(star_curve)
+    tick()
+    bpy.ops.ed.undo_push(message="before")
+    move_points(obj, 1.3)
+    tick()
+    bpy.ops.ed.undo_push(message="edited")
+    bpy.ops.ed.undo()
+    assert live.current() is not None and live.current()._dirty
+    tick()
+    obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
+    assert not live.current().behind and holds(core, addon, collection, obj)
+    bpy.ops.ed.redo()
+    tick()
+    obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
+    assert not live.current().behind and holds(core, addon, collection, obj)
+
+
+def test_bound_and_moving_cages_are_refused(live) -> None:
+    wire("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="20")
+    bpy.ops.object.nested_cages_bind()
+    assert not bpy.ops.object.nested_cages_live.poll()
