@@ -56,8 +56,11 @@ class Live:
         self._job: Job[list[Result]] | None = None
 
     def mark(self) -> None:
-        """The drawing may have been changed."""
+        """The drawing may have been changed, so its cages may be behind."""
         self._dirty, self._marked = True, time.perf_counter()
+        if not self.behind:
+            self.behind = True
+            self._changed()
         if self._job is not None:
             self._job.stop()
             self._job = None

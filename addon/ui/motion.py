@@ -11,14 +11,17 @@ from ..following import live
 from ..properties.settings import copy_values, settings_of
 
 
-def draw(layout: bpy.types.UILayout, context: bpy.types.Context, width: int) -> None:
-    """The button that follows an animation, and the switch that follows edits; sentences in lines of so many letters.
-
-    Says whether the cages are behind, and why they cannot follow.
-    """
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """The button that follows an animation."""
     button: Any = layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
     copy_values(settings_of(context), button)
     button.use_selected_as_levels = False
+
+
+def draw_live(layout: bpy.types.UILayout, width: int) -> None:
+    """The switch that follows edits, whether the cages are behind, and why they cannot follow, in lines of so many
+    letters.
+    """
     now = live.current()
     layout.operator("object.nested_cages_live", icon="REC", depress=now is not None)
     if now is None:

@@ -143,7 +143,7 @@ class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout: Any = self.layout
-        motion.draw(layout, context, NOTE_WIDTH)
+        motion.draw(layout, context)
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
@@ -170,6 +170,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         if ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
+        motion.draw_live(column, NOTE_WIDTH)
 
 
 class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):

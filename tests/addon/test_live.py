@@ -57,10 +57,10 @@ def holds(core, addon, collection, obj) -> bool:
 
 
 def handlers():
-    """The add-on's own, of all kinds."""
+    """Those of Live, of all kinds."""
     found = [getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)]
     kinds = [kind for kind in found if isinstance(kind, list)]
-    return [function for kind in kinds for function in kind if ".addon." in function.__module__]
+    return [function for kind in kinds for function in kind if ".following." in function.__module__]
 
 
 def star_curve():
