@@ -33,11 +33,22 @@ import numpy as np
 import clone  # noqa: F401
 from data import shape, shape_names
 from mechanisms import MECHANISMS, Around, Mechanism
-from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, TwoSidedFlow, nested_cages, verify
+from nestedcages_core import (
+    ArcLength,
+    Mesh,
+    NestedCagesError,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    TwoSidedFlow,
+    nested_cages,
+    verify,
+)
 from nestedcages_core.hierarchy.settings import DEFAULT_CLEARANCE
 from nestedcages_core.hierarchy.units import SolverUnits
 from nestedcages_core.stages import drain
 from random_shapes import KINDS, random_shape
+from stress import SMALLEST_POSSIBLE
 
 LARGEST = 500
 """Vertices of the largest random shape: growth has its own benchmark."""
@@ -117,6 +128,20 @@ def cases(count: int, kinds: Sequence[str], largest: int) -> list[Case]:
         with suppress(NestedCagesError):
             coarse = ArcLength().decimate(fine, min(most, max(OWN_COUNT, 6 * len(fine.loops))))
             found.append(Case(f"{name} and a coarse mesh", fine, coarse))
+    return found
+
+
+def fewest(chosen: Sequence[Case]) -> list[Case]:
+    """For cases whose count is refused, the smallest count that hulls are found for."""
+    found = []
+    for case in chosen:
+        if isinstance(case.level, Mesh) or case.level > max(FEWEST, 3 * len(case.fine.loops)):
+            continue
+        try:
+            OuterHull().decimate(case.fine, case.level)
+        except NestingError as refusal:
+            if smallest := SMALLEST_POSSIBLE.search(str(refusal)):
+                found.append(replace(case, name=f"{case.name}, in fact {smallest[1]}", level=int(smallest[1])))
     return found
 
 
@@ -249,25 +274,26 @@ def main() -> int:
 
     wanted = list(MECHANISMS) if options.only is None else [n for n in MECHANISMS if any(o in n for o in options.only)]
     chosen = cases(options.shapes, options.kinds, options.largest)
+    everything = fewest(chosen) + chosen
     store = Store(options.results)
     with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
-        store.probe(chosen, pool)
+        store.probe(everything, pool)
         spread = chosen[:: max(1, len(chosen) // options.common)][: options.common]
         store.make(spread, None, pool)
         rows = []
         for name in wanted:
             if MECHANISMS[name].probes:
-                using = [case for case in chosen if store.uses(case, name)]
+                using = [case for case in everything if store.uses(case, name)]
                 compared = using[: options.rare]
             else:
-                using, compared = chosen, spread
+                using, compared = everything, spread
             store.make(compared, None, pool)
             store.make(compared, name, pool)
             bought = compare([store.made(c, None) for c in compared], [store.made(c, name) for c in compared], compared)
             rows.append(row(name, len(using), len(compared), bought))
             print(rows[-1], flush=True)
     if options.output:
-        options.output.write_text(page(rows, len(chosen), options), encoding="utf-8")
+        options.output.write_text(page(rows, len(everything), options), encoding="utf-8")
     return 0
 
 
@@ -316,12 +342,13 @@ def row(name: str, used: int, compared: int, bought: Bought) -> str:
 
 def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
     """A Markdown page."""
+    kinds = "" if len(options.kinds) == len(KINDS) else f" --kinds {' '.join(options.kinds)}"
     lines = [
         "# What each mechanism buys",
         "",
         REMOVED,
         "",
-        f"Made by `python benchmarks/ablation.py --shapes {options.shapes} --largest {options.largest} --rare "
+        f"Made by `python benchmarks/ablation.py --shapes {options.shapes}{kinds} --largest {options.largest} --rare "
         f"{options.rare} --common {options.common} --output docs/ablation.md`. Each mechanism is switched off alone, "
         f"and the same cages are made with and without it. Of {count} cases, *used* is how many are known to use it, "
         "*compared* of how many cages are made twice. *Lost* are cages that cannot be made without it, *flows* those "

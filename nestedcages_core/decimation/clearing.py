@@ -1,4 +1,7 @@
-"""Clearing: move an outline outwards to a clearance from the fine mesh, and fill the gaps too narrow for it."""
+"""Clearing: move an outline outwards to a clearance from the fine mesh, and fill the gaps too narrow for it.
+
+See docs/ablation.md: clearing.
+"""
 
 from __future__ import annotations
 

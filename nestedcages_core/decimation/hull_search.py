@@ -42,7 +42,8 @@ SPIKE_WEIGHTS = (0.0, 0.1, 0.3)
 """Weights of the spike term in the first restarts, all else even."""
 
 MAX_RESCUES = 40
-"""Maximum number of runs with widely varied weights, if no restart reaches the wanted number."""
+"""Maximum number of runs with widely varied weights, if no restart reaches the wanted number; they lower the smallest
+number that is possible (docs/ablation.md: rescues)."""
 
 MAX_RESCUE_MOVES, MIN_RESCUES = 8_000, 8
 """Moves of all rescues together, about two seconds, and the minimum number of rescues."""

@@ -1,4 +1,7 @@
-"""Holes that a clearance nearly fills: their loops start as small polygons in the widest place."""
+"""Holes that a clearance nearly fills: their loops start as small polygons in the widest place.
+
+See docs/ablation.md: room in small holes.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Erosion: a small certified offset inwards, for a coarse mesh that touches the fine one but does not cross it."""
+"""Erosion: a small certified offset inwards, for a coarse mesh that touches the fine one but does not cross it.
+
+See docs/ablation.md: flow: erosion.
+"""
 
 from __future__ import annotations
 
