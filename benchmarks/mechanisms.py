@@ -224,8 +224,8 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "room in small holes": Mechanism(
         "decimation",
-        patches={"decimation.outer_hull:with_room": first},
-        probes={"decimation.outer_hull:with_room": changed},
+        patches={"decimation.request:with_room": first},
+        probes={"decimation.request:with_room": changed},
     ),
     # flow
     "flow: steps with samples at vertices (6 to 1)": Mechanism(
