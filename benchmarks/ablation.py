@@ -69,8 +69,8 @@ FIRST_SEED = 40_000
 """Of the random shapes."""
 
 REMOVED = (
-    "Removed, since no cage changed without it: the flow's last resort, the fine mesh laid along the coarse one, from "
-    "where no reinflation led back."
+    "Removed, since no cage came of it: the flow's last resort, the fine mesh laid along the coarse one, from where no "
+    "reinflation led back."
 )
 """What is gone because it bought nothing."""
 
