@@ -1,6 +1,6 @@
 """Time of one live step: a drawing of 500 vertices is edited in place, and its cage of 32 follows.
 
-python -m benchmarks.live_step
+python benchmarks/live_step.py
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 
+import clone  # noqa: F401 - puts the core of this clone on the path
 from nestedcages_core import Mesh, followed, nested_cages
 
 VERTICES, LEVEL, STEPS = 500, 32, 20

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from itertools import pairwise
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -223,3 +224,33 @@ def test_bound_and_moving_cages_are_refused(live) -> None:
     bpy.ops.object.nested_cages_generate(levels="20")
     bpy.ops.object.nested_cages_bind()
     assert not bpy.ops.object.nested_cages_live.poll()
+
+
+def test_the_panel_says_whether_the_cages_are_behind(addon, live, tick) -> None:
+    obj, _ = switched_on(star_curve)
+    said: list[str] = []
+    layout = SimpleNamespace(operator=lambda *_, **__: None, label=lambda text, **_: said.append(text))
+    layout.column = lambda **_: layout
+    tick()
+    addon.ui.motion.draw_live(layout, 36)
+    move_points(obj, 1.1)
+    bpy.context.view_layer.update()
+    addon.ui.motion.draw_live(layout, 36)
+    tick()
+    addon.ui.motion.draw_live(layout, 36)
+    bpy.ops.object.nested_cages_live()
+    addon.ui.motion.draw_live(layout, 36)
+    assert said == ["Up to date", "Out of date", "Up to date"]
+
+
+def test_a_modifiers_slider_is_followed(addon, core, live, tick) -> None:
+    obj, collection = switched_on(star_mesh)
+    tick()
+    bend = obj.modifiers.new("Stretch", "SIMPLE_DEFORM")
+    bend.deform_method, bend.factor = "TAPER", 0.0
+    for factor in (0.1, 0.2):
+        bend.factor = factor
+        bpy.context.view_layer.update()
+        assert live.current().behind
+        tick()
+        assert not live.current().behind and holds(core, addon, collection, obj)
