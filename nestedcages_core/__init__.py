@@ -82,6 +82,7 @@ from .hierarchy import (
     NestingReport,
     Progress,
     Settings,
+    Within,
     inner_cages,
     nested_cages,
 )
@@ -116,6 +117,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "inner_cages",
     "nested_cages_many",
     "Settings",
+    "Within",
     "Progress",
     # the results
     "Hierarchy",

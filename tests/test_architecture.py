@@ -82,6 +82,7 @@ PUBLIC = [
     "inner_cages",
     "nested_cages_many",
     "Settings",
+    "Within",
     "Progress",
     "Hierarchy",
     "Level",

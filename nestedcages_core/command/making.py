@@ -15,7 +15,7 @@ from ..exchange.pictures import picture_cages
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Hierarchy, NestingReport, Settings, inner_cages, nested_cages
-from .levels import counts
+from .levels import wanted_levels
 from .progress import ProgressLine
 from .sources import Shape, Source
 
@@ -67,10 +67,10 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     if len(meshes) == 1:
         (shape,) = meshes
         assert isinstance(shape.content, Mesh)
-        mesh, levels = shape.content, counts(given.levels, shape.content)
+        mesh, levels = shape.content, wanted_levels(given.levels, shape.content)
         _add(made, failures, shape, lambda: nested_cages(mesh, levels, settings, progress=line.of_run))
     elif meshes:
-        asked = [counts(given.levels, shape.content) for shape in meshes if isinstance(shape.content, Mesh)]
+        asked = [wanted_levels(given.levels, shape.content) for shape in meshes if isinstance(shape.content, Mesh)]
         outcomes = nested_cages_many(
             [shape.content for shape in meshes],
             dict(enumerate(asked)),
@@ -128,13 +128,15 @@ def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
 
 
 def _inside(mesh: Mesh, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
-    return inner_cages(mesh, counts(given.levels, mesh), Settings(clearance=given.clearance), progress=line.of_run)
+    return inner_cages(
+        mesh, wanted_levels(given.levels, mesh), Settings(clearance=given.clearance), progress=line.of_run
+    )
 
 
 def _picture(picture: AnyArray, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
     return picture_cages(
         picture,
-        lambda mesh: counts(given.levels, mesh),
+        lambda mesh: wanted_levels(given.levels, mesh),
         padding=given.padding or given.clearance or 0.0,
         threshold=given.threshold or 0.0,
         holes=given.holes,

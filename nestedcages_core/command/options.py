@@ -83,8 +83,8 @@ def parser() -> argparse.ArgumentParser:
         nargs="+",
         required=True,
         metavar="N",
-        help="vertices of each cage, from the finest to the coarsest: numbers, or parts of the shape's own such as "
-        "20%%",
+        help="vertices of each cage, from the finest to the coarsest: 32; parts of the shape's own, 8%%; or the "
+        "fewest within a distance, 2px, or an excess, +25%%",
     )
     options.add_argument(
         "--inside",

@@ -6,6 +6,7 @@ from .clearance_bounds import least_room
 from .results import Hierarchy, Level, NestingReport, Progress
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
+from .tolerance import Within
 
 __all__ = [
     "Hierarchy",
@@ -15,6 +16,7 @@ __all__ = [
     "NestingReport",
     "Progress",
     "Settings",
+    "Within",
     "inner_cages",
     "least_room",
     "nested_cages",

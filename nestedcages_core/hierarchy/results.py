@@ -46,6 +46,8 @@ class NestingReport:
     """Wall-clock seconds per phase."""
     notes: tuple[str, ...] = ()
     """Sentences about what was not done as asked, for instance why the fallback was used."""
+    fewest: int | None = None
+    """No cage within the distance asked for has fewer vertices; None where none was asked for."""
 
     def __str__(self) -> str:
         measures = (

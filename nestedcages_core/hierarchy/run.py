@@ -17,20 +17,22 @@ from .level import LevelBuilder
 from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
 from .settings import Settings
+from .tolerance import Within, fewest
 
 logger = logging.getLogger(__name__)
 
 
 def nested_cages(
     fine: Mesh,
-    levels: Sequence[int | Mesh],
+    levels: Sequence[int | Mesh | Within],
     settings: Settings | None = None,
     *,
     progress: Callable[[Progress], None] | None = None,
 ) -> Hierarchy:
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
-    levels: for each cage its number of vertices, or the user's own coarse mesh. ``progress`` is called between
+    levels: for each cage its number of vertices, the user's own coarse mesh, or `Within` for the fewest vertices that
+    stay within a distance or an excess of ``fine``. ``progress`` is called between
     iterations and may raise to cancel. Every returned cage is certified by exact predicates.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
@@ -76,7 +78,7 @@ class NestedCagesRun:
     builder: type[LevelBuilder | InnerLevelBuilder] = LevelBuilder
     """What makes each level."""
 
-    def __init__(self, fine: Mesh, levels: Sequence[int | Mesh], settings: Settings | None = None) -> None:
+    def __init__(self, fine: Mesh, levels: Sequence[int | Mesh | Within], settings: Settings | None = None) -> None:
         if not isinstance(settings, Settings | None):
             raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
         self._work = _hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder)
@@ -121,7 +123,7 @@ class InnerCagesRun(NestedCagesRun):
 
 def _hierarchy(
     fine: Mesh,
-    levels: Sequence[int | Mesh],
+    levels: Sequence[int | Mesh | Within],
     settings: Settings,
     builder: type[LevelBuilder | InnerLevelBuilder],
 ) -> Stage[Progress, Hierarchy]:
@@ -133,7 +135,13 @@ def _hierarchy(
         try:
             clearances = clearances_for(settings, fine)
             work = builder(inner, clearances, settings, LevelProgress(index, len(wanted)))
-            finished.append((yield from work.build(level)))
+            if isinstance(level, Within):
+                if not isinstance(work, LevelBuilder):
+                    raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
+                made = fewest(level, fine, work, strictly=settings.clearance or 0.0)
+            else:
+                made = work.build(level)
+            finished.append((yield from made))
         except NestedCagesError as error:
             error.partial = Hierarchy(fine, tuple(finished))
             raise
@@ -141,7 +149,7 @@ def _hierarchy(
     return Hierarchy(fine, tuple(finished))
 
 
-def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int | Mesh]]:
+def _checked(fine: Mesh, levels: Sequence[int | Mesh | Within]) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, each an int or a Mesh, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
@@ -153,10 +161,12 @@ def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int |
     if isinstance(levels, Mesh | str) or not isinstance(levels, Iterable):
         raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
     fine = fine.validated()
-    checked: list[int | Mesh] = []
+    checked: list[int | Mesh | Within] = []
     loops = len(fine.loops)
     for number, level in enumerate(levels, start=1):
-        if isinstance(level, Mesh):
+        if isinstance(level, Within):
+            checked.append(level)
+        elif isinstance(level, Mesh):
             loops = len(level.loops)
             checked.append(level.validated())
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
@@ -168,7 +178,7 @@ def _checked(fine: Mesh, levels: Sequence[int | Mesh]) -> tuple[Mesh, list[int |
                 )
             checked.append(count)
         else:
-            raise NestingError(f"Level {number} must be a number of vertices or a Mesh, not {level!r}.")
+            raise NestingError(f"Level {number} must be a number of vertices, a Mesh or Within(…), not {level!r}.")
     if not checked:
         raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
     return fine, checked

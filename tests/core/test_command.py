@@ -373,7 +373,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "--flip-y"], 2, "--flip-y is for collision outlines"),
         (["letter.svg", "--levels", "24", "--format", "svg"], 2, "--format is for the standard output"),
         (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2, "put {stem} into the name"),
-        (["letter.svg", "--levels", "120%"], 2, "percentage above 0"),
+        (["letter.svg", "--levels", "120%"], 2, "a percentage such as 8%"),
         (["letter.svg", "--levels", "24", "--limit", "size=3"], 2, "can be limited"),
         (["letter.svg", "--levels", "24", "-o", "-", "--report", "-"], 2, "takes one of"),
         (["*.svgz", "--levels", "24"], 1, "no file that can be read"),

@@ -188,8 +188,8 @@ def test_a_clearance_that_no_cage_has_is_refused_with_the_best_one() -> None:
     [
         ([], "no levels"),
         ([5], r"Level 1 asks for 5 vertices, but 2 loops need at least 6"),
-        (["many"], r"Level 1 must be a number of vertices or a Mesh, not 'many'"),
-        ([True], r"Level 1 must be a number of vertices or a Mesh, not True"),
+        (["many"], r"Level 1 must be a number of vertices, a Mesh or Within\(…\), not 'many'"),
+        ([True], r"Level 1 must be a number of vertices, a Mesh or Within\(…\), not True"),
         (24, r"must be a list"),
         (None, r"must be a list"),
         ("24", r"must be a list"),

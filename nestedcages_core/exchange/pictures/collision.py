@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import NestedCagesError
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.mesh import Mesh
-from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings
+from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
 from .boundary import boundary_of_pixels
 
 
@@ -45,7 +45,7 @@ def collision_outline(
 
 def picture_cages(
     picture: AnyArray,
-    levels: Sequence[int] | Callable[[Mesh], Sequence[int]],
+    levels: Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]],
     *,
     padding: float = 0.0,
     threshold: float = 0.0,
@@ -75,7 +75,7 @@ def picture_cages(
 
 def picture_cages_run(
     picture: AnyArray,
-    levels: Sequence[int] | Callable[[Mesh], Sequence[int]],
+    levels: Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]],
     *,
     padding: float = 0.0,
     threshold: float = 0.0,

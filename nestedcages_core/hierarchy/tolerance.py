@@ -1,0 +1,204 @@
+"""Levels by what they may cost instead of a number of vertices: the fewest found within a distance, or an excess."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import ceil, isfinite, sqrt
+
+import numpy as np
+
+from ..contact.reinflation import Reinflation
+from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.minimal_nested import fewest_links, walks
+from ..errors import InvalidMeshError, NestedCagesError, NestingError
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh, Nesting
+from ..stages import Stage
+from ..verification import verify
+from ..verification.reach import reach, stays_within
+from .level import LevelBuilder
+from .results import Level, Progress
+
+MAX_POLYGONS = 4
+"""Greedy polygons that are tried."""
+
+SHARES = (1.0, 0.98)
+"""Parts of the distance that greedy polygons keep: between two gates they may go a little farther."""
+
+MAX_TESTED = 12
+"""Greedy polygons that are looked at."""
+
+LARGEST_GROWTH = 2.0
+"""Largest factor on the number of vertices from one trial to the next."""
+
+
+@dataclass(frozen=True)
+class Within:
+    """A level of the fewest vertices found whose cage stays within a distance, or an excess, of the fine mesh."""
+
+    distance: float | None = None
+    """No point of the cage's solid is farther than this from the solid of the fine mesh; unit: the input's."""
+    excess: float | None = None
+    """area(cage) / area(fine) - 1 is at most this; 0.25 is a quarter."""
+
+    def __post_init__(self) -> None:
+        given = [value for value in (self.distance, self.excess) if value is not None]
+        if len(given) != 1:
+            raise NestedCagesError("Within needs either a distance or an excess, for instance Within(distance=2.0).")
+        value = given[0]
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+            raise NestedCagesError(f"Within: a number above 0 is needed, not {value!r}.")
+        if not (isfinite(float(value)) and value > 0.0):
+            raise NestedCagesError(f"Within: a finite number above 0 is needed, not {value!r}.")
+
+    @property
+    def limit(self) -> float:
+        """The largest distance or excess."""
+        return float(self.distance if self.distance is not None else self.excess or 0.0)
+
+    def measured(self, cage: Mesh, fine: Mesh) -> float:
+        """What of it a cage takes; for a distance, a bound from above."""
+        return reach(cage, fine) if self.distance is not None else cage.area / fine.area - 1.0
+
+    def is_met(self, cage: Mesh, fine: Mesh) -> bool:
+        """Whether a cage takes no more than the limit."""
+        if self.distance is not None:
+            return stays_within(cage, fine, self.limit)
+        return cage.area / fine.area - 1.0 <= self.limit
+
+    def __str__(self) -> str:
+        if self.distance is not None:
+            return f"within a distance of {self.limit:.6g}"
+        return f"within an excess of {100.0 * self.limit:.6g} %"
+
+
+def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) -> Stage[Progress, Level]:
+    """The level of the fewest vertices found. ``fine``: what the need is about, the input of the hierarchy.
+
+    strictly: a clearance that every cage keeps, for the bound. Raises NestingError where not even as many vertices as
+    the mesh inside has are enough.
+    """
+    search = _Search(need, fine, builder)
+    yield from search.try_walks(strictly)
+    yield from search.try_counts()
+    level = search.best
+    if level is None:
+        raise search.failure()
+    count, taken = len(level.cage.vertices), need.measured(level.cage, fine)
+    if need.distance is None:
+        note = f"{count} vertices, {need}: {100.0 * taken:.4g} %."
+    else:
+        least = f"no cage {need} has fewer than {search.bound}"
+        note = f"{count} vertices, {need}: {taken:.6g}; {least}."
+    fewest_possible = search.bound if need.distance is not None else None
+    report = replace(level.report, fewest=fewest_possible, notes=(*level.report.notes, note))
+    return replace(level, report=report)
+
+
+class _Search:
+    """The levels tried, and the best of them."""
+
+    def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
+        self.need, self.fine, self.builder = need, fine, builder
+        self.inner = builder.fine
+        self.bound = LEAST_PER_LOOP * len(fine.loops)
+        self.best: Level | None = None
+        self.taken = np.inf
+        self.error: NestedCagesError | None = None
+
+    @property
+    def count(self) -> int:
+        """Vertices of the best level, or one more than allowed."""
+        return len(self.best.cage.vertices) if self.best is not None else len(self.inner.vertices) + 1
+
+    def try_walks(self, strictly: float) -> Stage[Progress, None]:
+        """The bound, and polygons of longest links, as starts."""
+        distance = self.need.distance
+        if distance is None:
+            return
+        yield from self.builder.progress.begin("decimation")
+        loops = range(len(self.fine.loops))
+        self.bound = sum(fewest_links(self.fine, k, distance, strictly) for k in loops)
+        for share in SHARES:
+            polygons = [walks(self.fine, k, share * distance, self.builder.clearances[0]) for k in loops]
+            tried = 0
+            for number in range(min(MAX_TESTED, *map(len, polygons))):
+                if tried == MAX_POLYGONS or self.count <= self.bound:
+                    return
+                mesh = self._nested([each[number] for each in polygons])
+                if mesh is not None:
+                    tried += 1
+                    yield from self._try(mesh)
+            if self.best is not None:
+                return
+
+    def try_counts(self) -> Stage[Progress, None]:
+        """Numbers of vertices below the best one; if there is none yet, from the bound up, then between."""
+        least, most = self.bound, len(self.inner.vertices)
+        low = least - 1
+        if self.best is None:
+            count = min(least, most)
+            while not (yield from self._try(count)):
+                low = count
+                if count == most:
+                    return
+                grown = min(LARGEST_GROWTH, max(1.0, sqrt(self.taken / self.need.limit)))
+                count = min(most, max(count + 1, ceil(grown * count)))
+        elif self.count > least and not (yield from self._try(self.count - 1)):
+            return
+        while self.count - low > 1:
+            middle = (self.count + low) // 2
+            if not (yield from self._try(middle)):
+                low = middle
+
+    def failure(self) -> NestedCagesError:
+        """Why there is no level."""
+        if self.error is not None and not np.isfinite(self.taken):
+            return self.error
+        taken = f"{self.taken:.6g}" if self.need.distance is not None else f"{100.0 * self.taken:.6g} %"
+        return NestingError(
+            f"No cage {self.need} was found with at most the {len(self.inner.vertices)} vertices of the mesh inside: "
+            f"the best one takes {taken}; ask for more, or for less clearance."
+        )
+
+    def _nested(self, loops: list[FloatArray]) -> Mesh | None:
+        """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best."""
+        if sum(map(len, loops)) >= self.count:
+            return None
+        try:
+            mesh = Mesh.from_loops(loops)
+        except InvalidMeshError:
+            return None
+        fits = Nesting(mesh, self.inner).encloses_loop_by_loop()
+        return mesh if fits and stays_within(mesh, self.fine, self.need.limit) else None
+
+    def _try(self, wanted: int | Mesh) -> Stage[Progress, bool]:
+        """Build a level; whether it, or one of the steps to it, meets the need and becomes the best."""
+        try:
+            level = yield from self.builder.build(wanted)
+        except NestedCagesError as error:
+            self.error = error
+            return False
+        if len(level.cage.vertices) >= self.count:
+            return False
+        for cut in _cuts(level):
+            if self.need.is_met(cut.cage, self.fine):
+                self.best = cut
+                return True
+        self.taken = min(self.taken, self.need.measured(level.cage, self.fine))
+        return False
+
+
+def _cuts(level: Level) -> Iterator[Level]:
+    """The level, then those that end at an earlier step of its tightening, where that is certified too."""
+    yield level
+    way, report = level.reinflation, level.report
+    for last in range(len(way.cage_steps) - 2, way.tightening_start - 1, -1):
+        cage = level.coarse.moved(way.cage_steps[last])
+        same_loops = level.coarse.has_loops_like(level.fine)
+        certificate = verify(cage, level.fine, report.wanted_clearance, same_loops=same_loops)
+        if certificate:
+            shorter = Reinflation(way.moving_steps, way.cage_steps[: last + 1], way.iterations)
+            measures = replace(report, clearance=certificate.clearance, excess=certificate.excess)
+            yield replace(level, cage=cage, reinflation=shorter, report=measures)

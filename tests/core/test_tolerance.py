@@ -1,0 +1,127 @@
+"""Levels within a distance or an excess: certified by shapely's buffers too, near the lower bound where shapes are
+convex."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import Mesh, NestedCagesError, NestingError, Within, inner_cages, nested_cages, verify
+from nestedcages_core.command.levels import Wanted, wanted_levels
+from nestedcages_core.decimation.minimal_nested import fewest_links, walks
+from nestedcages_core.verification.reach import REACH_PRECISION, reach, stays_within
+from shapes import annulus, polygon, ring, star
+
+FINE_BUFFER = 256
+"""Segments of a quarter circle of shapely's buffers."""
+
+
+def ellipse(count: int = 120) -> Mesh:
+    return Mesh.from_loops([ring(count) * [3.0, 1.0]])
+
+
+def within_by_shapely(cage: Mesh, fine: Mesh, distance: float) -> bool:
+    # a circle of chords is short of the circle by its sagitta
+    return polygon(fine).buffer(distance * (1.0 + 1e-4), quad_segs=FINE_BUFFER).contains(polygon(cage))
+
+
+@pytest.mark.parametrize("distance", [0.2, 0.03])
+def test_the_bound_of_a_disc_is_the_regular_polygon(distance: float) -> None:
+    fine = Mesh.from_loops([ring(720)])
+    least = int(np.ceil(np.pi / np.arccos(1.0 / (1.0 + distance))))
+    bound = fewest_links(fine, 0, distance, 0.0)
+    assert least - 1 <= bound <= least
+    assert min(map(len, walks(fine, 0, distance, 0.0))) - 1 <= least
+
+
+@pytest.mark.parametrize("distance", [0.3, 0.1])
+def test_a_convex_shape_ends_within_one_vertex_of_the_bound(distance: float) -> None:
+    fine = ellipse()
+    level = nested_cages(fine, [Within(distance=distance)]).levels[0]
+    count, bound = len(level.cage.vertices), level.report.fewest
+    assert bound <= count <= bound + 1
+    assert verify(level.cage, fine, level.report.wanted_clearance)
+    assert within_by_shapely(level.cage, fine, distance)
+    assert reach(level.cage, fine) <= distance
+    assert f"{count} vertices" in level.report.notes[-1]
+    assert np.array_equal(level.reinflation.cage_steps[-1], level.cage.vertices)
+
+
+def test_the_bound_undercuts_every_cage() -> None:
+    fine = star(5, 60)
+    for count in (10, 14, 20):
+        cage = nested_cages(fine, [count]).levels[0].cage
+        assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= count
+
+
+def test_holes_and_levels() -> None:
+    fine = annulus(48)
+    hierarchy = nested_cages(fine, [Within(distance=0.05), Within(excess=0.4), 6])
+    counts = [len(cage.vertices) for cage in hierarchy.cages]
+    assert counts == sorted(counts, reverse=True)
+    first, second, _ = hierarchy.levels
+    assert within_by_shapely(first.cage, fine, 0.05)
+    assert first.report.fewest <= counts[0] <= first.report.fewest + 2
+    assert second.cage.area / fine.area - 1.0 <= 0.4
+    assert second.report.fewest is None
+    assert verify(second.cage, first.cage)
+
+
+def test_a_filled_bay_counts_with_its_widest_place() -> None:
+    """A bottle: its mouth is 0.2 wide, its inside 2 by 2, so the middle is 1 away from the glass."""
+    bottle = Mesh.from_loops(
+        [[[0, 0], [4, 0], [4, 4], [2.1, 4], [2.1, 3], [3, 3], [3, 1], [1, 1], [1, 3], [1.9, 3], [1.9, 4], [0, 4]]]
+    )
+    lid = Mesh.from_loops([[[-0.01, -0.01], [4.01, -0.01], [4.01, 4.01], [-0.01, 4.01]]])
+    measured = reach(lid, bottle)
+    assert measured == pytest.approx(np.hypot(1.0, 0.0), rel=0.05)
+    assert not stays_within(lid, bottle, 0.9)
+    assert stays_within(lid, bottle, measured * (1.0 + 2.0 * REACH_PRECISION))
+
+
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_the_reach_of_random_cages(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    fine = Mesh.from_loops([ring(15) * rng.uniform(0.4, 1.0, size=(15, 1))])
+    cage = Mesh.from_loops([ring(7, 1.3) * rng.uniform(1.0, 1.5, size=(7, 1))])
+    measured = reach(cage, fine)
+    points = rng.uniform(-2.0, 2.0, size=(400, 2))
+    import shapely
+
+    places = shapely.points(points)
+    inside = shapely.contains(polygon(cage), places)
+    assert shapely.distance(polygon(fine), places[inside]).max(initial=0.0) <= measured
+    corners = shapely.distance(polygon(fine), shapely.points(cage.vertices)).max()
+    assert measured >= corners
+
+
+def test_impossible_and_wrong_needs() -> None:
+    fine = ellipse(40)
+    with pytest.raises(NestingError, match="ask for more"):
+        nested_cages(fine, [Within(excess=1e-9)])
+    for wrong in (
+        {},
+        {"distance": 1.0, "excess": 1.0},
+        {"distance": -1.0},
+        {"excess": float("nan")},
+        {"distance": "2"},
+    ):
+        with pytest.raises(NestedCagesError, match="Within"):
+            Within(**wrong)
+    with pytest.raises(NestingError, match="inner cages need"):
+        inner_cages(fine, [Within(distance=0.1)])
+
+
+def test_the_rule_of_the_command() -> None:
+    wanted = [Wanted.parsed(text) for text in ("32", "8 %", "2 px", "0.5u", "+25 %")]
+    assert wanted_levels(wanted, annulus(48)) == [
+        32, 8, Within(distance=2.0), Within(distance=0.5), Within(excess=0.25)
+    ]  # fmt: skip
+    for text in ("0", "2.5", "+25", "-2px", "px", "+%", "+3px", "nan", "infpx", "101%"):
+        with pytest.raises(argparse.ArgumentTypeError, match="such as 2px"):
+            Wanted.parsed(text)
