@@ -148,7 +148,8 @@ def _longest_runs(feet: FloatArray, tips: FloatArray) -> IntArray:
 
 def _corner(values: FloatArray) -> FloatArray:
     """(W,) the largest value of each row up to the diagonal."""
-    return np.where(np.tril(np.ones(values.shape, dtype=bool)), values, -np.inf).max(axis=1)
+    largest: FloatArray = np.where(np.tril(np.ones(values.shape, dtype=bool)), values, -np.inf).max(axis=1)
+    return largest
 
 
 def walks(fine: Mesh, loop: int, distance: float, clearance: float) -> list[FloatArray]:

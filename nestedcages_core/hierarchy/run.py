@@ -46,7 +46,7 @@ def nested_cages(
 
 def inner_cages(
     fine: Mesh,
-    levels: Sequence[int | Mesh],
+    levels: Sequence[int | Mesh | Within],
     settings: Settings | None = None,
     *,
     progress: Callable[[Progress], None] | None = None,
@@ -55,7 +55,8 @@ def inner_cages(
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
     ``report.excess`` is negative. A mesh of one's own is where its cage starts, and must lie inside. No flow is needed,
-    so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull.
+    so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull. `Within` is for cages
+    around a mesh and is rejected here.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """

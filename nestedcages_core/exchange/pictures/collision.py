@@ -90,7 +90,8 @@ def picture_cages_run(
 
     def around(fine: Mesh, with_settings: Settings) -> Generator[Progress, None, Hierarchy]:
         wanted = levels(fine) if callable(levels) else levels
-        run = NestedCagesRun(fine, [min(k, len(fine.vertices)) for k in wanted], with_settings)
+        fitting = [min(k, len(fine.vertices)) if isinstance(k, int) else k for k in wanted]
+        run = NestedCagesRun(fine, fitting, with_settings)
         try:
             yield from run
         finally:
