@@ -90,7 +90,7 @@ def picture_cages_run(
 
     def around(fine: Mesh, with_settings: Settings) -> Generator[Progress, None, Hierarchy]:
         wanted = levels(fine) if callable(levels) else levels
-        fitting = [min(k, len(fine.vertices)) if isinstance(k, int) else k for k in wanted]
+        fitting = [min(k, len(fine.vertices)) if isinstance(k, int | np.integer) else k for k in wanted]
         run = NestedCagesRun(fine, fitting, with_settings)
         try:
             yield from run
