@@ -13,7 +13,9 @@ from ..hierarchy import Within
 UNITS = ("px", "u")
 """What marks a distance: pixels or units of the input, which mean the same."""
 
-RULE = "a whole number of at least 1, a percentage such as 8%, a distance such as 2px, or an excess such as +25% is needed"
+RULE = (
+    "a whole number of at least 1, a percentage such as 8%, a distance such as 2px, or an excess such as +25% is needed"
+)
 
 
 @dataclass(frozen=True)
