@@ -75,6 +75,7 @@ from .geometry.quadrature import EvenSamples as EvenSamples
 from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
+from .geometry.triangulation import convex_pieces as convex_pieces
 from .hierarchy import (
     Hierarchy,
     Level,

@@ -1,0 +1,82 @@
+"""Convex pieces that tile a solid: triangles joined across diagonals while they stay convex."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+
+from ...errors import NestedCagesError
+from ..arrays import FloatArray
+from ..mesh import Mesh
+from ..predicates.orientation import orientation_sign
+from .solid import triangulate
+
+ORDERS = 24
+"""Orders in which diagonals are tried: the longest first, then random ones; the fewest pieces are kept."""
+
+Piece = list[int]
+
+
+def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
+    """Convex polygons (k, 2), counter-clockwise, of at most ``most`` vertices each, that tile a mesh exactly.
+
+    Their vertices are those of the mesh; no others are added. The constrained Delaunay triangles are joined across
+    diagonals while pieces stay convex, by exact predicates, as by Hertel & Mehlhorn (1983), who show that at most four
+    times as many pieces are left as needed without a limit; of several orders the best is kept.
+
+    Raises NestedCagesError if ``most`` is less than 3.
+    """
+    if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 3:
+        raise NestedCagesError(f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.")
+    tiles = triangulate(mesh)
+    triangles: list[Piece] = tiles.triangles.tolist()
+    owner = {(a, b): k for k, t in enumerate(triangles) for a, b in zip(t, [*t[1:], t[0]], strict=True)}
+    diagonals = [(a, b) for a, b in owner if a < b and (b, a) in owner]
+    ends = tiles.vertices[np.array(diagonals, dtype=np.int64).reshape(-1, 2)]
+    longest_first = np.argsort(-np.hypot(*(ends[:, 1] - ends[:, 0]).T), kind="stable")
+    order = [diagonals[k] for k in longest_first.tolist()]
+    places: list[tuple[float, float]] = [(float(x), float(y)) for x, y in tiles.vertices]
+    rng = random.Random(0)
+    best = _joined(triangles, owner, order, places, most)
+    for _ in range(ORDERS - 1):
+        rng.shuffle(order)
+        best = min(best, _joined(triangles, owner, order, places, most), key=len)
+    return [tiles.vertices[piece] for piece in best]
+
+
+def _joined(
+    triangles: list[Piece],
+    owner: dict[tuple[int, int], int],
+    order: list[tuple[int, int]],
+    places: list[tuple[float, float]],
+    most: int,
+) -> list[Piece]:
+    """The pieces that are left when diagonals are removed in an order, wherever that is possible."""
+    pieces: list[Piece | None] = list(triangles)
+    into = list(range(len(triangles)))
+
+    def root(k: int) -> int:
+        while into[k] != k:
+            into[k] = into[into[k]]
+            k = into[k]
+        return k
+
+    for a, b in order:
+        one, other = root(owner[a, b]), root(owner[b, a])
+        p, q = pieces[one], pieces[other]
+        if one == other or p is None or q is None or len(p) + len(q) - 2 > most:
+            continue
+        i, j = p.index(b), q.index(a)
+        ring = p[i:] + p[:i]  # b ... a
+        rest = q[j:] + q[:j]  # a ... b
+        together = ring[:-1] + rest[:-1]
+        if _turns_left(together, ring[0], places) and _turns_left(together, rest[0], places):
+            pieces[one], pieces[other], into[other] = together, None, one
+    return [piece for piece in pieces if piece is not None]
+
+
+def _turns_left(piece: Piece, vertex: int, places: list[tuple[float, float]]) -> bool:
+    """Whether a piece is convex or straight at a vertex; exact."""
+    k = piece.index(vertex)
+    return orientation_sign(*places[piece[k - 1]], *places[vertex], *places[piece[(k + 1) % len(piece)]]) >= 0
