@@ -60,6 +60,9 @@ class TwoSidedFlow:
     """Maximum number of steps with samples at the vertices only."""
     limit: int = 20
     """Maximum number of steps of every other descent."""
+    detours: bool = True
+    """Whether geodesic and correspondence are tried, which take many steps; without, coarse meshes that cut off limbs
+    are an error."""
 
     def __post_init__(self) -> None:
         check_positive(self, "margin", "spacing", "smoothing", "longest_step")
@@ -116,6 +119,8 @@ class _Run:
         yield self.vertices()
         yield self.erosion()
         yield self.boundary()
+        if not self.settings.detours:
+            return
         for whole in (True, False):
             yield self.geodesic(1.0, whole)
         for whole in (True, False):

@@ -11,9 +11,10 @@ from math import inf, isfinite
 from typing import NamedTuple
 
 from ..contact import IPC, Contact, SequentialQP
-from ..decimation import Count, Decimation, Start
+from ..decimation import Count, Decimation, OnCurve, Start
 from ..decimation.on_curve import closest_on_curve
 from ..errors import FlowError, NestingError
+from ..flow import FlowMethod, TwoSidedFlow
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
 from .settings import DEFAULT_CLEARANCE, Settings
@@ -34,6 +35,8 @@ MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which sequential QPs are used instead of IPC. Usual are 1 to 3; 20 to 140 around
 cores of many needles, where an iteration takes fifty times as long."""
 
+QUICK_LIMIT = 10
+"""Maximum number of steps of a descent of the flow where hulls compete: half the usual one."""
 
 PAPER_PREFERENCE = 0.01
 """A cage whose fine mesh went through flow and reinflation is preferred to one that needed neither, unless that is
@@ -50,6 +53,8 @@ class Attempt:
     """Vertices of the coarse meshes."""
     starts: int
     """Number of coarse meshes to start from, where the decimation offers several."""
+    flow: FlowMethod
+    """How the fine mesh is brought inside the coarse ones."""
     contacts: tuple[Contact, ...]
     """Each starts over where the one before is blocked."""
     clearances: tuple[float, ...]
@@ -68,15 +73,21 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
     The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
     """
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    contacts = contacts_for(settings, size, len(fine.vertices))
+    flow, contacts = settings.flow, contacts_for(settings, size, len(fine.vertices))
     if isinstance(wanted, Mesh):
-        last = Attempt(wanted, size, 1, contacts, clearances)
+        last = Attempt(wanted, size, 1, flow, contacts, clearances)
     else:
         may_fall_back = settings.fallback is not None
-        last = Attempt(settings.decimation, wanted, settings.starts, contacts, clearances, may_fall_back=may_fall_back)
+        if may_fall_back and isinstance(settings.decimation, OnCurve):
+            # its hulls need neither and lead to much the same cages: no long search for a way
+            flow, contacts = _quick(flow), contacts if settings.contact else contacts[:1]
+        last = Attempt(
+            settings.decimation, wanted, settings.starts, flow, contacts, clearances, may_fall_back=may_fall_back
+        )
     yield last
     if settings.fallback is not None and settings.fallback not in (last.source, getattr(last.source, "hull", None)):
-        last = Attempt(settings.fallback, _counts(fine, wanted), settings.starts, contacts, clearances, fallback=True)
+        counts = _counts(fine, wanted)
+        last = Attempt(settings.fallback, counts, settings.starts, flow, contacts, clearances, fallback=True)
         yield last
     if not isinstance(last.source, Mesh):
         yield replace(last, tightened=False)
@@ -124,6 +135,11 @@ def contacts_for(settings: Settings, cage_vertices: int, fine_vertices: int) -> 
     if cage_vertices * fine_vertices <= IPC_FIRST:
         return IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS), SequentialQP()
     return SequentialQP(), IPC(energy=settings.energy)
+
+
+def _quick(flow: FlowMethod) -> FlowMethod:
+    """The default flow without what takes long and is seldom needed; any other flow as it is."""
+    return replace(flow, limit=QUICK_LIMIT, detours=False) if isinstance(flow, TwoSidedFlow) else flow
 
 
 def clearances_for(settings: Settings, fine: Mesh) -> tuple[float, ...]:

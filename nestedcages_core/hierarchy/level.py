@@ -96,6 +96,7 @@ class LevelBuilder:
                 start = turn.send(outcome)
             except StopIteration:
                 start = None
+        refused: list[NestedCagesError] = []
         for cage in sorted(cages, key=lambda cage: cage.rank):
             source = cage.start.source
             if errors and source != tried[0]:
@@ -103,8 +104,8 @@ class LevelBuilder:
             try:
                 return (yield from self._certified(attempt, cage, notes))
             except NestingError as error:
-                errors.append(error)
-        raise errors[0]
+                refused.append(error)
+        raise (refused or errors)[0]
 
     def _coarse_meshes(self, attempt: Attempt) -> Stage[Progress, list[Start]]:
         """The coarse meshes of an attempt, at least one."""
@@ -124,7 +125,7 @@ class LevelBuilder:
         yield from self.progress.begin("flow")
         try:
             flow = yield from self.progress.follow(
-                self.settings.flow.run(self.unit_fine, unit_coarse), lambda done: (done, "flow")
+                attempt.flow.run(self.unit_fine, unit_coarse), lambda done: (done, "flow")
             )
         except FlowError as error:
             partial = error.partial
