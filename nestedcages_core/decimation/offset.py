@@ -8,7 +8,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.predicates import BoxTree, orientation, segments_intersect
-from ..geometry.vectors import cross, mitre, norm, rotated_right
+from ..geometry.vectors import cross, norm, rotated_right
 from .outline import Outline
 
 MITRE_LIMIT = 2.5
@@ -95,8 +95,9 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> FloatArray:
 def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, FloatArray]:
     """The outline with moving (n,) sharp corners doubled; the old index (N,) of each vertex, and how it moves (N, 2).
 
-    At a sharp convex corner of half angle α, with edges along e₁, e₂ and their unit normals n₁, n₂, the two vertices
-    of a cut that is one length away go n₁ + h e₁ and n₂ - h e₂, with h = (1 - sin α) / cos α.
+    With the unit normals n₁, n₂ of its edges, a vertex that goes 2 (n₁ + n₂) / |n₁ + n₂|² moves both by one length. At
+    a sharp convex corner of half angle α, whose tip points along t, the two vertices of a cut that is one length away
+    go n₁ + h e₁ and n₂ - h e₂, with h = (1 - sin α) / cos α and e₁, e₂ along the edges.
     """
     after = outline.vertices[outline.successor] - outline.vertices
     after = after / norm(after)[:, None]
@@ -105,7 +106,8 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     sine = 0.5 * norm(n1 + n2)  # of half the angle between the edges
     sharp = sine * MITRE_LIMIT < 1.0
     tip = (before - after) / np.maximum(norm(before - after), 1.0)[:, None]
-    direction = np.where(sharp[:, None], -MITRE_LIMIT * tip, mitre(n1, n2, (2.0 / MITRE_LIMIT) ** 2))
+    mitre = (n1 + n2) / (2.0 * np.maximum(sine, 1.0 / MITRE_LIMIT) ** 2)[:, None]
+    direction = np.where(sharp[:, None], -MITRE_LIMIT * tip, mitre)
     cut = moving & sharp & (cross(before, after) >= 0.0)
 
     source = np.repeat(np.arange(len(cut)), np.where(cut, 2, 1))

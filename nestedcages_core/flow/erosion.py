@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import SMALLEST_LENGTH
 from ..geometry.mesh import Mesh
-from ..geometry.vectors import cross, mitre, norm, rotated_left
+from ..geometry.vectors import cross, rotated_left
 from .containment import Containment
 from .samples import local_margins
 
@@ -51,10 +51,11 @@ def _inward_mitres(mesh: Mesh) -> FloatArray:
     tangent = direction / np.maximum(mesh.edge_lengths, SMALLEST_LENGTH)[:, None]
     normal = rotated_left(tangent)
     before = mesh.predecessor
-    inwards = mitre(normal[before], normal, SPIKE)
-    length = norm(inwards)
-    inwards *= (np.minimum(length, EROSION_MITRE_LIMIT) / np.maximum(length, SMALLEST_LENGTH))[:, None]
+    both = normal + normal[before]
+    squared = (both * both).sum(axis=1)
+    mitre = 2.0 * both / np.maximum(squared, SPIKE)[:, None]
+    length = np.hypot(*mitre.T)
+    mitre *= (np.minimum(length, EROSION_MITRE_LIMIT) / np.maximum(length, SMALLEST_LENGTH))[:, None]
     axis = tangent - tangent[before]
     convex = cross(tangent[before], tangent) > 0.0
-    spike = norm(normal + normal[before]) ** 2 <= SPIKE
-    return np.where(~spike[:, None], inwards, np.where(convex, 1.0, -1.0)[:, None] * axis)
+    return np.where((squared > SPIKE)[:, None], mitre, np.where(convex, 1.0, -1.0)[:, None] * axis)

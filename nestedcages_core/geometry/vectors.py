@@ -27,14 +27,3 @@ def rotated_left(v: FloatArray) -> FloatArray:
 def rotated_right(v: FloatArray) -> FloatArray:
     """(..., 2) vectors turned clockwise by 90°: (y, -x). From an edge with the solid on its left, this points out."""
     return np.stack([v[..., 1], -v[..., 0]], axis=-1)
-
-
-def mitre(before: FloatArray, after: FloatArray, least: float) -> FloatArray:
-    """(n, 2) 2 (n₁ + n₂) / |n₁ + n₂|²: the motion of a vertex that moves both its edges by 1 along their unit normals.
-
-    before, after: (n, 2) n₁ and n₂; least: lower bound on |n₁ + n₂|², which is 0 at a spike.
-    """
-    both = before + after
-    squared = (both * both).sum(axis=1)
-    motion: FloatArray = 2.0 * both / np.maximum(squared, least)[:, None]
-    return motion
