@@ -13,6 +13,8 @@ from mathutils import Matrix
 
 from drawings import evaluated, in_world, snapshot
 
+pytestmark = pytest.mark.slow
+
 WIDTH, HEIGHT = 96, 48
 
 

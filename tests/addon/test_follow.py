@@ -11,6 +11,8 @@ import pytest
 
 from drawings import add, at_frame, circle, edges_of, evaluated, poly_curve, snapshot, solid, star, text, wire
 
+pytestmark = pytest.mark.slow
+
 FIRST, LAST = 1, 9
 
 

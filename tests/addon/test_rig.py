@@ -120,6 +120,7 @@ def assert_rigged(obj, exact=False):
     assert np.abs(tint - ramp(base(obj))).max() < error
 
 
+@pytest.mark.slow
 def test_work_on_a_cage_outlives_new_cages_binding_and_unbinding() -> None:
     source = poly_curve("Drawing", [star() * 2.0])
     cage = rigged(generate(source)[-1])
@@ -426,6 +427,7 @@ def test_an_override_is_posed_and_moved_and_says_what_it_cannot(saved) -> None:
 
 
 @pytest.mark.parametrize("kind", ["BONES", "EMPTIES"])
+@pytest.mark.slow
 def test_handles_move_the_drawing_with_new_cages_too(kind) -> None:
     source = wire("Drawing", [star() * 2.0])
     *_, cage = generate(source, "12")

@@ -11,6 +11,8 @@ from mathutils import Vector
 
 from drawings import evaluated, in_world, star, wire
 
+pytestmark = pytest.mark.slow
+
 SOURCE, ROOT = "Drawing", "Root"
 LEVELS = ("20, 12", "24, 12", "16, 10", "14")
 # Largest error of a weight that was resampled along outlines of other vertices, however often, and of one that was not.

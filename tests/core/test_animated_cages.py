@@ -56,6 +56,7 @@ def test_every_pose_and_every_instant_is_certified() -> None:
     assert np.array_equal(inner.report.excess, [inner.report.certificates[k].excess for k in inner.report.given])
 
 
+@pytest.mark.slow
 def test_about_as_tight_as_a_cage_for_the_pose_alone() -> None:
     fine, poses = waving()
     level = animated_cages(fine, poses, [20]).levels[0]
@@ -69,6 +70,7 @@ def test_holes_and_several_parts_are_followed() -> None:
     check(animated_cages(fine, poses, [24]).levels[0], fine, poses, 0.0)
 
 
+@pytest.mark.slow
 def test_a_cyclic_motion_closes() -> None:
     fine, poses = waving()
     closed = animated_cages(fine, poses, [16], cyclic=True).levels[0]
@@ -126,6 +128,7 @@ def test_a_stream_is_read_as_it_is_needed() -> None:
     assert all(key.certificate for key in taken)
 
 
+@pytest.mark.slow
 def test_times_and_progress() -> None:
     fine, poses = waving(5)
     seen = []

@@ -149,6 +149,7 @@ def made_again(folder: object, shapes: object, levels: object, *rest: object, **
 
 
 @pytest.mark.parametrize("kind", [dict, OutcomeFolder])
+@pytest.mark.slow
 def test_a_result_is_used_again_for_the_same_shape_levels_and_settings_only(kind: type, tmp_path: Path) -> None:
     store = OutcomeFolder(tmp_path / "cages") if kind is OutcomeFolder else {}
     shapes = {"a": star(5, 50), "b": star(4, 60)}

@@ -211,6 +211,7 @@ def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, c
     assert verify(read, star(5, 60))
 
 
+@pytest.mark.slow
 def test_streams_in_and_out(drawing: Path, tmp_path: Path) -> None:
     def piped(options: list[str], given: bytes) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "nestedcages_core", "-", "--quiet", *options]

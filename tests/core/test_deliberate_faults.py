@@ -16,6 +16,7 @@ from nestedcages_core.stages import Stage
 from shapes import islands, letter_a, letter_a_coarse, resampled, ring, star
 
 
+@pytest.mark.slow
 def test_a_touch_that_rounding_hides_is_not_certified() -> None:
     """Motion certificate without bounds on its rounding errors: a point arrives on an edge or less than a rounding
     behind it, where the product in float64 is at times above zero; by the judge, half of these motions touch."""

@@ -153,6 +153,7 @@ def test_the_command_says_what_is_wrong(amount: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ATTACKS)
+@pytest.mark.slow
 def test_known_attacks_are_held(name: str) -> None:
     faults = []
     for number, call in enumerate(ATTACKS[name]()):

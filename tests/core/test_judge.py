@@ -98,6 +98,7 @@ offsets = st.lists(st.integers(-8, 8).map(lambda k: k / 8.0), min_size=4, max_si
 
 @settings(max_examples=150)
 @given(offsets, st.sampled_from([0.05, 0.3, 1.0]), st.sampled_from(["square", "islands"]))
+@pytest.mark.slow
 def test_the_certificate_and_the_judge_agree(values: list[float], factor: float, name: str) -> None:
     fine, cage = {
         "square": (square_with_hole(0.5), square_with_hole(0.25)),
@@ -111,6 +112,7 @@ def test_the_certificate_and_the_judge_agree(values: list[float], factor: float,
 
 @settings(max_examples=150)
 @given(offsets, offsets)
+@pytest.mark.slow
 def test_no_motion_is_certified_that_the_judge_refuses(before: list[float], after: list[float]) -> None:
     """Coordinates on a coarse grid, so that exact contacts are common."""
     fine, cage = mesh([(1, 1), (2, 1), (2, 2), (1, 2)]), mesh(SQUARE)

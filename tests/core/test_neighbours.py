@@ -73,6 +73,7 @@ def test_what_cannot_be_cut_stays_and_says_so() -> None:
         cut_at_borders(CAGES, REGIONS, clearance=0.0)
 
 
+@pytest.mark.slow
 def test_the_command_cuts_every_level(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     (tmp_path / "map.geojson").write_text(to_geojson([Feature(region, {"n": k}) for k, region in enumerate(REGIONS)]))
     out = tmp_path / "out.geojson"

@@ -443,6 +443,7 @@ HOSTILE = {
 @pytest.mark.parametrize("name", HOSTILE)
 @pytest.mark.parametrize("tolerance", [None, 1e-320])
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.slow
 def test_hostile_documents_end_in_a_mesh_or_a_sentence(name: str, tolerance: float | None) -> None:
     start = time.process_time()
     try:

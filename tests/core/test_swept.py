@@ -30,6 +30,7 @@ def test_a_square_that_is_moved_sweeps_a_hexagon() -> None:
     assert len(union.loops) == 1
 
 
+@pytest.mark.slow
 def test_all_positions_lie_in_it_and_it_is_hardly_more() -> None:
     fine = star()
     angles = np.linspace(0.0, 1.0, 7)

@@ -16,6 +16,8 @@ from nestedcages_core.decimation.minimal_nested import fewest_links, walks
 from nestedcages_core.verification.reach import REACH_PRECISION, reach, stays_within
 from shapes import annulus, polygon, ring, star
 
+pytestmark = pytest.mark.slow
+
 FINE_BUFFER = 256
 """Segments of a quarter circle of shapely's buffers."""
 
