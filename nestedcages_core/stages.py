@@ -5,8 +5,8 @@ Whoever pumps a stage shows its progress, and stops it by closing it or letting 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from typing import Any, TypeAlias, TypeVar
+from collections.abc import Callable, Generator, Iterator
+from typing import Any, Generic, TypeAlias, TypeVar
 
 Yielded = TypeVar("Yielded")
 Shown = TypeVar("Shown")
@@ -34,3 +34,42 @@ def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> S
             result: Result = end.value
             return result
         yield show(yielded)
+
+
+class Run(Generic[Shown, Result]):
+    """A stage as an iterator over what it shows, with its result at the end; dropping it cancels the work."""
+
+    def __init__(self, work: Stage[Shown, Result]) -> None:
+        self._work = work
+        self._results: list[Result] = []
+        self._over = False
+        self._unfinished = "the run has no result yet: iterate over it to its end first"
+
+    def __iter__(self) -> Iterator[Shown]:
+        return self
+
+    def __next__(self) -> Shown:
+        try:
+            return next(self._work)
+        except StopIteration as end:
+            if not self._over:
+                self._over = True
+                self._results.append(end.value)
+            raise
+        except BaseException as error:
+            self._over = True
+            self._unfinished = f"the run has no result: it ended with the error '{error}'"
+            raise
+
+    @property
+    def result(self) -> Result:
+        """What the stage returned; RuntimeError before it is over, or if it never will be."""
+        if not self._results:
+            raise RuntimeError(self._unfinished)
+        return self._results[0]
+
+    def close(self) -> None:
+        """Cancel the work; nothing happens when it is over."""
+        if not self._over:
+            self._over, self._unfinished = True, "the run has no result: it was cancelled"
+        self._work.close()

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
-from ..stages import Stage
+from ..stages import Run, Stage
 from .attempts import clearances_for
 from .inner_level import InnerLevelBuilder
 from .level import LevelBuilder
@@ -67,7 +67,7 @@ def inner_cages(
     return run.hierarchy
 
 
-class NestedCagesRun:
+class NestedCagesRun(Run[Progress, Hierarchy]):
     """The work of :func:`nested_cages` as an iterator over its progress; dropping it cancels the work.
 
     >>> run = NestedCagesRun(fine, [64, 16])            # doctest: +SKIP
@@ -82,38 +82,12 @@ class NestedCagesRun:
     def __init__(self, fine: Mesh, levels: Sequence[int | Mesh | Within], settings: Settings | None = None) -> None:
         if not isinstance(settings, Settings | None):
             raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
-        self._work = _hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder)
-        self._result: Hierarchy | None = None
-        self._over = False
-        self._unfinished = "the run has no result yet: iterate over it to its end first"
-
-    def __iter__(self) -> Iterator[Progress]:
-        return self
-
-    def __next__(self) -> Progress:
-        try:
-            return next(self._work)
-        except StopIteration as end:
-            if not self._over:
-                self._over, self._result = True, end.value
-            raise
-        except BaseException as error:
-            self._over = True
-            self._unfinished = f"the run has no result: it ended with the error '{error}'"
-            raise
+        super().__init__(_hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder))
 
     @property
     def hierarchy(self) -> Hierarchy:
         """The result; RuntimeError before the run is over."""
-        if self._result is None:
-            raise RuntimeError(self._unfinished)
-        return self._result
-
-    def close(self) -> None:
-        """Cancel the work; nothing happens when it is over."""
-        if not self._over:
-            self._over, self._unfinished = True, "the run has no result: it was cancelled"
-        self._work.close()
+        return self.result
 
 
 class InnerCagesRun(NestedCagesRun):

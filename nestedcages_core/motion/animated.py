@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..hierarchy import Progress, Settings
-from ..stages import Stage
+from ..stages import Run, Stage
 from .level import LevelMotion
 from .poses import Pose, read_poses
 from .results import Key, MotionReport, MovingCages, MovingLevel
@@ -44,7 +44,7 @@ def animated_cages(
     return run.moving
 
 
-class AnimatedCagesRun:
+class AnimatedCagesRun(Run[Progress, MovingCages]):
     """The work of :func:`animated_cages` as an iterator over its progress; dropping it cancels the work."""
 
     def __init__(
@@ -62,29 +62,12 @@ class AnimatedCagesRun:
         self._fine, self._levels, self._cyclic = fine, list(levels), cyclic
         self._settings = settings if settings is not None else Settings()
         self._poses, self._count = read_poses(fine, poses, times), len(poses) if isinstance(poses, Sized) else None
-        self._moving: MovingCages | None = None
-        self._work = self._run()
-
-    def __iter__(self) -> Iterator[Progress]:
-        return self
-
-    def __next__(self) -> Progress:
-        try:
-            return next(self._work)
-        except StopIteration as end:
-            self._moving = end.value if self._moving is None else self._moving
-            raise
+        super().__init__(self._run())
 
     @property
     def moving(self) -> MovingCages:
         """The result; RuntimeError before the run is over."""
-        if self._moving is None:
-            raise RuntimeError("the run has no result: iterate over it to its end first")
-        return self._moving
-
-    def close(self) -> None:
-        """Cancel the work; nothing happens when it is over."""
-        self._work.close()
+        return self.result
 
     def _run(self) -> Stage[Progress, MovingCages]:
         finished: list[MovingLevel] = []
