@@ -29,7 +29,7 @@ from . import writing
 from .editing import drawing_now
 
 # Seconds between looks at whether there is something to do, and of work per look while cages are made anew.
-TICK, SLICE = 0.02, 0.03
+LOOK_INTERVAL, REMAKE_SLICE = 0.02, 0.03
 # Seconds that a drawing must rest before its cages are made anew. A step needs no rest: it only waits as long as the
 # last one took, so that at least half of the time is Blender's.
 REST = 0.3
@@ -170,7 +170,7 @@ class Live:
             self.problem = "Cancelled: edit the drawing, and its cages follow again"
             return
         try:
-            if not job.advance(SLICE):
+            if not job.advance(REMAKE_SLICE):
                 return
             self.stop()
             writing.write_still(scene, job.result[0])
@@ -212,7 +212,7 @@ def start(live: Live) -> None:
     _current.append(live)
     for handlers, function in _handlers():
         handlers.append(function)
-    bpy.app.timers.register(_on_timer, first_interval=TICK)
+    bpy.app.timers.register(_on_timer, first_interval=LOOK_INTERVAL)
 
 
 def stop() -> None:
@@ -268,6 +268,6 @@ def _on_timer() -> float | None:
     windows = bpy.context.window_manager.windows
     with bpy.context.temp_override(window=windows[0]) if len(windows) else nullcontext():
         if live.tick(bpy.context):
-            return TICK
+            return LOOK_INTERVAL
     stop()
     return None

@@ -12,7 +12,7 @@ from ..scene.convert import Drawing
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
 # Each count that is tried is larger than the one before by this factor; drawings above so many vertices are not tried.
-STEP, LARGEST_TRIED = 1.3, 5000
+COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
 
 
 def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing) -> None:
@@ -20,7 +20,7 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
 
     Each level keeps its own clearance, so that the last one is as many clearances away from the drawing.
     """
-    bound = core.hierarchy.least_room(fine)
+    bound = core.hierarchy.tightest_place(fine)
     if bound is None or bound.clearance > levels * clearance:
         return
     scale, most = drawing.frame.scale, bound.clearance / levels
@@ -54,7 +54,7 @@ def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
     """A count whose outer hull, before any tightening, is close enough; None if there is none."""
     total = len(fine.vertices)
     while count < total <= LARGEST_TRIED:
-        count = min(ceil(STEP * count), total)
+        count = min(ceil(COUNT_GROWTH * count), total)
         try:
             hull = core.OuterHull().decimate(fine, count, clearance=clearance)
         except core.NestedCagesError:

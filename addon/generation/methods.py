@@ -58,7 +58,7 @@ class Methods:
     def has_use_for(self, name: str) -> bool:
         """Whether a setting applies to the chosen methods."""
         full = self.with_partners()
-        return name not in PARTS or any(name in full._choice(other).uses for other in SETTINGS)
+        return name not in USED_BY_METHODS or any(name in full._choice(other).uses for other in SETTINGS)
 
     def part(self, name: str) -> Any:
         """The core's object for one of the settings, none of which is automatic."""
@@ -86,7 +86,9 @@ class Methods:
         return SETTINGS[name].choices[getattr(self, name)]
 
 
-PARTS = frozenset(name for setting in SETTINGS.values() for choice in setting.choices.values() for name in choice.uses)
+USED_BY_METHODS = frozenset(
+    name for setting in SETTINGS.values() for choice in setting.choices.values() for name in choice.uses
+)
 """Settings that only some methods have a use for."""
 
 OF_THE_CORE = ("decimation", "energy", "contact", "flow")

@@ -22,7 +22,7 @@ Points = NDArray[np.float64]
 # Points inside the outline, so that the picture bends smoothly: cells along the longer side.
 CELLS = 24
 # Inner points keep this part of a cell away from the outline.
-MARGIN = 0.5
+OUTLINE_DISTANCE = 0.5
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,8 @@ def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     starts, ends = border[outline.edges[:, 0]], border[outline.edges[:, 1]]
     inside = predicates.winding_number(grid, starts, ends) == 1
-    inner = grid[inside & (_distances(grid, starts, ends) > MARGIN * cell)].astype(np.float32).astype(np.float64)
+    inner = grid[inside & (_distances(grid, starts, ends) > OUTLINE_DISTANCE * cell)]
+    inner = inner.astype(np.float32).astype(np.float64)
     points = np.concatenate([border, inner])
     found = delaunay_2d_cdt([Vector(point) for point in points], outline.edges.tolist(), [], 0, 0.0)
     origin = [first[0] if first else -1 for first in found[3]]

@@ -43,7 +43,7 @@ class OnBinding(OnOutput):
         return "Nothing is bound to these cages" if cls.needs_bound else "These cages are already bound"
 
 
-class Binding(OnBinding, JobOperator):
+class BindingOperator(OnBinding, JobOperator):
     """Binding, for the first time or anew."""
 
     exclusive = True
@@ -74,7 +74,7 @@ class Binding(OnBinding, JobOperator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_nested_cages_bind(Binding, bpy.types.Operator):
+class OBJECT_OT_nested_cages_bind(BindingOperator, bpy.types.Operator):
     """Binds every level to the next one."""
 
     bl_idname = "object.nested_cages_bind"
@@ -86,7 +86,7 @@ class OBJECT_OT_nested_cages_bind(Binding, bpy.types.Operator):
     needs_bound = False
 
 
-class OBJECT_OT_nested_cages_rebind(Binding, bpy.types.Operator):
+class OBJECT_OT_nested_cages_rebind(BindingOperator, bpy.types.Operator):
     """Binds again to edited cages."""
 
     bl_idname = "object.nested_cages_rebind"

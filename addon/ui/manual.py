@@ -8,6 +8,7 @@ import bpy
 
 from ..properties.groups import ADVANCED, ANIMATION, FRAMES
 
+# The folder of the extension, or of the repository.
 ROOT = Path(__file__).resolve().parents[2]
 # The guide as the extension's zip brings it, and as it is in the repository; the first that is there is shown.
 GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))

@@ -21,7 +21,7 @@ from ..geometry.mesh import Mesh
 from ..hierarchy import Hierarchy, Level, NestingReport
 from .tasks import Outcome
 
-FORMAT, VERSION = "nested-cages outcome", 1
+OUTCOME_FORMAT, OUTCOME_VERSION = "nested-cages outcome", 1
 """What the files call themselves."""
 
 ENDING = ".npz"
@@ -47,8 +47,8 @@ class OutcomeFolder(MutableMapping[Any, Outcome]):
             return
         arrays: list[Any] = []
         known = {
-            "format": FORMAT,
-            "version": VERSION,
+            "format": OUTCOME_FORMAT,
+            "version": OUTCOME_VERSION,
             "key": _checked(key),
             "seconds": outcome.seconds,
             "made_of": outcome.made_of,
@@ -91,7 +91,7 @@ def _read(path: Path) -> tuple[Any, Outcome]:
     try:
         with np.load(path) as arrays:  # which refuses pickled objects
             known = json.loads(str(arrays["outcome"]))
-            if (known["format"], known["version"]) != (FORMAT, VERSION):
+            if (known["format"], known["version"]) != (OUTCOME_FORMAT, OUTCOME_VERSION):
                 raise KeyError(path.name)
             key = known["key"]
             return key, Outcome(key, _unpacked(known["result"], arrays), None, known["seconds"], known["made_of"])

@@ -21,7 +21,7 @@ WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
 STEM = "{stem}"
 """Placeholder in an output's name: the input's name without its extension."""
 
-FORMAT, VERSION = "nested-cages report", 1
+REPORT_FORMAT, REPORT_VERSION = "nested-cages report", 1
 """Identifies the reports."""
 
 
@@ -84,7 +84,7 @@ def put(path: str, text: str) -> None:
 
 def report(results: Sequence[Mapping[str, Any]]) -> str:
     """The report on all files as JSON."""
-    return json.dumps({"format": FORMAT, "version": VERSION, "inputs": list(results)}, indent=1)
+    return json.dumps({"format": REPORT_FORMAT, "version": REPORT_VERSION, "inputs": list(results)}, indent=1)
 
 
 def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:

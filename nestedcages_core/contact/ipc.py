@@ -36,7 +36,7 @@ RANGE_REDUCTION = 0.25
 MAX_RANGE_REDUCTIONS = 4
 """Maximum number of those per target."""
 
-SUFFICIENT_PROGRESS, PATIENCE = 0.98, 3
+PROGRESS_RATIO, MAX_IDLE_SOLVES = 0.98, 3
 """The path is blocked after this many solves in a row (second) none of which leaves less than this fraction (first) of
 the distance to the target, in total or at the farthest vertex."""
 
@@ -118,9 +118,9 @@ class IPC:
                     yield x
                     break
                 left = _distances(x[m:], target)
-                idle = 0 if (left < SUFFICIENT_PROGRESS * least).any() else idle + 1
+                idle = 0 if (left < PROGRESS_RATIO * least).any() else idle + 1
                 least = np.minimum(least, left)
-                if idle >= PATIENCE:
+                if idle >= MAX_IDLE_SOLVES:
                     return ContactOutcome(x, False, iterations, _blocked(x[m:], target))
                 if solution.converged and stiffenings < MAX_STIFFENINGS:
                     stiffness, stiffenings = STIFFENING * stiffness, stiffenings + 1

@@ -14,13 +14,10 @@ from ..geometry.mesh import Mesh
 from ..geometry.triangulation import Sampling, Triangulation, triangulate
 from ..parameters import check_fraction
 from .inside import require_inside
-from .precision import corrected
+from .precision import CHUNK_ENTRIES, corrected
 
 CHUNK_COLUMNS = 64
 """Cage vertices solved for together; bounds the memory in addition to the result."""
-
-CHUNK_ENTRIES = 1_000_000
-"""Entries of W corrected together; bounds the memory to about 200 MB."""
 
 
 @dataclass(frozen=True)

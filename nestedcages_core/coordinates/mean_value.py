@@ -8,10 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from .precision import corrected
-
-CHUNK_ENTRIES = 1_000_000
-"""Pairs of points and cage vertices computed together; bounds the memory to about 100 MB."""
+from .precision import CHUNK_ENTRIES, corrected
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,9 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 
+CHUNK_ENTRIES = 1_000_000
+"""Entries of W computed or corrected together; bounds the memory to about 200 MB."""
+
 CORRECTIONS = 2
 """Number of corrections: the first for the error of the method, the second for its own rounding."""
 

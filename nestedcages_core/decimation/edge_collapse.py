@@ -13,7 +13,7 @@ from ..geometry.predicates import orientation_sign
 from ..geometry.vectors import norm
 from .base import Count
 from .outline import Outline
-from .simplification import MAX_REACH, Simplification, simplified
+from .simplification import MAX_VERTEX_DISTANCE, Simplification, simplified
 
 MIDPOINT_WEIGHT = 1e-3
 """Weight of the distance to the middle of the edge, relative to that of its lines: decides for parallel lines."""
@@ -68,7 +68,7 @@ class _Collapsing(Simplification):
             return  # edges so short that their lines count for nothing
         x, y = (q * r - xy * s) / determinant, (p * s - xy * r) / determinant
         cost = xx * x * x + xy * x * y + yy * y * y + x1 * x + y1 * y + one
-        if max(abs(x), abs(y)) < MAX_REACH * loops.diameter / self.unit:
+        if max(abs(x), abs(y)) < MAX_VERTEX_DISTANCE * loops.diameter / self.unit:
             squared = max(cost, 0.0) / (loops.diameter / self.unit) * self.unit * self.unit
             self.queue.push(vertex, squared, self.unit * x + cx, self.unit * y + cy)
 

@@ -20,6 +20,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .base import LEAST_PER_LOOP
+from .clearing import CLEARANCE_RESERVE
 
 FIRST_GATES, MAX_GATES = 192, 1024
 """Gates of a loop at first, and at most."""
@@ -35,9 +36,6 @@ RELAXED = 1e-6
 
 RESERVE = 1e-3
 """Relative width by which the gates of the walk are shorter."""
-
-CLEARANCE_RESERVE = 1.05
-"""Clearances that the walk stays away from the fine mesh, so that chords between its gates have some slack."""
 
 FIRST_WINDOW = 32
 """Gates looked at for a run at first; doubled where a run is longer."""

@@ -18,7 +18,7 @@ from .move_queue import MoveQueue
 from .outline import Outline
 from .request import Request
 
-MAX_REACH = 1.5
+MAX_VERTEX_DISTANCE = 1.5
 """Maximum distance of new vertices from the centre, in diameters."""
 
 NEGLIGIBLE_COST = 1e-15
@@ -31,7 +31,7 @@ class Simplification(ABC):
     def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
         """minimum: vertices that each loop keeps, at least 3."""
         self.minimum = list(minimum)
-        self.loops = LinkedLoops(outline, MAX_REACH)
+        self.loops = LinkedLoops(outline, MAX_VERTEX_DISTANCE)
         self.queue = MoveQueue(self.loops.total, NEGLIGIBLE_COST * self.loops.diameter**2)
 
     @abstractmethod

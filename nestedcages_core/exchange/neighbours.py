@@ -21,7 +21,7 @@ NEEDED_FOR = "regions that share borders"
 STRIP = 1.0 + 1e-6
 """Width of the strips beyond borders, in clearances, so that rounding leaves the clearance."""
 
-MITRE_LIMIT = 4.0
+STRIP_MITRE_LIMIT = 4.0
 """Length of the strips' corners, in their widths, beyond which they are cut off."""
 
 
@@ -91,7 +91,7 @@ def _cut(cage: Mesh, inner: Mesh, others: Any, width: float) -> Cut:
     if not measured > 0.0:  # no cage at all
         return Cut(cage, False, measured, before, before)
     width = min(width, measured)
-    strip = shapely.buffer(core, STRIP * width, join_style="mitre", mitre_limit=MITRE_LIMIT)
+    strip = shapely.buffer(core, STRIP * width, join_style="mitre", mitre_limit=STRIP_MITRE_LIMIT)
     rest = shapely.difference(whole, shapely.difference(others, strip))
     parts = [part for part in shapely.get_parts(rest) if part.intersects(core)]
     try:

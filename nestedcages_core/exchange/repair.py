@@ -18,7 +18,7 @@ from .rings import Polygon
 
 NEEDED_FOR = "polygons that touch or cross"
 
-NECK = 1e-6
+NECK_PER_SIZE = 1e-6
 """Half the width of the necks between parts that touch in points, by the square root of the area."""
 
 LEAST_NECK = 64.0 * float(np.finfo(float).eps)
@@ -64,7 +64,7 @@ def united(polygons: list[Polygon]) -> Mesh:
         pass
     shapely = load_shapely(NEEDED_FOR)
     shape = shape_of(polygons)
-    reach = max(NECK * np.sqrt(shape.area), LEAST_NECK * float(np.abs(shape.bounds).max()))
+    reach = max(NECK_PER_SIZE * np.sqrt(shape.area), LEAST_NECK * float(np.abs(shape.bounds).max()))
     necks = shapely.buffer(shapely.points(_touching(polygons)), reach, quad_segs=1)
     try:
         return _strict(polygons_in(shapely.union_all([shape, *necks])))

@@ -14,11 +14,11 @@ from ..motion.poses import read_poses
 from .fill import Painted, mesh_of, regions
 from .libraries import load_shapely
 
-PARTS = 4
+PARTS_PER_POSE = 4
 """Parts of the way between two poses. In each an edge is taken to sweep the convex hull of its two places. That is more
 than it sweeps only where it turns over, by an amount that falls with the square of the number of parts."""
 
-SEAM = 1e-6
+SWEPT_SEAM = 1e-6
 """Width of gaps that are closed, as a fraction of the drawing's diagonal: they come from rounding where hulls abut."""
 
 
@@ -35,15 +35,15 @@ def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
     corners = np.concatenate(ways).reshape(-1, 2)
     hulls = shapely.convex_hull(shapely.multipoints(corners, indices=np.repeat(np.arange(len(corners) // 4), 4)))
     areas = hulls[shapely.get_dimensions(hulls) == 2]
-    gap = SEAM * fine.diagonal
+    gap = SWEPT_SEAM * fine.diagonal
     union = mesh_of(shapely, [*solids, *areas], seam=gap)
     kept = np.flatnonzero(np.abs(union.loop_areas) > gap * gap)
     return union if len(kept) == len(union.loops) else Mesh.from_loops([union.vertices[union.loops[k]] for k in kept])
 
 
 def _swept_edges(fine: Mesh, before: FloatArray, after: FloatArray) -> FloatArray:
-    """(PARTS · n, 4, 2) the two places of each edge in each part of the way."""
-    share = np.linspace(0.0, 1.0, PARTS + 1)[:, None, None]
+    """(PARTS_PER_POSE · n, 4, 2) the two places of each edge in each part of the way."""
+    share = np.linspace(0.0, 1.0, PARTS_PER_POSE + 1)[:, None, None]
     at = before + share * (after - before)
     at[-1] = after
     ends = at[:, fine.successor]

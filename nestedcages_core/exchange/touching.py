@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 
-NECK = 1e-3
+NECK_PER_EDGE = 1e-3
 """Distance by which loops that touch in a point are pulled apart there, by the shorter edge at the point."""
 
 MAX_NECK = 1e-6
@@ -78,7 +78,7 @@ def _off_its_touching_points(points: FloatArray, loop: IntArray, crowded: BoolAr
     half = _empty_angle(points, before, at, after) / 2.0
     length = np.hypot(*back.T)
     along = back / length[:, None]
-    reach = np.minimum(NECK * np.minimum(length, np.hypot(*on.T)), MAX_NECK * diagonal)[:, None]
+    reach = np.minimum(NECK_PER_EDGE * np.minimum(length, np.hypot(*on.T)), MAX_NECK * diagonal)[:, None]
     across = np.stack((-along[:, 1], along[:, 0]), axis=1)
     moved[place] += reach * (np.cos(half)[:, None] * along + np.sin(half)[:, None] * across)
     return np.asarray(moved)

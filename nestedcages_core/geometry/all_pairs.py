@@ -7,7 +7,7 @@ from .arrays import FloatArray
 TREE_COST, TREE_START = 80, 20_000
 """Cost of a tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
 
-BLOCK = 16_384
+CACHED_PAIRS = 16_384
 """Pairs measured together: their arrays stay in the processor's cache (measured)."""
 
 
@@ -17,6 +17,6 @@ def few_pairs(points: int, edges: int) -> bool:
 
 
 def blocks(points: FloatArray, edges: int) -> list[FloatArray]:
-    """The points (P, 2) in portions that make about BLOCK pairs with the edges each; at least one portion."""
-    rows = max(1, BLOCK // max(1, edges))
+    """The points (P, 2) in portions that make about CACHED_PAIRS pairs with the edges each; at least one portion."""
+    rows = max(1, CACHED_PAIRS // max(1, edges))
     return [points[first : first + rows] for first in range(0, max(len(points), 1), rows)]

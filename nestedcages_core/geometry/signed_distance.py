@@ -18,7 +18,7 @@ from .distance import SMALLEST_LENGTH, point_edge
 from .mesh import Mesh
 from .predicates import winding_number
 
-SAMPLES_PER_EDGE = 0.5
+SAMPLES_PER_MEAN_EDGE = 0.5
 """Points of the tree per mean edge length: an edge of twice the mean length has one, longer ones have more."""
 
 EXTRA_SAMPLES = 1000
@@ -107,7 +107,7 @@ class EdgeSearch:
     def _sampled_tree(self) -> cKDTree:
         if self._tree is None:
             lengths = np.hypot(*(self.ends - self.starts).T)
-            wanted = lengths.sum() / (SAMPLES_PER_EDGE * len(lengths) + EXTRA_SAMPLES)
+            wanted = lengths.sum() / (SAMPLES_PER_MEAN_EDGE * len(lengths) + EXTRA_SAMPLES)
             counts = np.maximum(np.ceil(lengths / max(wanted, SMALLEST_LENGTH)), 1.0).astype(np.int64)
             self._edge_of_sample = np.repeat(np.arange(len(lengths)), counts)
             place = position_in_group(counts)

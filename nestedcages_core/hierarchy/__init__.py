@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .clearance_bounds import least_room
+from .clearance_bounds import tightest_place
 from .results import Hierarchy, Level, NestingReport, Progress
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
@@ -18,6 +18,6 @@ __all__ = [
     "Settings",
     "Within",
     "inner_cages",
-    "least_room",
     "nested_cages",
+    "tightest_place",
 ]

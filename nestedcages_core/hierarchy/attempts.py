@@ -93,7 +93,7 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
         yield replace(last, tightened=False)
 
 
-class Outcome(NamedTuple):
+class StartOutcome(NamedTuple):
     """The outcome of a start."""
 
     rank: float = inf
@@ -101,7 +101,7 @@ class Outcome(NamedTuple):
     cage: Mesh | None = None
 
 
-def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, Outcome, None]:
+def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, StartOutcome, None]:
     """The starts of an attempt that are worth trying; is sent what becomes of each.
 
     The best one first, on the curve, as in the paper; then the others as they are, which is quicker. If one of these

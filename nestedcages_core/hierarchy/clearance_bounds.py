@@ -13,8 +13,8 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
 from ..geometry.signed_distance import EdgeSearch
 
-ROUND_OFF = 1e-6
-"""Relative distance of a bound from the wanted clearance that is mere round-off."""
+BOUND_ROUNDING = 1e-6
+"""Relative difference between a bound and the wanted clearance that counts as rounding."""
 
 
 @dataclass(frozen=True)
@@ -34,15 +34,15 @@ class Bound:
         )
 
 
-def least_room(fine: Mesh) -> Bound | None:
+def tightest_place(fine: Mesh) -> Bound | None:
     """The tightest place for cages with the loops of a mesh; None if there is no such place."""
     return min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
 
 
 def too_narrow(fine: Mesh, wanted: float) -> str:
     """Why no cage with the loops of a mesh can keep a clearance, as a sentence; empty if no bound says so."""
-    bound = least_room(fine)
-    return "" if bound is None or bound.clearance > (1.0 + ROUND_OFF) * wanted else bound.message(wanted)
+    bound = tightest_place(fine)
+    return "" if bound is None or bound.clearance > (1.0 + BOUND_ROUNDING) * wanted else bound.message(wanted)
 
 
 def _bounds(fine: Mesh) -> Iterator[Bound]:

@@ -22,7 +22,7 @@ from ..stages import Stage
 from ..verification import Certificate, verify
 from ..verification.certificate import loops_in_words
 from ..verification.motion import certify_motion
-from .attempts import PAPER_PREFERENCE, Attempt, Outcome, attempts, in_turn
+from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .clearance_bounds import too_narrow
 from .early_stop import EarlyStop
 from .progress import LevelProgress
@@ -80,14 +80,14 @@ class LevelBuilder:
         while start is not None:
             tried.append(start.source)
             self.progress.next_start(len(self.starts))
-            best, outcome = min((cage.rank for cage in cages), default=np.inf), Outcome()
+            best, outcome = min((cage.rank for cage in cages), default=np.inf), StartOutcome()
             try:
                 cage = yield from self._reinflated(attempt, start)
                 cage = yield from self._tightened(cage, attempt.clearances[0], best)
                 if np.isfinite(cage.rank):
                     cages.append(cage)
                     vertices = self.units.to_input(cage.reinflation.cage_steps[-1])
-                    outcome = Outcome(cage.rank, start.coarse.moved(vertices))
+                    outcome = StartOutcome(cage.rank, start.coarse.moved(vertices))
             except FAILURES as error:
                 logger.debug("start from %s failed: %s", start.source, error)
                 errors.append(start.makeshift_for or error)

@@ -8,12 +8,11 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-
-CLEARANCE_MARGIN = 1e-7
-"""Relative margin added to the clearance to absorb the rounding of the conversion back."""
+from ..tightening.tightening import CLEARANCE_MARGIN
 
 ROUNDING_ULPS = 8.0
-"""The same in roundings of the largest coordinate, which matter far from the origin."""
+"""Margin added to a clearance for the conversion back, in roundings of the largest coordinate, next to the relative
+`CLEARANCE_MARGIN`: it counts far from the origin."""
 
 
 @dataclass(frozen=True)

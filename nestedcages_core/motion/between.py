@@ -18,7 +18,7 @@ from ..energies import signed_area
 from ..errors import NestingError
 from ..geometry.arrays import FloatArray
 from ..tightening.restoration import outward_correction
-from .following import REACH, Follower, sides
+from .following import RESTORED_REACH, Follower, sides
 from .poses import Pose
 
 INSTANTS = np.arange(1, 8) / 8.0
@@ -27,13 +27,13 @@ INSTANTS = np.arange(1, 8) / 8.0
 ROOM = 0.5
 """Distance that pushing aims at between the keys, in clearances."""
 
-OVERSHOOT, LATER_OVERSHOOT, LATER = 1.3, 2.0, 4
+PUSH_FACTOR, LATER_PUSH_FACTOR, LATER = 1.3, 2.0, 4
 """Factor of a push, and a larger one from this round on: what one push leaves is of second order."""
 
 ROUNDS = 12
 """Pushes of one interval before it gets another key."""
 
-GROWTH = 0.005
+PUSHED_AREA = 0.005
 """Area that pushing may add to a tight cage, as a fraction, before the interval gets another key instead."""
 
 SHORTEST = 1.0 / 32.0
@@ -130,9 +130,9 @@ class Straightener:
             return None
         bodies, encloses = self.follower.bodies, self.follower.encloses
         x0, x1 = (np.concatenate([key.cage, key.fine]) for key in (begin, end))
-        pairs = find_pairs(bodies, 0.5 * (x0 + x1), REACH * bodies.cage_edge_length)
+        pairs = find_pairs(bodies, 0.5 * (x0 + x1), RESTORED_REACH * bodies.cage_edge_length)
         missing = self._missing(pairs, x0, x1)
-        missing[missing > 0.0] *= OVERSHOOT if begin.rounds < LATER else LATER_OVERSHOOT
+        missing[missing > 0.0] *= PUSH_FACTOR if begin.rounds < LATER else LATER_PUSH_FACTOR
         share = 2.0 if begin.handed_out or end.handed_out else 1.0
         cages = []
         for key, x in ((begin, x0), (end, x1)):
@@ -141,7 +141,7 @@ class Straightener:
                 continue
             cage = key.cage + outward_correction(bodies, pairs, measure(pairs, x), x, share * missing)
             grown = signed_area(cage, bodies.cage_successor) / signed_area(key.cages[-1], bodies.cage_successor) - 1.0
-            if (grown > GROWTH and not last_resort) or not encloses(cage, key.fine):
+            if (grown > PUSHED_AREA and not last_resort) or not encloses(cage, key.fine):
                 return None
             cages.append(cage)
         return cages[0], cages[1]

@@ -25,10 +25,10 @@ from ..tightening.restoration import restore
 from ..verification import verify
 from .carrying import carried
 
-PARTS = (1, 2, 4, 8)
+WAY_PARTS = (1, 2, 4, 8)
 """Into how many parts the way to a pose is cut, in turn, until the carried cage can be restored in each."""
 
-REACH = 0.25
+RESTORED_REACH = 0.25
 """How far apart pairs are that restoration looks at, in mean cage edge lengths."""
 
 AIM = 1.01
@@ -65,7 +65,7 @@ class Follower:
 
         None if the way is blocked.
         """
-        for parts in PARTS:
+        for parts in WAY_PARTS:
             start = self._carried(cage, before, after, parts)
             if start is not None:
                 return self.tightened(start, after)
@@ -84,7 +84,7 @@ class Follower:
         """
         bodies = self.bodies
         old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
-        pairs = find_pairs(bodies, new, REACH * bodies.cage_edge_length)
+        pairs = find_pairs(bodies, new, RESTORED_REACH * bodies.cage_edge_length)
         required = np.full(len(pairs), AIM * self.clearance)
         own = OWN * measure(pairs, old).distance[pairs.cage_cage]
         required[pairs.cage_cage] = np.minimum(required[pairs.cage_cage], own)

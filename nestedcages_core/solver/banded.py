@@ -168,6 +168,7 @@ class BandedSystem:
 
 
 _AXES = np.array([0, 1])
+"""Both unknowns of a vertex."""
 
 
 class _Entries(NamedTuple):

@@ -19,7 +19,7 @@ from ..geometry.vectors import norm
 REACH_PRECISION = 1e-4
 """Relative width of the interval in which the reach is known; its upper end counts."""
 
-MAX_HALVINGS = 60
+MAX_TRIANGLE_HALVINGS = 60
 """Cap on the halvings of a triangle: its sides are then shorter by a factor of a billion."""
 
 
@@ -47,7 +47,7 @@ def _reach(cage: Mesh, fine: Mesh, limit: float | None) -> float:
             return largest
     tiles = triangulate(between)
     corners = tiles.vertices[tiles.triangles]
-    for _ in range(MAX_HALVINGS):
+    for _ in range(MAX_TRIANGLE_HALVINGS):
         probes = np.concatenate((corners, corners.mean(axis=1, keepdims=True)), axis=1)
         nearest = search.closest(probes.reshape(-1, 2))
         largest = max(largest, float(nearest.distance.max()))

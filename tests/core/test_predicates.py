@@ -18,11 +18,11 @@ from nestedcages_core.geometry.predicates import (
     BoxTree,
     as_integers,
     box_tree,
-    containment,
     crossing_pairs,
     orientation,
     orientation_sign,
     segments_intersect,
+    winding,
     winding_number,
 )
 from nestedcages_core.geometry.predicates.oriented_boxes import OrientedBoxes
@@ -267,7 +267,7 @@ def test_blocks_join_to_the_whole(kind: str, monkeypatch: pytest.MonkeyPatch) ->
     a, b = segments_of(kind, 500, np.random.default_rng(12))
     tree, other = BoxTree(a, b), BoxTree(a[::3] + 0.01, b[::3] + 0.01)
     whole, pairs = as_set(tree.self_pairs()), as_set(tree.pairs(other))
-    monkeypatch.setattr(box_tree, "BLOCK", 16)
+    monkeypatch.setattr(box_tree, "BLOCK_PAIRS", 16)
     blocks = list(tree.blocks())
     assert len(blocks) > 5
     assert max(len(i) for i, _ in blocks) <= 16 * box_tree.FANOUT**2
@@ -350,19 +350,19 @@ def test_winding_number_on_grids(crowded: int, shuffled: bool, data: st.DataObje
         order = data.draw(st.permutations(range(len(starts))))
         starts, ends = [starts[k] for k in order], [ends[k] for k in order]
     queries = list(itertools.product(range(-1, 8), range(-1, 8)))
-    before = containment.CROWDED
-    containment.CROWDED = crowded
+    before = winding.CROWDED
+    winding.CROWDED = crowded
     try:
         found = winding_number(np.array(queries, float), np.array(starts, float), np.array(ends, float))
     finally:
-        containment.CROWDED = before
+        winding.CROWDED = before
     assert found.tolist() == [exact_winding(q, starts, ends) for q in queries]
 
 
 @pytest.mark.parametrize("crowded", [-1, box_tree.CROWDED])
 def test_winding_number_of_many_points_against_shapely(crowded: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(containment, "CROWDED", crowded)
-    monkeypatch.setattr(containment, "PAIR_BLOCK", 1000)
+    monkeypatch.setattr(winding, "CROWDED", crowded)
+    monkeypatch.setattr(winding, "PAIR_BLOCK", 1000)
     random = np.random.default_rng(15)
     outer, inner = segments_of("star", 2000, random)[0], 0.4 * segments_of("loop", 500, random)[0][::-1]
     starts = np.concatenate((outer, inner))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
+from ...geometry.mesh.validation import MAX_COORDINATE
 from ..fill import Area, Painted, bounds_of, regions, thickness
 from ..libraries import load_shapely
 from .curves import flattened
@@ -24,9 +25,6 @@ from .transforms import moved, scaling, translation
 
 STROKE_FINENESS = 0.25
 """Tolerance of the middle line of a stroke, by that of its outline."""
-
-MAX_COORDINATE = 1e150
-"""Coordinates beyond this cannot be multiplied with each other."""
 
 THIN, MAX_FINER = 0.02, 8.0
 """Default tolerance of thin shapes by their thickness, and by how much it is finer than that of others at most."""

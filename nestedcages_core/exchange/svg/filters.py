@@ -19,7 +19,7 @@ from .transforms import moved
 BOX = 3.0 * np.sqrt(2.0 * np.pi) / 4.0
 """Width of each of the three boxes in a row that stand for a blur, in standard deviations."""
 
-QUARTER_SEGMENTS = 16
+BLUR_SEGMENTS = 16
 """Chords of a quarter circle around a blurred corner."""
 
 FADING_REACH = 0.55
@@ -55,7 +55,7 @@ class Layer:
             unit = np.maximum(self.blur, LEAST_RATIO * largest)
             region = shapely.transform(region, lambda xy: xy / unit)
             reach = _reach(faintest / self.alpha) * (FADING_REACH if self.fades else 1.0)
-            region = shapely.buffer(region, reach, quad_segs=QUARTER_SEGMENTS)
+            region = shapely.buffer(region, reach, quad_segs=BLUR_SEGMENTS)
             region = shapely.transform(region, lambda xy: xy * unit)
         return region if self.within is None else shapely.intersection(region, self.within)
 

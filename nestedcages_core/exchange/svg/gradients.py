@@ -10,7 +10,7 @@ from ...geometry.arrays import FloatArray
 from .paints import Gradient, Stop
 from .transforms import moved, scaling, translation
 
-QUARTER_SEGMENTS = 32
+GRADIENT_SEGMENTS = 32
 """Chords of a quarter circle."""
 
 
@@ -67,7 +67,7 @@ def _disc_between(shapely: Any, numbers: tuple[float, ...], start: float, end: f
         if not np.isfinite(t):
             return shapely.MultiPoint(here).convex_hull
         middle = shapely.Point(fx + (cx - fx) * t, fy + (cy - fy) * t)
-        return middle.buffer(max(radius * t, 0.0), quad_segs=QUARTER_SEGMENTS)
+        return middle.buffer(max(radius * t, 0.0), quad_segs=GRADIENT_SEGMENTS)
 
     outer = disc(end)
     return outer if start <= 0.0 else shapely.difference(outer, disc(start))

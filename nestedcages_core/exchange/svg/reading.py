@@ -12,10 +12,11 @@ import numpy as np
 from ...errors import InvalidMeshError, NestedCagesError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
+from ...geometry.mesh.validation import MAX_COORDINATE
 from ..files import read_whole
 from ..fill import Area, bounds_of, regions, solid
 from ..libraries import load_shapely
-from .areas import MAX_COORDINATE, Areas
+from .areas import Areas
 from .curves import flattened
 from .document import Document, Frame
 from .nodes import Group, Shape

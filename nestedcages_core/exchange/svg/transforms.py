@@ -17,7 +17,7 @@ VALUE = re.compile(rf"({NUMBER.pattern})(deg|rad|grad|turn)?")
 DEGREES = {"": 1.0, "deg": 1.0, "rad": 180.0 / math.pi, "grad": 0.9, "turn": 360.0}
 """Units of angles, in style sheets only."""
 
-MAX_SHOWN = 60
+MAX_TRANSFORM_SHOWN = 60
 """Characters of a transform that a sentence quotes."""
 
 
@@ -32,8 +32,8 @@ def read_transform(text: str) -> FloatArray:
         matrix = _matrix(found[1], values) if found and np.isfinite(values).all() else None
         if found is None or matrix is None:
             raise NestedCagesError(
-                f"The transform '{text[:MAX_SHOWN]}' cannot be read; use matrix, translate, scale, rotate, skewX and "
-                "skewY with finite numbers."
+                f"The transform '{text[:MAX_TRANSFORM_SHOWN]}' cannot be read; use matrix, translate, scale, "
+                "rotate, skewX and skewY with finite numbers."
             )
         product = product @ matrix
         place = found.end()

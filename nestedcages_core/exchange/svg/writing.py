@@ -17,7 +17,7 @@ from ...geometry.mesh import Mesh
 from ..files import write_whole
 from .document import DECORATION, OUTLINES, Frame
 
-MARGIN = 0.02
+PAGE_MARGIN = 0.02
 """Empty space around the shapes of a written document, as a share of their diagonal."""
 
 STROKE = 0.004
@@ -62,7 +62,7 @@ def to_svg(
     diagonal = float(np.hypot(*(high - low)))
     if view_box is None and (frame is None or frame.page is None):
         frame = None
-        view_box = (*(low - MARGIN * diagonal), *(high - low + 2.0 * MARGIN * diagonal))
+        view_box = (*(low - PAGE_MARGIN * diagonal), *(high - low + 2.0 * PAGE_MARGIN * diagonal))
     page = _page(view_box, frame)
     width = STROKE * diagonal / math.sqrt(max(Counter(level_of).values()))
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" {page} overflow="visible" {OUTLINES}="{DECORATION}">']

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from .box_tree import BoxTree
-from .containment import ON_BOUNDARY, RayCrossings, ray_crossings, winding_number
 from .orientation import Signs, as_integers, crossing_pairs, orientation, orientation_sign, segments_intersect
+from .winding import ON_BOUNDARY, RayCrossings, ray_crossings, winding_number
 
 __all__ = [
     "ON_BOUNDARY",

@@ -14,7 +14,7 @@ from .oriented_boxes import OrientedBoxes
 FANOUT = 4
 """Boxes that share a parent; 4 was the fastest of 2, 4 and 8 for loops of 1,000 to 100,000 segments."""
 
-BLOCK = 2**16
+BLOCK_PAIRS = 2**16
 """Pairs whose children are compared at once; bounds the memory to about 100 MB."""
 
 CROWDED = 8
@@ -94,7 +94,7 @@ class BoxTree:
             a, b, i, j = waiting.pop()
             if a == 0 and b == 0:
                 yield self._as_given(i, j, other)
-            elif len(i) > BLOCK:
+            elif len(i) > BLOCK_PAIRS:
                 middle = len(i) // 2
                 waiting += [(a, b, i[middle:], j[middle:]), (a, b, i[:middle], j[:middle])]
             else:

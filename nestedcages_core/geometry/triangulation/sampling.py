@@ -20,10 +20,10 @@ SPACING_NEIGHBOURS = 6
 MIN_DEPTH = 0.5
 """Smallest distance of inner points from the boundary, in local spacings."""
 
-MAX_HALVINGS = 24
+MAX_CELL_HALVINGS = 24
 """Maximum number of halvings of the bounding box: the smallest spacing is 6e-8 of it."""
 
-SAMPLES_PER_EDGE = 257
+SPACING_SAMPLES = 257
 """Places on an edge where the wanted spacing is evaluated to integrate it."""
 
 
@@ -84,13 +84,13 @@ def _divided(mesh: Mesh, sampling: Sampling) -> tuple[IntArray, FloatArray]:
     shorter = np.minimum(lengths, lengths[mesh.predecessor])
     at_vertex = sampling.at_corners * np.minimum(shorter, sampling.spacing)
     edges, parameters = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
-    place = np.linspace(0.0, 1.0, SAMPLES_PER_EDGE)
+    place = np.linspace(0.0, 1.0, SPACING_SAMPLES)
     middle = 0.5 * (place[1:] + place[:-1])
     for v in np.flatnonzero((lengths > sampling.spacing) | (sampling.at_corners < 1.0)):
         from_start = at_vertex[v] + sampling.growth * lengths[v] * middle
         from_end = at_vertex[mesh.successor[v]] + sampling.growth * lengths[v] * (1.0 - middle)
         wanted = np.minimum(np.minimum(from_start, from_end), sampling.spacing)
-        pieces = np.concatenate(([0.0], np.cumsum(lengths[v] / (SAMPLES_PER_EDGE - 1) / wanted)))
+        pieces = np.concatenate(([0.0], np.cumsum(lengths[v] / (SPACING_SAMPLES - 1) / wanted)))
         count = max(round(pieces[-1]), 1)
         edges.append(np.full(count - 1, v))
         parameters.append(np.interp(np.arange(1, count) * (pieces[-1] / count), pieces, place))
@@ -113,7 +113,7 @@ def _inside(mesh: Mesh, boundary: FloatArray, segments: IntArray, sampling: Samp
     cells = (0.5 * (low + high))[None]
     leaves = [np.zeros((0, 2))]
     quarter = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
-    for _ in range(MAX_HALVINGS):
+    for _ in range(MAX_CELL_HALVINGS):
         reach, near = tree.query(cells, k=range(1, min(SPACING_NEIGHBOURS, len(boundary)) + 1))
         wanted = np.minimum((around[near] + sampling.growth * reach).min(axis=1), sampling.spacing)
         signed = distance.at(cells).distance

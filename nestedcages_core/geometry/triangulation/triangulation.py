@@ -18,7 +18,7 @@ INSIDE_TOLERANCE = -1e-12
 MAX_WALK = 3.0
 """Triangles, in √T, that a walk towards a point passes before all triangles are searched instead."""
 
-CHUNK_PAIRS = 1_000_000
+CHUNK_TRIANGLES = 1_000_000
 """Pairs of points and triangles measured together; bounds the memory to about 200 MB."""
 
 
@@ -105,7 +105,7 @@ class Triangulation:
         """The triangle around each of (P, 2) points, (P,), and its barycentric coordinates, (P, 3)."""
         found = np.asarray(self._centres.query(points)[1], dtype=np.int64)
         lost = self._walk(points, found)
-        chunk = max(CHUNK_PAIRS // len(self.triangles), 1)
+        chunk = max(CHUNK_TRIANGLES // len(self.triangles), 1)
         for first in range(0, len(lost), chunk):
             some = lost[first : first + chunk]
             pairs = self._barycentric(points[some, None], np.arange(len(self.triangles))[None])

@@ -1,0 +1,106 @@
+"""Every number with a name says what it is for, and no two constants share a name but differ in value."""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Constant(NamedTuple):
+    name: str
+    value: str
+    where: str
+    is_described: bool
+
+
+def constants(source: str, where: str) -> Iterator[Constant]:
+    """The constants of a module whose values hold numbers, those that are assigned together one by one.
+
+    They are described by the string after them, by a comment on their line, or by one in the lines right above.
+    """
+    lines, body = source.splitlines(), ast.parse(source).body
+    for number, statement in enumerate(body):
+        target = _target(statement)
+        if target is None or not _has_number(statement.value):  # type: ignore[attr-defined]
+            continue
+        value = statement.value  # type: ignore[attr-defined]
+        names = target.elts if isinstance(target, ast.Tuple) else [target]
+        values = value.elts if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) else [value] * len(names)
+        described = _has_string_after(body, number) or _has_comment(lines, statement)
+        for one, its in zip(names, values, strict=True):
+            if isinstance(one, ast.Name) and one.id.lstrip("_").isupper():
+                yield Constant(one.id, ast.unparse(its), f"{where}:{statement.lineno}", described)
+
+
+def _target(statement: ast.stmt) -> ast.expr | None:
+    if isinstance(statement, ast.Assign):
+        return statement.targets[0]
+    return statement.target if isinstance(statement, ast.AnnAssign) and statement.value is not None else None
+
+
+def _has_number(value: ast.expr) -> bool:
+    return any(isinstance(node, ast.Constant) and type(node.value) in (int, float) for node in ast.walk(value))
+
+
+def _has_string_after(body: list[ast.stmt], number: int) -> bool:
+    """Whether a string follows, with nothing but other constants between."""
+    for statement in body[number + 1 :]:
+        if isinstance(statement, ast.Expr):
+            return isinstance(statement.value, ast.Constant) and isinstance(statement.value.value, str)
+        if _target(statement) is None:
+            return False
+    return False
+
+
+def _has_comment(lines: list[str], statement: ast.stmt) -> bool:
+    if "# " in lines[statement.lineno - 1]:
+        return True
+    for line in reversed(lines[: statement.lineno - 1]):
+        if not line.strip():
+            return False
+        if line.startswith("#"):
+            return True
+    return False
+
+
+def undescribed(sources: Mapping[str, str]) -> list[str]:
+    found = [constant for where, source in sources.items() for constant in constants(source, where)]
+    return [f"{constant.where}: {constant.name}" for constant in found if not constant.is_described]
+
+
+def ambiguous(sources: Mapping[str, str]) -> list[str]:
+    """Names of constants with several values, or with one value that is written several times."""
+    places: defaultdict[str, list[Constant]] = defaultdict(list)
+    for where, source in sources.items():
+        for constant in constants(source, where):
+            places[constant.name].append(constant)
+    return [f"{name}: {', '.join(c.where for c in found)}" for name, found in places.items() if len(found) > 1]
+
+
+def sources() -> dict[str, str]:
+    files = [path for room in ("nestedcages_core", "addon") for path in sorted((ROOT / room).rglob("*.py"))]
+    return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
+
+
+def test_every_constant_says_what_it_is_for() -> None:
+    assert undescribed(sources()) == []
+
+
+def test_a_name_stands_for_one_constant() -> None:
+    assert ambiguous(sources()) == []
+
+
+def test_a_number_without_a_word_is_found() -> None:
+    assert undescribed({"a.py": "import x\n\nA = 1\nB, C = 2.0, 3.0\n"}) == ["a.py:3: A", "a.py:4: B", "a.py:4: C"]
+    assert undescribed({"a.py": 'A = 1\n"""Unit."""\n\n# Unit.\nB = 2\n\nC = 3  # unit\n'}) == []
+
+
+def test_a_name_with_two_values_is_found() -> None:
+    described = 'SMALL = {}\n"""Unit."""\n'
+    assert ambiguous({"a.py": described.format(1), "b.py": described.format(2)}) == ["SMALL: a.py:1, b.py:1"]
+    assert ambiguous({"a.py": described.format(1), "b.py": described.format(1)}) != []
