@@ -65,6 +65,7 @@ from .exchange import frames_from_engine_json as frames_from_engine_json
 from .exchange import frames_to_engine_json as frames_to_engine_json
 from .exchange import from_engine_json as from_engine_json
 from .exchange import is_engine_json as is_engine_json
+from .exchange import pieces_from_engine_json as pieces_from_engine_json
 from .exchange.pictures import alpha_channel as alpha_channel
 from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
 from .exchange.pictures import collision_outline, read_png

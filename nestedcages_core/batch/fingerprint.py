@@ -23,7 +23,7 @@ def fingerprint(task: Task) -> str:
     Objects of the user's own without fields count as new in every run, since nothing tells what they do.
     """
     try:
-        mesh = task.shape if isinstance(task.shape, Mesh) else Mesh.from_geometry(task.shape)
+        mesh = Mesh.of(task.shape)
         levels = task.levels(mesh) if callable(task.levels) else task.levels
         parts = (REVISION, mesh, list(levels), task.settings, task.keep)
     except Exception:  # the task says why

@@ -49,7 +49,7 @@ class Task:
         """The outcome; errors are part of it, so that none ends the batch."""
         began = perf_counter()
         try:
-            mesh = self.shape if isinstance(self.shape, Mesh) else Mesh.from_geometry(self.shape)
+            mesh = Mesh.of(self.shape)
             levels = self.levels(mesh) if callable(self.levels) else self.levels
             hierarchy = nested_cages(mesh, levels, self.settings)
             result = hierarchy if self.keep is None else self.keep(hierarchy)

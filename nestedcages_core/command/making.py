@@ -14,8 +14,7 @@ from ..exchange import cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Hierarchy, NestingReport, Settings, inner_cages, nested_cages
-from .levels import wanted_levels
+from ..hierarchy import Hierarchy, NestingReport, Settings, inner_cages, nested_cages, wanted_levels
 from .progress import ProgressLine
 from .sources import Shape, Source
 

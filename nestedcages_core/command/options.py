@@ -9,8 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..errors import NestedCagesError
 from ..exchange import Limits
-from .levels import Wanted
+from ..hierarchy import level_words, parse_level
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
 
@@ -64,7 +65,7 @@ BELONGING = {
 }
 """Options, and the kinds of files that they are for."""
 
-OUTLINES = ("flip_y", "triangles")
+OUTLINES = ("flip_y", "triangles", "pieces")
 """Options for collision outlines."""
 
 
@@ -79,12 +80,12 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("input", nargs="+", metavar="INPUT", help="files to read: .svg, .geojson, .json or .png; or -")
     options.add_argument(
         "--levels",
-        type=Wanted.parsed,
+        action=_Levels,
         nargs="+",
         required=True,
         metavar="N",
-        help="vertices of each cage, from the finest to the coarsest: 32; parts of the shape's own, 8%%; or the "
-        "fewest within a distance, 2px, or an excess, +25%%",
+        help="what each cage may have or take, from the finest to the coarsest: a number of vertices, 32; a share of "
+        "the shape's own, 8%%; or the fewest vertices within a distance, 2px, or an excess, +25%%",
     )
     options.add_argument(
         "--inside",
@@ -160,6 +161,12 @@ def parser() -> argparse.ArgumentParser:
         "--flip-y", action="store_true", help="turn y over; that of a picture then counts upwards from its lower edge"
     )
     engines.add_argument("--triangles", action="store_true", help="add the triangles of the outline")
+    engines.add_argument(
+        "--pieces",
+        type=_corners,
+        metavar="N",
+        help="add convex pieces of at most N vertices, which tile the outline; Box2D takes 8",
+    )
     return options
 
 
@@ -222,6 +229,25 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
             options.error(f"{path}: there is no folder {Path(path).parent}")
 
 
+class _Levels(argparse.Action):
+    """Reads the levels, however the shell split them: `--levels 32 8% 2px` as well as `--levels "32, 8 %, 2 px"`."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        try:
+            levels = [parse_level(word) for word in level_words(" ".join(values))]
+        except NestedCagesError as error:
+            raise argparse.ArgumentError(self, str(error)) from error
+        if not levels:
+            raise argparse.ArgumentError(self, "at least one level is needed")
+        setattr(namespace, self.dest, levels)
+
+
 def _number(text: str, what: str, holds: Callable[[float], bool]) -> float:
     try:
         value = float(text)
@@ -234,6 +260,10 @@ def _number(text: str, what: str, holds: Callable[[float], bool]) -> float:
 
 def _count(text: str) -> int:
     return int(_number(text, "a whole number of at least 1 is needed", lambda value: value >= 1 and value % 1 == 0))
+
+
+def _corners(text: str) -> int:
+    return int(_number(text, "a whole number of at least 3 is needed", lambda value: value >= 3 and value % 1 == 0))
 
 
 def _length(text: str) -> float:

@@ -47,7 +47,7 @@ def check(path: str, source: Source, kind: str) -> None:
         )
 
 
-def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool) -> str:
+def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces: int | None) -> str:
     """The text of an output."""
     if kind == "svg":
         return _svg(result)
@@ -55,7 +55,7 @@ def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool) -> str:
         features = [_feature(each, k, cage) for each in result.made for k, cage in enumerate(each.cages)]
         return to_geojson(features, indent=1, crs=result.source.crs)
     flip = result.source.height if flip_y else None
-    return to_engine_json(result.made[0].cages[-1].mesh, flip_y=flip, triangles=triangles, indent=1)
+    return to_engine_json(result.made[0].cages[-1].mesh, flip_y=flip, triangles=triangles, pieces=pieces, indent=1)
 
 
 def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:

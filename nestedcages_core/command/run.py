@@ -89,7 +89,8 @@ def _file(
         line.end()
         _say(result, out, title=path if several else None)
         for file, kind in outputs if result.made else ():
-            put(file, text_of(result, kind, flip_y=given.flip_y, triangles=given.triangles))
+            outline = {"flip_y": given.flip_y, "triangles": given.triangles, "pieces": given.pieces}
+            put(file, text_of(result, kind, **outline))
             written.append(file)
             if file != STREAM:
                 tell(f"Wrote {file}", out)

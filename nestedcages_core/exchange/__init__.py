@@ -7,6 +7,7 @@ from .engine_json import (
     frames_to_engine_json,
     from_engine_json,
     is_engine_json,
+    pieces_from_engine_json,
     to_engine_json,
     write_engine_json,
 )
@@ -56,6 +57,7 @@ __all__ = [
     "from_svg",
     "is_engine_json",
     "joined",
+    "pieces_from_engine_json",
     "read_geojson",
     "read_map",
     "read_svg",

@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.triangulation import triangulate
+from ..geometry.triangulation import piece_vertices, triangulate
 from .files import write_whole
 from .geojson import loaded_json
 from .limits import Limits
-from .rings import polygons_of, shown
+from .rings import polygons_of, ring_of, shown
 
 FORMAT = "nested-cages outline"
 FRAMES = "nested-cages frames"
@@ -26,19 +26,30 @@ VERSION = 1
 
 
 def to_engine_json(
-    mesh: Mesh, *, flip_y: float | None = None, triangles: bool = False, indent: int | None = None
+    mesh: Mesh,
+    *,
+    flip_y: float | None = None,
+    triangles: bool = False,
+    pieces: int | None = None,
+    indent: int | None = None,
 ) -> str:
     """The outline as JSON: {"format", "version", "polygons": [{"outer": [[x, y], …], "holes": [[[x, y], …], …]}]}.
 
     Outer loops turn counter-clockwise in the numbers written and holes clockwise, as Godot, Unity and Box2D tell them
     apart. flip_y: y is written as `flip_y - y`, so the height of a picture turns it over, and 0 mirrors it.
     triangles: also {"points": [[x, y], …], "triangles": [[i, j, k], …]}, for engines whose pieces must be convex.
+    pieces: also {"points", "pieces": [[i, j, …], …]}, convex and counter-clockwise, of at most so many vertices each.
+
+    Raises NestedCagesError if ``pieces`` is less than 3.
     """
     document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
-    if triangles:
-        corners = triangulate(mesh).triangles
+    turn = 1 if flip_y is None else -1
+    if triangles or pieces is not None:
         document["points"] = _flipped(mesh.vertices, flip_y).tolist()
-        document["triangles"] = (corners if flip_y is None else corners[:, ::-1]).tolist()
+    if triangles:
+        document["triangles"] = triangulate(mesh).triangles[:, ::turn].tolist()
+    if pieces is not None:
+        document["pieces"] = [piece[::turn] for piece in piece_vertices(mesh, pieces)]
     return json.dumps(document, indent=indent, allow_nan=False)
 
 
@@ -87,10 +98,15 @@ def frames_from_engine_json(
 
 
 def write_engine_json(
-    path: str | os.PathLike[str], mesh: Mesh, *, flip_y: float | None = None, triangles: bool = False
+    path: str | os.PathLike[str],
+    mesh: Mesh,
+    *,
+    flip_y: float | None = None,
+    triangles: bool = False,
+    pieces: int | None = None,
 ) -> None:
     """Write the outline to a file, whole or not at all; see `to_engine_json`."""
-    write_whole(path, to_engine_json(mesh, flip_y=flip_y, triangles=triangles))
+    write_whole(path, to_engine_json(mesh, flip_y=flip_y, triangles=triangles, pieces=pieces))
 
 
 def is_engine_json(text: str | bytes) -> bool:
@@ -110,6 +126,32 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     """
     limits = limits or Limits()
     return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, limits)
+
+
+def pieces_from_engine_json(
+    text: str | bytes, *, flip_y: float | None = None, limits: Limits | None = None
+) -> list[FloatArray]:
+    """The convex pieces (k, 2) of an outline that was written with `pieces`, counter-clockwise.
+
+    Raises NestedCagesError like `from_engine_json`, and where there are no pieces.
+    """
+    limits = limits or Limits()
+    document = _checked(text, FORMAT, "a collision outline", limits)
+    points, pieces = document.get("points"), document.get("pieces")
+    if not isinstance(points, list) or not isinstance(pieces, list):
+        raise NestedCagesError("The collision outline has no convex pieces; export it with them.")
+    limits.check("points", len(points))
+    limits.check("elements", len(pieces))
+    places = ring_of(points, "the points")
+    turn = 1 if flip_y is None else -1
+    found = []
+    for k, piece in enumerate(pieces):
+        known = isinstance(piece, list) and all(type(i) is int and 0 <= i < len(points) for i in piece)
+        if not known or len(piece) < 3:
+            raise NestedCagesError(f"Piece {k} of the collision outline is not a list of at least three of its points.")
+        limits.check("points", len(piece))
+        found.append(_flipped(places[piece], flip_y)[::turn])
+    return found
 
 
 def _checked(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:

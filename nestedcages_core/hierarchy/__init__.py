@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .clearance_bounds import tightest_place
+from .levels import Share, level_words, parse_level, wanted_levels
 from .results import Hierarchy, Level, NestingReport, Progress
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
@@ -16,8 +17,12 @@ __all__ = [
     "NestingReport",
     "Progress",
     "Settings",
+    "Share",
     "Within",
     "inner_cages",
+    "level_words",
     "nested_cages",
+    "parse_level",
     "tightest_place",
+    "wanted_levels",
 ]

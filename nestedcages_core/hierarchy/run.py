@@ -9,8 +9,9 @@ import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
 from ..stages import Run, Stage
+from ..verification import verify
 from .attempts import clearances_for
 from .inner_level import InnerLevelBuilder
 from .level import LevelBuilder
@@ -23,17 +24,18 @@ logger = logging.getLogger(__name__)
 
 
 def nested_cages(
-    fine: Mesh,
-    levels: Sequence[int | Mesh | Within],
+    fine: MeshLike,
+    levels: Sequence[int | MeshLike | Within],
     settings: Settings | None = None,
     *,
     progress: Callable[[Progress], None] | None = None,
 ) -> Hierarchy:
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
+    fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, lists of loops (k, 2).
     levels: for each cage its number of vertices, the user's own coarse mesh, or `Within` for the fewest vertices that
-    stay within a distance or an excess of ``fine``. ``progress`` is called between
-    iterations and may raise to cancel. Every returned cage is certified by exact predicates.
+    stay within a distance or an excess of ``fine``. ``progress`` is called between iterations
+    and may raise to cancel. Every returned cage is certified by exact predicates.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
@@ -45,8 +47,8 @@ def nested_cages(
 
 
 def inner_cages(
-    fine: Mesh,
-    levels: Sequence[int | Mesh | Within],
+    fine: MeshLike,
+    levels: Sequence[int | MeshLike | Within],
     settings: Settings | None = None,
     *,
     progress: Callable[[Progress], None] | None = None,
@@ -79,7 +81,9 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
     builder: type[LevelBuilder | InnerLevelBuilder] = LevelBuilder
     """What makes each level."""
 
-    def __init__(self, fine: Mesh, levels: Sequence[int | Mesh | Within], settings: Settings | None = None) -> None:
+    def __init__(
+        self, fine: MeshLike, levels: Sequence[int | MeshLike | Within], settings: Settings | None = None
+    ) -> None:
         if not isinstance(settings, Settings | None):
             raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
         super().__init__(_hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder))
@@ -97,8 +101,8 @@ class InnerCagesRun(NestedCagesRun):
 
 
 def _hierarchy(
-    fine: Mesh,
-    levels: Sequence[int | Mesh | Within],
+    fine: MeshLike,
+    levels: Sequence[int | MeshLike | Within],
     settings: Settings,
     builder: type[LevelBuilder | InnerLevelBuilder],
 ) -> Stage[Progress, Hierarchy]:
@@ -113,7 +117,8 @@ def _hierarchy(
             if isinstance(level, Within):
                 if not isinstance(work, LevelBuilder):
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
-                made = fewest(level, fine, work, strictly=settings.clearance or 0.0)
+                about = fine if level.of is None else _enclosed(level.of.validated(), inner, index)
+                made = fewest(level, about, work, strictly=settings.clearance or 0.0)
             else:
                 made = work.build(level)
             finished.append((yield from made))
@@ -124,26 +129,33 @@ def _hierarchy(
     return Hierarchy(fine, tuple(finished))
 
 
-def _checked(fine: Mesh, levels: Sequence[int | Mesh | Within]) -> tuple[Mesh, list[int | Mesh | Within]]:
+def _enclosed(about: Mesh, inner: Mesh, index: int) -> Mesh:
+    """The mesh that a level is to stay near, which the mesh inside the level encloses or is. Raises NestingError."""
+    same = np.array_equal(about.vertices, inner.vertices) and np.array_equal(about.edges, inner.edges)
+    if not same and not verify(inner, about, same_loops=False):
+        raise NestingError(f"Level {index + 1}: the mesh that Within(of=...) names is not inside of what is enclosed.")
+    return about
+
+
+def _checked(fine: MeshLike, levels: Sequence[int | MeshLike | Within]) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, each an int or a Mesh, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
     """
-    if not isinstance(fine, Mesh):
-        raise NestingError(
-            f"The fine mesh must be a Mesh, not {type(fine).__name__}; use Mesh.from_loops or Mesh.from_geometry."
-        )
+    if not is_mesh_like(fine):
+        raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.")
     if isinstance(levels, Mesh | str) or not isinstance(levels, Iterable):
         raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
-    fine = fine.validated()
+    fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
     loops = len(fine.loops)
     for number, level in enumerate(levels, start=1):
         if isinstance(level, Within):
             checked.append(level)
-        elif isinstance(level, Mesh):
-            loops = len(level.loops)
-            checked.append(level.validated())
+        elif is_mesh_like(level):
+            mesh = Mesh.of(level).validated()
+            loops = len(mesh.loops)
+            checked.append(mesh)
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
             count = int(level)
             if count < LEAST_PER_LOOP * loops:

@@ -28,7 +28,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.command import main
 from nestedcages_core.errors import NestingError
-from nestedcages_core.exchange import features_from_geojson
+from nestedcages_core.exchange import features_from_geojson, pieces_from_engine_json
 from shapes import letter_a, polygon, star
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -103,13 +103,19 @@ def test_a_picture_becomes_an_outline(tmp_path: Path, capsys: pytest.CaptureFixt
     (tmp_path / "a.png").write_bytes(png(opaque))
     rows, columns = np.nonzero(opaque)
     squares = shapely.box(columns, rows, columns + 1, rows + 1)
-    for options, flip, loops in ((["--padding", "2"], None, 1), (["--holes", "--flip-y", "--triangles"], 60.0, 2)):
+    for options, flip, loops in (
+        (["--padding", "2"], None, 1),
+        (["--holes", "--flip-y", "--triangles", "--pieces", "6"], 60.0, 2),
+    ):
         out = tmp_path / "a.json"
         assert main([str(tmp_path / "a.png"), "--levels", "12", "-o", str(out), *options]) == 0
         outline = from_engine_json(out.read_text(), flip_y=flip)
         assert len(outline.loops) == loops
         assert shapely.covers(polygon(outline), squares).all()
         assert ("triangles" in json.loads(out.read_text())) == (flip is not None)
+    pieces = pieces_from_engine_json(out.read_text(), flip_y=60.0)
+    assert max(map(len, pieces)) <= 6
+    assert sum(shapely.Polygon(piece).area for piece in pieces) == pytest.approx(outline.area)
     assert "12 vertices" in capsys.readouterr().out
 
 
@@ -354,7 +360,7 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
     text = capsys.readouterr().out
     options = "levels output format report limit clearance quiet tolerance element jobs padding threshold holes flip-y"
     options += " layers no-strokes no-background no-crop opacity borders"
-    for option in [*options.split(), "triangles"]:
+    for option in [*options.split(), "triangles", "pieces", "inside"]:
         assert re.search(rf"--{option}\b.*\s+\w", text), option
     assert all(f"\n  {status} " in text for status in (0, 1, 2, 130))
 
@@ -372,6 +378,10 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "--padding", "2"], 2, "--padding is for a picture"),
         (["fake.png", "--levels", "24", "--element", "a"], 2, "--element is for a drawing"),
         (["letter.svg", "--levels", "24", "--flip-y"], 2, "--flip-y is for collision outlines"),
+        (["letter.svg", "--levels", "24", "--pieces", "8"], 2, "--pieces is for collision outlines"),
+        (["letter.svg", "--levels", "24", "--pieces", "2"], 2, "at least 3"),
+        (["letter.svg", "--levels", "24", "2m"], 2, "a distance such as 2px"),
+        (["letter.svg", "--levels", ","], 2, "at least one level"),
         (["letter.svg", "--levels", "24", "--format", "svg"], 2, "--format is for the standard output"),
         (["letter.svg", "fake.png", "--levels", "24", "-o", "out.svg"], 2, "put {stem} into the name"),
         (["letter.svg", "--levels", "120%"], 2, "a percentage such as 8%"),

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import logging
 import re
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+import shapely
 
 from nestedcages_core import (
     IPC,
@@ -24,6 +26,7 @@ from nestedcages_core import (
     OuterHull,
     Progress,
     Settings,
+    inner_cages,
     nested_cages,
     verify,
 )
@@ -203,9 +206,37 @@ def test_levels_that_make_no_sense_are_refused(levels: object, sentence: str) ->
         nested_cages(fine, levels)  # type: ignore[arg-type]
 
 
-def test_a_fine_mesh_must_be_a_mesh() -> None:
-    with pytest.raises(NestingError, match=r"must be a Mesh, not ndarray"):
-        nested_cages(ring(20), [5])  # type: ignore[arg-type]
+@pytest.mark.parametrize("make", [nested_cages, inner_cages])
+def test_anything_that_describes_a_shape_has_cages(make: Callable[..., Hierarchy]) -> None:
+    mesh = annulus(24)
+    loops = [mesh.vertices[loop] for loop in mesh.loops]
+    wanted = make(mesh, [12]).cages[0]
+    for shape in (loops, np.array(loops), mesh.__geo_interface__, shapely.geometry.shape(mesh)):
+        (level,) = make(shape, [12]).levels
+        back = shapely.geometry.shape(level.cage)
+        assert back.is_valid
+        assert len(back.interiors) == 1
+        assert back.area == pytest.approx(wanted.area, rel=1e-9)
+        assert verify(*((shape, level.cage) if level.inside else (level.cage, shape)))
+
+
+def test_coarse_meshes_may_be_given_as_loops() -> None:
+    (level,) = nested_cages([ring(40)], [[ring(7, 1.3)]]).levels
+    assert len(level.cage.vertices) == 7
+
+
+@pytest.mark.parametrize(
+    ("fine", "error", "sentence"),
+    [
+        (None, NestingError, r"must be a Mesh, an object with __geo_interface__, or a list of loops"),
+        ("star.svg", NestingError, r"must be a Mesh, an object with __geo_interface__, or a list of loops"),
+        (ring(20), InvalidMeshError, r"give a list of loops"),
+        ({"type": "Point", "coordinates": [0, 0]}, InvalidMeshError, r"Point"),
+    ],
+)
+def test_what_is_no_shape_has_no_cages(fine: object, error: type[Exception], sentence: str) -> None:
+    with pytest.raises(error, match=sentence):
+        nested_cages(fine, [5])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

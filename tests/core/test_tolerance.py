@@ -3,16 +3,14 @@ convex."""
 
 from __future__ import annotations
 
-import argparse
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Within, inner_cages, nested_cages, verify
-from nestedcages_core.command.levels import Wanted, wanted_levels
 from nestedcages_core.decimation.minimal_nested import fewest_links, walks
+from nestedcages_core.hierarchy import level_words, parse_level, wanted_levels
 from nestedcages_core.verification.reach import REACH_PRECISION, reach, stays_within
 from shapes import annulus, polygon, ring, star
 
@@ -119,11 +117,29 @@ def test_impossible_and_wrong_needs() -> None:
         inner_cages(fine, [Within(distance=0.1)])
 
 
-def test_the_rule_of_the_command() -> None:
-    wanted = [Wanted.parsed(text) for text in ("32", "8 %", "2 px", "0.5u", "+25 %")]
-    assert wanted_levels(wanted, annulus(48)) == [
-        32, 8, Within(distance=2.0), Within(distance=0.5), Within(excess=0.25)
-    ]  # fmt: skip
-    for text in ("0", "2.5", "+25", "-2px", "px", "+%", "+3px", "nan", "infpx", "101%"):
-        with pytest.raises(argparse.ArgumentTypeError, match="such as 2px"):
-            Wanted.parsed(text)
+def test_levels_as_people_write_them() -> None:
+    texts = ("32, 8 %; 2 px, 0.5u + 25 %", "32 8% 2px .5U +25%", "32,8%,2PX,5e-1 u,+25 %")
+    for text in texts:
+        levels = [parse_level(word) for word in level_words(text)]
+        assert wanted_levels(levels, annulus(48)) == [
+            32, 8, Within(distance=2.0), Within(distance=0.5), Within(excess=0.25)
+        ]  # fmt: skip
+    assert level_words("2 m 3 mm 4m", {"m": 1.0, "mm": 1e-3}) == ["2m", "3mm", "4m"]
+    assert parse_level("3mm", {"m": 1.0, "mm": 1e-3}) == Within(distance=0.003)
+    for word in ("0", "2.5", "+25", "-2px", "px", "+%", "+3px", "nan", "infpx", "101%", "2m", "1e3", "+", "0px", "."):
+        with pytest.raises(NestedCagesError, match=r"such as 2px, or an excess such as \+25%;"):
+            parse_level(word)
+    with pytest.raises(NestedCagesError, match=r"such as 2m, an excess such as \+25%, or \* for an object;"):
+        parse_level("x", {"m": 1.0}, "* for an object")
+
+
+def test_a_level_near_another_mesh_than_the_one_inside() -> None:
+    fine, inner = ellipse(60), nested_cages(ellipse(60), [24]).cages[0]
+    (level,) = nested_cages(inner, [Within(distance=0.2, of=fine)]).levels
+    assert verify(level.cage, inner)
+    assert reach(level.cage, fine) <= 0.2
+    assert reach(inner, fine) < reach(level.cage, fine)
+    with pytest.raises(NestingError, match="is not inside of what is enclosed"):
+        nested_cages(inner, [Within(distance=0.2, of=level.cage)])
+    with pytest.raises(NestedCagesError, match="of must be a Mesh, not str"):
+        Within(distance=0.2, of="fine")  # type: ignore[arg-type]

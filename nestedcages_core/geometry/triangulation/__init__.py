@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from .constrained import constrained_delaunay
-from .convex_pieces import convex_pieces
+from .convex_pieces import convex_pieces, piece_vertices
 from .sampling import Sampling, sample
 from .solid import triangulate
 from .triangulation import Triangulation
 
-__all__ = ["Sampling", "Triangulation", "constrained_delaunay", "convex_pieces", "sample", "triangulate"]
+__all__ = [
+    "Sampling",
+    "Triangulation",
+    "constrained_delaunay",
+    "convex_pieces",
+    "piece_vertices",
+    "sample",
+    "triangulate",
+]

@@ -27,6 +27,11 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
 
     Raises NestedCagesError if ``most`` is less than 3.
     """
+    return [mesh.vertices[piece] for piece in piece_vertices(mesh, most)]
+
+
+def piece_vertices(mesh: Mesh, most: int = 8) -> list[Piece]:
+    """The same as numbers of vertices of the mesh."""
     if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 3:
         raise NestedCagesError(f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.")
     tiles = triangulate(mesh)
@@ -42,7 +47,7 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
     for _ in range(ORDERS - 1):
         rng.shuffle(order)
         best = min(best, _joined(triangles, owner, order, places, most), key=len)
-    return [tiles.vertices[piece] for piece in best]
+    return best
 
 
 def _joined(

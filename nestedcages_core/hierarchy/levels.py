@@ -1,0 +1,69 @@
+"""Levels as people write them, in the shell and in Blender: numbers of vertices, percentages, distances, excesses."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+from ..errors import NestedCagesError
+from ..geometry.mesh import Mesh
+from .tolerance import Within
+
+UNITS: Mapping[str, float] = {"px": 1.0, "u": 1.0}
+"""What marks a distance, and its length in units of the input: pixels and units of a file, which mean the same."""
+
+LEAST_OF_A_SHARE = 4
+"""Vertices per loop that a share comes to at least, if the loop has them: a triangle around a rectangle is twice as
+large. Whoever wants one asks for three."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """A level with a fraction of the mesh's own number of vertices."""
+
+    fraction: float
+    """Above 0, and at most 1."""
+
+    def of(self, sizes: Sequence[int]) -> int:
+        """The number of vertices for loops of these sizes, enough for each."""
+        least = sum(min(size, LEAST_OF_A_SHARE) for size in sizes)
+        return max(round(sum(sizes) * self.fraction), least)
+
+
+def level_words(text: str, units: Mapping[str, float] = UNITS) -> list[str]:
+    """The single levels of a text such as "32, 8 %; 2 px +25 %": separators are commas, semicolons and spaces."""
+    names = "|".join(sorted(map(re.escape, units), key=len, reverse=True))
+    joined = re.sub(rf"(?<=[\d.])\s+(?=%|(?:{names})(?![^\s,;]))", "", text.lower())
+    joined = re.sub(r"\+\s+(?=[\d.])", "+", joined)
+    return re.findall(r"[^\s,;]+", joined)
+
+
+def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "") -> int | Share | Within:
+    """The level that one word stands for: `64`, `20%`, `2px` or `+25%`.
+
+    units: lengths of what may mark a distance; the first one is shown as the example. others: what else is accepted
+    by the caller, for the message. Raises NestedCagesError.
+    """
+    found = re.fullmatch(r"(\+?)(\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?)([^\d.]*)", word)
+    sign, number, unit = found.groups() if found else ("", "nan", "")
+    value = float(number)
+    if isfinite(value) and value > 0.0:
+        if unit in units and not sign:
+            return Within(distance=value * units[unit])
+        if unit == "%" and sign:
+            return Within(excess=value / 100.0)
+        if unit == "%" and value <= 100.0:
+            return Share(value / 100.0)
+        if not unit and not sign and number.isdecimal():
+            return int(number)
+    known = ("a whole number of at least 1", "a percentage such as 8%", f"a distance such as 2{next(iter(units))}")
+    *kinds, last = (*known, "an excess such as +25%", *([others] if others else []))
+    raise NestedCagesError(f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.")
+
+
+def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:
+    """What `nested_cages` takes for each level around a mesh. What is too many is clamped there."""
+    sizes = [len(loop) for loop in mesh.loops]
+    return [level.of(sizes) if isinstance(level, Share) else level for level in levels]
