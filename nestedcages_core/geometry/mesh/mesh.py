@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -290,7 +290,7 @@ MeshLike: TypeAlias = Mesh | Sequence[ArrayLike] | NDArray[Any] | Mapping[str, A
 """What `Mesh.of` reads."""
 
 
-def is_mesh_like(shape: object) -> bool:
+def is_mesh_like(shape: object) -> TypeGuard[MeshLike]:
     """Whether `Mesh.of` can try to read a value."""
     if isinstance(shape, list | tuple | np.ndarray | Mapping):
         return True
