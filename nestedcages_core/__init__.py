@@ -102,6 +102,8 @@ from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
 from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
 from .published.gurditta_jacobson_2022 import Repairs as Repairs
 from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
+from .published.li_2020 import OriginalIPC as OriginalIPC
+from .published.sacht_2015 import ElTopo as ElTopo
 from .published.sacht_2015 import VelocityFilter as VelocityFilter
 from .published.sellan_2022 import LevelSet as LevelSet
 from .solver import ProjectedNewton as ProjectedNewton

@@ -169,9 +169,22 @@ CONTACTS = {
         "Quadratic programs move the cage out in a few long steps: the fastest for large drawings",
         lambda _: core.SequentialQP(),
     ),
+    "IPC_2020": Choice(
+        "IPC, 2020",
+        "Incremental Potential Contact as published: one barrier range, adaptive stiffness. Slow, for comparisons",
+        lambda chosen: core.OriginalIPC(energy=chosen.expansion()),
+        uses=("expansion_energy",),
+    ),
+    "EL_TOPO": Choice(
+        "El Topo",
+        "The contact of Nested Cages (2015) as published: impulses, then impact zones. For comparisons",
+        lambda chosen: core.ElTopo(energy=chosen.expansion(), final_energy=chosen.part("energy")),
+        uses=("expansion_energy",),
+        partners={"expansion_energy": "NONE"},
+    ),
     "VELOCITY_FILTER": Choice(
         "Velocity Filter",
-        "The contact of Nested Cages (2015): corrects velocities that would collide. For comparisons",
+        "The same with one quadratic program over all impacts: corrects velocities that would collide. For comparisons",
         lambda chosen: core.VelocityFilter(energy=chosen.expansion()),
         uses=("expansion_energy",),
         partners={"expansion_energy": "NONE"},

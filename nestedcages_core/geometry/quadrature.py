@@ -38,7 +38,11 @@ class Quadrature(Protocol):
 
 @dataclass(frozen=True)
 class QuadraticFallOff:
-    """The paper's rule (Algorithm 2): even samples from the vertex on, with weights (1 - t)² that fall off from it."""
+    """Even samples from the vertex on, with weights (1 - t)² that fall off from it, integrated along both edges.
+
+    Samples and fall-off are those of Gurditta & Jacobson 2022, Algorithm 2. There both edges count alike, whatever
+    their lengths: that is ``PaperFlow(over_length=False)``.
+    """
 
     samples: int = 4
     """Samples per edge, at t = 0, 1/samples, …"""

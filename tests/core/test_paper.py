@@ -7,7 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nestedcages_core import IPC, Area, Mesh, ProjectedNewton, ReinflationError, Settings, nested_cages, verify_motion
+from nestedcages_core import (
+    IPC,
+    Area,
+    FlowError,
+    Mesh,
+    ProjectedNewton,
+    ReinflationError,
+    Settings,
+    nested_cages,
+    verify_motion,
+)
 from nestedcages_core.contact import (
     AllPairs,
     BroadPhase,
@@ -173,3 +183,30 @@ def test_the_smallest_distance_never_lets_through_what_time_of_impact_stops() ->
         bound = SmallestDistance().fraction(pairs, x, motion, distance)
         impact = TimeOfImpact().fraction(pairs, x, motion, distance)
         assert bound <= impact <= NoFilter().fraction(pairs, x, motion, distance) == 1.0
+
+
+@pytest.mark.parametrize("over_length", [True, False])
+def test_the_flow_weighs_edges_as_program_or_text(over_length: bool) -> None:
+    """A vertex between a long and a short edge, next to a corner that pulls their samples in different directions."""
+    coarse = Mesh.from_loops([np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])])
+    fine = Mesh.from_loops([np.array([[4.2, 4.1], [4.1, 4.2], [1.0, 1.0], [1.2, 0.9]])])
+    flow = PaperFlow(limit=1, exact_parity=True, over_length=over_length)
+    with pytest.raises(FlowError) as stopped:
+        drain(flow.run(fine, coarse))
+    before, after = stopped.value.partial.steps[:2]
+    moved = (before - after)[0] / (flow.step * fine.diagonal)
+
+    total = np.zeros(2)
+    for end in (before[1], before[3]):
+        for t in (0.0, 0.25, 0.5, 0.75):
+            sample = (1.0 - t) * before[0] + t * end
+            closest = np.clip(sample, 0.0, 4.0)
+            outside = np.any(closest != sample)
+            if not outside:  # the nearest side of the square
+                gaps = np.array([sample[0], 4.0 - sample[0], sample[1], 4.0 - sample[1]])
+                side = int(gaps.argmin())
+                closest = sample.copy()
+                closest[side // 2] = 4.0 * (side % 2)
+            weight = (1.0 - t) ** 2 / (np.hypot(*(end - before[0])) if over_length else 1.0)
+            total += weight * (sample - closest) / np.hypot(*(sample - closest))
+    assert moved == pytest.approx(total / np.hypot(*total))

@@ -15,7 +15,8 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
     Repairs,
     SignedDistanceFlow,
 )
-from nestedcages_core.published.sacht_2015 import VelocityFilter
+from nestedcages_core.published.li_2020 import OriginalIPC
+from nestedcages_core.published.sacht_2015 import ElTopo, VelocityFilter
 from nestedcages_core.published.sellan_2022 import LevelSet
 from nestedcages_core.solver import ProjectedNewton
 from nestedcages_core.solver.quadratic_program import InteriorPoint
@@ -26,6 +27,8 @@ POSITIVE = {
     PaperContact: ("d_hat",),
     PaperFlow: ("step",),
     SignedDistanceFlow: ("step",),
+    ElTopo: ("proximity", "room", "final_proximity", "first_step", "smallest_step", "still"),
+    OriginalIPC: ("d_hat", "tolerance"),
     VelocityFilter: ("proximity", "room", "first_step", "smallest_step", "still", "stride"),
 }
 NOT_NEGATIVE = {
@@ -39,6 +42,8 @@ COUNTS = {  # and the least count
     GradientDescent: {"steps": 0},
     PaperFlow: {"limit": 1, "samples": 1},
     SignedDistanceFlow: {"limit": 1},
+    ElTopo: {"iterations": 1},
+    OriginalIPC: {"iterations": 1},
     VelocityFilter: {"iterations": 1},
     LevelSet: {"cells": 1},
 }
@@ -46,7 +51,7 @@ BELOW_ONE = {GradientDescent: ("contraction", "sufficient_decrease")}
 FLAGS = {
     GradientDescent: ("refuse_infinite",),
     Repairs: ("parity", "exact_home"),
-    PaperFlow: ("exact_parity",),
+    PaperFlow: ("exact_parity", "over_length"),
     LevelSet: ("change_loops",),
 }
 

@@ -1,4 +1,4 @@
-"""For comparisons, after Sacht, Vouga & Jacobson (2015): edge collapse and velocity filter."""
+"""For comparisons, after Sacht, Vouga & Jacobson (2015): edge collapse, signed distance flow, El Topo."""
 
 import bpy
 
@@ -10,7 +10,7 @@ settings.together = False
 settings.clearance = 0.0
 settings.decimation = "EDGE_COLLAPSE"
 settings.energy = "AREA"
-settings.contact = "VELOCITY_FILTER"
+settings.contact = "EL_TOPO"
 settings.repairs = {"PARITY", "FINITE", "HOME"}
 settings.expansion_energy = "AUTOMATIC"
 settings.solver = "AUTOMATIC"
@@ -19,6 +19,6 @@ settings.broad_phase = "AUTOMATIC"
 settings.flow = "SIGNED_DISTANCE"
 settings.quadrature = "MIDPOINT"
 settings.starts = 1
-settings.tighten = True
-settings.fall_back = True
+settings.tighten = False
+settings.fall_back = False
 settings.show_flow = True

@@ -1,9 +1,7 @@
-"""Expansion with a velocity filter (Sacht et al. 2015, section 5) in the plane.
+"""Expansion with a velocity filter by quadratic programs: the filter of Sacht et al. (2015), simplified.
 
-The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the cage wishes to
-descend the gradient of its energy. The filter replaces the velocity of the cage by the nearest one without penetration.
-Then the fine mesh rests while the cage lowers its energy further by filtered steps: one that raises the energy is
-undone and halved, one that lowers it makes the next longer by a tenth.
+In place of El Topo's sequence of impulses and impact zones (:mod:`el_topo`), one quadratic program over all impacts
+gives the nearest velocity without penetration. Where that leaves too little of a step, single vertices are slowed down.
 """
 
 from __future__ import annotations
@@ -18,14 +16,12 @@ from ...contact.feasibility_rule import FeasibilityRule
 from ...contact.ipc import waypoints
 from ...contact.linearisation import measure
 from ...contact.pairs import Bodies, CandidateList
-from ...energies import Area, CageEnergy, Energy
+from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_positive
 from ...stages import Stage
+from .expansion import Descent, Expansion, Filtered
 from .impact_zones import LARGEST_VELOCITY, ImpactZones
-
-DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1
-"""Factors on the descent step after the energy has increased or decreased."""
 
 SHORTEST_FILTERED_STEP = 0.05
 """Feasible fraction of a filtered step below which it is repeated over half the time."""
@@ -76,63 +72,43 @@ class VelocityFilter:
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
     ) -> Stage[FloatArray, ContactOutcome]:
         """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`."""
-        run = _Run(self, bodies, x, self.energy.at(bodies.coarse))
+        energy = self.energy.at(bodies.coarse)
+        programs = _Programs(self, bodies)
+        descent = Descent(self.first_step, self.smallest_step, self.still, self.iterations)
+        expansion = Expansion(descent, bodies, x)
         for target in waypoints(x[bodies.m :], path, self.stride * bodies.cage_edge_length):
-            reached = yield from run.step_to(target)
+            reached = yield from expansion.step_to(target, energy, programs.allowed)
             if not reached:
-                return ContactOutcome(run.x, False, run.systems, run.blocking_vertex(target))
-        return ContactOutcome(run.x, True, run.systems)
+                return ContactOutcome(expansion.x, False, programs.systems, expansion.blocking_vertex(target))
+        return ContactOutcome(expansion.x, True, programs.systems)
 
 
-class _Run:
-    """State of one reinflation."""
+class _Programs:
+    """Filters motions, with what is kept between them."""
 
-    def __init__(self, settings: VelocityFilter, bodies: Bodies, x: FloatArray, energy: CageEnergy) -> None:
-        self.settings, self.bodies, self.x, self.energy = settings, bodies, x, energy
+    def __init__(self, settings: VelocityFilter, bodies: Bodies) -> None:
+        self.settings, self.bodies = settings, bodies
         self.candidates = CandidateList(bodies)
         self.systems = 0
         self.closer = max(PROXIMITY_FACTORS)
 
-    def step_to(self, target: FloatArray) -> Stage[FloatArray, bool]:
-        """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
-        settings, m, successor = self.settings, self.bodies.m, self.bodies.cage_successor
-        energy = self.energy.after(self.x[:m])
-        step = settings.first_step
-        lowest = np.inf
-        for iteration in range(settings.iterations):
-            gradient = energy.gradient(self.x[:m], successor)
-            idle = not gradient.any()
-            proximity = settings.room if idle else settings.proximity
-            for factor in [one for one in PROXIMITY_FACTORS if one <= self.closer]:
-                states, arrived = self._filtered(-step * gradient, target, factor * proximity)
-                self.closer = factor
-                if arrived:
-                    break
-            after = energy.value(states[-1][:m], successor) if states else lowest
-            if iteration == 0 or after <= lowest:
-                motion = float(np.abs(states[-1][:m] - self.x[:m]).max()) if states else 0.0
-                for state in states:
-                    yield state
-                    self.x = state
-                if not arrived:
-                    return False
-                lowest = after
-                step *= DESCENT_GROWTH
-                if idle or (iteration > 0 and motion < settings.still):
-                    break
-            else:
-                step *= DESCENT_REDUCTION
-                if step < settings.smallest_step:
-                    break
-        return True
+    def allowed(self, x: FloatArray, wish: FloatArray, target: FloatArray) -> Filtered:
+        """The motion with the largest proximity that lets the fine mesh pass."""
+        proximity = self.settings.proximity if wish.any() else self.settings.room
+        filtered = Filtered([], False)
+        for factor in [one for one in PROXIMITY_FACTORS if one <= self.closer]:
+            filtered = self._filtered(x, wish, target, factor * proximity)
+            self.closer = factor
+            if filtered.arrived:
+                break
+        return filtered
 
-    def _filtered(self, wish: FloatArray, target: FloatArray, proximity: float) -> tuple[list[FloatArray], bool]:
-        """The states on the way of the fine mesh to ``target`` while the cage moves by about ``wish`` (m, 2), and
-        whether the fine mesh got there."""
+    def _filtered(self, x: FloatArray, wish: FloatArray, target: FloatArray, proximity: float) -> Filtered:
+        """The states on the way of the fine mesh to ``target`` while the cage moves by about ``wish`` (m, 2)."""
         bodies, m = self.bodies, self.bodies.m
         zones, rule = ImpactZones(bodies, proximity), FeasibilityRule(bodies, proximity, proximity)
         states: list[FloatArray] = []
-        x, left, part = self.x, 1.0, 1.0
+        left, part = 1.0, 1.0
         halvings = 0
         for _ in range(MAX_SUBSTEPS):
             wished = part * np.concatenate([left * wish, target - x[m:]])
@@ -161,10 +137,5 @@ class _Run:
             left *= 1.0 - part * fraction
             part, halvings = min(1.0, 2.0 * part), 0
             if home.all() or not (target - x[m:]).any():
-                return states, True
-        return states, not bool((target - x[m:]).any())
-
-    def blocking_vertex(self, target: FloatArray) -> str:
-        """Which fine vertex is farthest from its target, in words."""
-        worst = int(np.hypot(*(target - self.x[self.bodies.m :]).T).argmax())
-        return f"the filter finds no velocity that lets fine vertex {worst} pass"
+                return Filtered(states, True)
+        return Filtered(states, not bool((target - x[m:]).any()))

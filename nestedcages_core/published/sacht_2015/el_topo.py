@@ -1,0 +1,141 @@
+"""Expansion with El Topo (Sacht et al. 2015, section 5; Brochu & Bridson 2009, section 4) in the plane, as published.
+
+The velocity of the cage is filtered in El Topo's order: pairs that are too close are pushed apart; collisions lose
+their relative normal velocity one after the other; what remains goes to inelastic impact zones. Where these fail as
+well, half of the time is tried. Below a thousandth of the time the original calls asynchronous contact mechanics, and
+this fails. El Topo's rigid impact zones are left out: they move the fine mesh too, whose velocity is prescribed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...contact.base import ContactOutcome
+from ...contact.ccd import HIT_DISTANCE, impacts
+from ...contact.pairs import Bodies, CandidateList, Pairs
+from ...energies import Area, Energy, NoEnergy
+from ...geometry.arrays import FloatArray
+from ...parameters import check_count, check_positive
+from ...stages import Stage
+from .expansion import Descent, Expansion, Filtered
+from .impulses import COLLISION_DISTANCE, Impulses
+from .inelastic_zones import InelasticZones
+
+SMALLEST_TIME = 1e-3
+"""Part of a step below which the original gives up on El Topo."""
+
+MAX_SUBSTEPS = 200
+"""Cap on the parts of one step; the original has none."""
+
+REACH = 4.0
+"""Motions that pairs are searched for, in longest wished motions: impulses make vertices faster."""
+
+SKIN_PER_EDGE = 0.3
+"""Skin of the candidate list, as a fraction of the mean coarse edge length."""
+
+
+@dataclass(frozen=True)
+class ElTopo:
+    """Prescribed fine velocities, cage velocities filtered by impulses; lengths in bounding-box diagonals."""
+
+    energy: Energy = field(default_factory=NoEnergy)
+    """What the cage lowers while the fine mesh goes back."""
+    final_energy: Energy = field(default_factory=Area)
+    """What it lowers once the fine mesh is back; ``NoEnergy()`` leaves that pass out."""
+    proximity: float = 1e-3
+    """Distance below which pairs are pushed apart."""
+    room: float = 5e-3
+    """The same for a cage without energy, to leave room for the final pass."""
+    final_proximity: float = 5e-4
+    """The same in the final pass."""
+    first_step: float = 1e-2
+    """First descent step, relative to the gradient of the energy."""
+    smallest_step: float = 1e-3
+    """Descent step at which descent ends."""
+    still: float = 1e-5
+    """Motion of the cage at which descent ends."""
+    iterations: int = 100
+    """Maximum number of descent steps per step of the flow and in the final pass; the original has none."""
+
+    def __post_init__(self) -> None:
+        lengths = ("proximity", "room", "final_proximity", "still")
+        check_positive(self, *lengths, "first_step", "smallest_step")
+        check_count(self, "iterations")
+
+    def reinflate(
+        self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float
+    ) -> Stage[FloatArray, ContactOutcome]:
+        """Bring the fine mesh back; see :class:`nestedcages_core.contact.base.Contact`. It has no clearance."""
+        descent = Descent(self.first_step, self.smallest_step, self.still, self.iterations)
+        expansion = Expansion(descent, bodies, x)
+        energy, final_energy = self.energy.at(bodies.coarse), self.final_energy.at(bodies.coarse)
+        idle = not energy.gradient(x[: bodies.m], bodies.cage_successor).any()
+        surface = _Surface(bodies, self.room if idle else self.proximity)
+        for target in path:
+            reached = yield from expansion.step_to(target, energy, surface.integrated)
+            if not reached:
+                return ContactOutcome(expansion.x, False, surface.systems, expansion.blocking_vertex(target))
+        if final_energy.gradient(x[: bodies.m], bodies.cage_successor).any():
+            surface.proximity = self.final_proximity
+            yield from expansion.step_to(path[-1], final_energy, surface.integrated)
+        return ContactOutcome(expansion.x, True, surface.systems)
+
+
+class _Surface:
+    """Moves cage and fine mesh without a collision."""
+
+    def __init__(self, bodies: Bodies, proximity: float) -> None:
+        self.bodies, self.proximity = bodies, proximity
+        self.candidates = CandidateList(bodies)
+        self.systems = 0
+
+    def integrated(self, x: FloatArray, wish: FloatArray, target: FloatArray) -> Filtered:
+        """All parts of a step; it ends where one of them is too short."""
+        m = self.bodies.m
+        goal = np.concatenate([x[:m] + wish, target])
+        states: list[FloatArray] = []
+        for _ in range(MAX_SUBSTEPS):
+            moved, time = self._part(x, goal - x)
+            if time < SMALLEST_TIME:
+                return Filtered(states, not (target - x[m:]).any())
+            x = moved
+            if time == 1.0:
+                x[m:] = target
+            states.append(x)
+            if time == 1.0:
+                return Filtered(states, True)
+        return Filtered(states, False)
+
+    def _part(self, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, float]:
+        """Positions after as much of the time as possible, and that part of it; 0 if it is too short."""
+        m = self.bodies.m
+        longest = float(np.sqrt((wished * wished).sum(axis=1).max())) + self.proximity
+        pairs = self.candidates.within(x, REACH * longest, SKIN_PER_EDGE * self.bodies.cage_edge_length)
+        distance = pairs.measure(x).distance
+        impulses, zones = Impulses(pairs, m, self.proximity), InelasticZones(pairs, m)
+        time = 1.0
+        while time >= SMALLEST_TIME:
+            self.systems += 1
+            velocity = impulses.apart(x, wished, time)
+            velocity, resolved = impulses.collisions(x, velocity, time)
+            if not resolved:
+                filtered, systems = zones.nearest(x, velocity, time)
+                self.systems += systems
+                velocity, resolved = (velocity, False) if filtered is None else (filtered, True)
+            motion = time * velocity
+            if resolved and self._covered(motion, longest) and not self._collide(pairs, x, motion, distance):
+                return x + motion, time
+            time *= 0.5
+        return x, 0.0
+
+    def _covered(self, motion: FloatArray, longest: float) -> bool:
+        """Whether the list of pairs is complete for a motion."""
+        return 2.0 * float(np.sqrt((motion * motion).sum(axis=1).max())) <= REACH * longest
+
+    def _collide(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> bool:
+        """Whether any pair meets."""
+        hits, _ = impacts(pairs, x, motion, distance, COLLISION_DISTANCE / HIT_DISTANCE)
+        return len(hits) > 0

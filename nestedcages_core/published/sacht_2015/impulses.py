@@ -1,0 +1,163 @@
+"""Geometric impulses, one pair after the other (Brochu & Bridson 2009, section 4; after Bridson et al. 2002).
+
+An impulse of size i along the unit normal n changes the velocities of a point and of the ends of an edge by
+
+    i s / w · n  over  Σ s² / w,    s = (1, -(1 - t), -t),
+
+with the masses w: 1 for the cage, infinite for the fine mesh. First, pairs closer than the proximity are pushed apart
+gently. Then every collision loses its relative normal velocity, and the pairs of the vertices that were moved are
+tested again, until none collides or the budget of tests is used up.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import hypot, sqrt
+
+import numpy as np
+
+from ...contact.ccd import HIT_DISTANCE, REACH_MARGIN, impacts
+from ...contact.pairs import Pairs
+from ...geometry.arrays import TINY, FloatArray
+
+SEPARATION_RATE = 0.1
+"""Fraction of what is missing to the proximity by which a pair may separate in a step."""
+
+PROXIMITY_STIFFNESS = 10.0
+"""Largest impulse of a pair that is too close, per missing distance and time."""
+
+TESTS_PER_CANDIDATE = 5
+"""Budget of tests, per pair in the list when the first pass is over."""
+
+COLLISION_DISTANCE = 1e-6
+"""Distance, in bounding-box diagonals, below which a point has met an edge."""
+
+Vector = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Impulses:
+    """Filters velocities of cage vertices, the first m of all."""
+
+    pairs: Pairs
+    """All pairs that can meet in the step."""
+    m: int
+    proximity: float
+    """Distance below which pairs are pushed apart; a length."""
+
+    def apart(self, x: FloatArray, v: FloatArray, time: float) -> FloatArray:
+        """Velocities (m + n, 2) after the impulses of all pairs that are too close at x, in a step of length time."""
+        found = self.pairs.measure(x)
+        close = np.flatnonzero(found.distance < self.proximity).tolist()
+        if not close:
+            return v
+        velocity = [(a, b) for a, b in v.tolist()]
+        for k in close:
+            missing = self.proximity - float(found.distance[k])
+            n, t = (float(found.normal[k, 0]), float(found.normal[k, 1])), float(found.parameter[k])
+            corners = self._corners(k)
+            relative = _along(n, t, *(velocity[i] for i in corners))
+            separation = SEPARATION_RATE * missing / time
+            if relative <= separation:
+                size = min(separation - relative, time * PROXIMITY_STIFFNESS * missing)
+                self._push(velocity, corners, n, t, size)
+        return np.array(velocity)
+
+    def collisions(self, x: FloatArray, v: FloatArray, time: float) -> tuple[FloatArray, bool]:
+        """Velocities (m + n, 2) after the impulses of all collisions, and whether none is left."""
+        distance = self.pairs.measure(x).distance
+        hits, _ = impacts(self.pairs, x, time * v, distance, COLLISION_DISTANCE / HIT_DISTANCE)
+        if len(hits) == 0:
+            return v, True
+        velocity = [(a, b) for a, b in v.tolist()]
+        position = [(a, b) for a, b in x.tolist()]
+        incident = self._incident()
+
+        def handle(k: int) -> list[int]:
+            """The pairs to test again after pair k."""
+            corners = self._corners(k)
+            moving = [(time * velocity[i][0], time * velocity[i][1]) for i in corners]
+            p, a, b = (position[i] for i in corners)
+            met = meeting(p, a, b, *moving, float(distance[k]))
+            if met is None:
+                return []
+            n, t = met
+            relative = _along(n, t, *(velocity[i] for i in corners))
+            if relative >= 0.0:
+                return []
+            self._push(velocity, corners, n, t, -relative)
+            return [other for vertex in corners if vertex < self.m for other in incident(vertex)]
+
+        again: set[int] = set()
+        for k in hits.tolist():
+            again.update(handle(k))
+        queue = deque(sorted(again))
+        for _ in range(TESTS_PER_CANDIDATE * len(queue)):
+            if not queue:
+                break
+            queue.extend(handle(queue.popleft()))
+        return np.array(velocity), not queue
+
+    def _corners(self, k: int) -> tuple[int, int, int]:
+        return int(self.pairs.point[k]), int(self.pairs.start[k]), int(self.pairs.end[k])
+
+    def _incident(self) -> Callable[[int], list[int]]:
+        """Lookup of the pairs that a vertex is part of."""
+        corners = self.pairs.corners
+        known: dict[int, list[int]] = {}
+
+        def of(vertex: int) -> list[int]:
+            if vertex not in known:
+                known[vertex] = np.flatnonzero((corners == vertex).any(axis=1)).tolist()
+            return known[vertex]
+
+        return of
+
+    def _push(self, velocity: list[Vector], corners: tuple[int, int, int], n: Vector, t: float, size: float) -> None:
+        """Change the velocities of a pair by an impulse."""
+        shares = (1.0, t - 1.0, -t)
+        inverse = sum(s * s for s, i in zip(shares, corners, strict=True) if i < self.m)
+        if inverse <= TINY:
+            return
+        for s, i in zip(shares, corners, strict=True):
+            if i < self.m:
+                change = size * s / inverse
+                velocity[i] = velocity[i][0] + change * n[0], velocity[i][1] + change * n[1]
+
+
+def _along(n: Vector, t: float, p: Vector, a: Vector, b: Vector) -> float:
+    """Component along n of p relative to the point t of the edge a-b."""
+    return n[0] * (p[0] - (1.0 - t) * a[0] - t * b[0]) + n[1] * (p[1] - (1.0 - t) * a[1] - t * b[1])
+
+
+def meeting(
+    p: Vector, a: Vector, b: Vector, p_v: Vector, a_v: Vector, b_v: Vector, distance: float
+) -> tuple[Vector, float] | None:
+    """Unit normal, towards the side that the point comes from, and parameter at the first time in (0, 1] at which a
+    moving point meets a moving edge; None where it does not. A scalar :func:`nestedcages_core.contact.ccd.impacts`."""
+    if hypot(*p_v) + max(hypot(*a_v), hypot(*b_v)) < REACH_MARGIN * distance:
+        return None
+    near = min(HIT_DISTANCE * distance, COLLISION_DISTANCE)
+    e, e_v = (b[0] - a[0], b[1] - a[1]), (b_v[0] - a_v[0], b_v[1] - a_v[1])
+    d, d_v = (p[0] - a[0], p[1] - a[1]), (p_v[0] - a_v[0], p_v[1] - a_v[1])
+    c0 = e[0] * d[1] - e[1] * d[0]
+    c1 = e[0] * d_v[1] - e[1] * d_v[0] + e_v[0] * d[1] - e_v[1] * d[0]
+    c2 = e_v[0] * d_v[1] - e_v[1] * d_v[0]
+    discriminant = c1 * c1 - 4.0 * c0 * c2
+    if discriminant < 0.0:
+        return None
+    root = sqrt(discriminant)
+    q = -0.5 * (c1 + root if c1 >= 0.0 else c1 - root)
+    times = sorted(s for s in (q / c2 if c2 else 2.0, c0 / q if q else 2.0) if 0.0 < s <= 1.0)
+    for s in times:
+        edge = e[0] + s * e_v[0], e[1] + s * e_v[1]
+        to = d[0] + s * d_v[0], d[1] + s * d_v[1]
+        squared = max(edge[0] ** 2 + edge[1] ** 2, TINY)
+        t = min(max((edge[0] * to[0] + edge[1] * to[1]) / squared, 0.0), 1.0)
+        if hypot(to[0] - t * edge[0], to[1] - t * edge[1]) < near:
+            length = sqrt(squared)
+            side = 1.0 if c0 >= 0.0 else -1.0
+            return (-side * edge[1] / length, side * edge[0] / length), t
+    return None

@@ -1,0 +1,43 @@
+"""The published methods as settings: one definition for the add-on's presets, the benchmarks and scripts.
+
+They fall back on nothing, start from one coarse mesh, and have no tightening but their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..decimation import EdgeCollapse
+from ..energies import Area, NoEnergy
+from ..geometry.quadrature import Midpoint
+from ..hierarchy import Settings
+from ..tightening import Tightening
+from .gurditta_jacobson_2022 import GradientDescent, PaperContact, PaperFlow, Repairs, SignedDistanceFlow
+from .sacht_2015 import ElTopo
+from .sellan_2022 import LevelSet
+
+AUGMENTED_2022 = Settings(
+    fallback=None, starts=1, flow=PaperFlow(), contact=PaperContact(), tightening=Tightening(iterations=0)
+)
+"""Gurditta & Jacobson (2022) as written: its program's flow, barriers and gradient descent."""
+
+AUGMENTED_2022_REPAIRED = replace(
+    AUGMENTED_2022,
+    flow=PaperFlow(exact_parity=True),
+    contact=PaperContact(
+        solver=GradientDescent(refuse_infinite=True), repairs=Repairs(parity=True, exact_home=True)
+    ),
+)  # fmt: skip
+"""The same with the faults of its program mended, without which the fine mesh never quite returns."""
+
+NESTED_CAGES_2015 = replace(
+    AUGMENTED_2022,
+    decimation=EdgeCollapse(),
+    flow=SignedDistanceFlow(quadrature=Midpoint()),
+    contact=ElTopo(energy=NoEnergy(), final_energy=Area()),
+)
+"""Sacht et al. (2015): edge collapse, the flow down the signed distance with the gradient at midpoints, expansion by El
+Topo without an energy, and a final pass that lowers the area."""
+
+SIMPLE_2022 = replace(AUGMENTED_2022, decimation=LevelSet())
+"""Simple nested cages (in Sellán et al. 2022): the level set itself is the cage, with no flow and no contact."""
