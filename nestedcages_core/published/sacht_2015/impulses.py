@@ -78,9 +78,9 @@ class Impulses:
         def handle(k: int) -> list[int]:
             """The pairs to test again after pair k."""
             corners = self._corners(k)
-            moving = [(time * velocity[i][0], time * velocity[i][1]) for i in corners]
+            p_v, a_v, b_v = ((time * velocity[i][0], time * velocity[i][1]) for i in corners)
             p, a, b = (position[i] for i in corners)
-            met = meeting(p, a, b, *moving, float(distance[k]))
+            met = meeting(p, a, b, p_v, a_v, b_v, float(distance[k]))
             if met is None:
                 return []
             n, t = met

@@ -76,7 +76,8 @@ class InelasticZones:
     def _candidates(self, x: FloatArray, velocity: FloatArray, time: float, distance: FloatArray) -> list[int]:
         """Pairs that are fast enough to meet."""
         speed = time * np.hypot(velocity[:, 0], velocity[:, 1])
-        return np.flatnonzero(self.pairs.approach(speed) >= distance - COLLISION_DISTANCE).tolist()
+        fast: list[int] = np.flatnonzero(self.pairs.approach(speed) >= distance - COLLISION_DISTANCE).tolist()
+        return fast
 
     def _meeting(
         self, k: int, x: FloatArray, velocity: FloatArray, time: float, distance: FloatArray
