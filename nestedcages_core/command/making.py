@@ -52,17 +52,23 @@ class Result:
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
     """The cages of a file; a shape that fails loses neither the others nor its own finished levels."""
-    settings = Settings(clearance=given.clearance)
+    settings = Settings(clearance=given.clearance, grid=given.grid)
     failures = list(source.failures)
     made: list[Made] = []
     meshes: list[Shape] = []
     for shape in source.shapes:
         if isinstance(shape.content, Mesh) and given.inside:
-            _add(made, failures, shape, partial(_inside, shape.content, given, line), several=len(source.shapes) > 1)
+            _add(
+                made,
+                failures,
+                shape,
+                partial(_inside, shape.content, given, settings, line),
+                several=len(source.shapes) > 1,
+            )
         elif isinstance(shape.content, Mesh):
             meshes.append(shape)
         else:
-            _add(made, failures, shape, partial(_picture, shape.content, given, line))
+            _add(made, failures, shape, partial(_picture, shape.content, given, settings, line))
     if len(meshes) == 1:
         (shape,) = meshes
         assert isinstance(shape.content, Mesh)
@@ -126,18 +132,17 @@ def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
     return [replace(each, cages=cages) for each, cages in zip(made, cut_back, strict=True)]
 
 
-def _inside(mesh: Mesh, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
-    return inner_cages(
-        mesh, wanted_levels(given.levels, mesh), Settings(clearance=given.clearance), progress=line.of_run
-    )
+def _inside(mesh: Mesh, given: argparse.Namespace, settings: Settings, line: ProgressLine) -> Hierarchy:
+    return inner_cages(mesh, wanted_levels(given.levels, mesh), settings, progress=line.of_run)
 
 
-def _picture(picture: AnyArray, given: argparse.Namespace, line: ProgressLine) -> Hierarchy:
+def _picture(picture: AnyArray, given: argparse.Namespace, settings: Settings, line: ProgressLine) -> Hierarchy:
     return picture_cages(
         picture,
         lambda mesh: wanted_levels(given.levels, mesh),
         padding=given.padding or given.clearance or 0.0,
         threshold=given.threshold or 0.0,
         holes=given.holes,
+        settings=settings,
         progress=line.of_run,
     )

@@ -11,6 +11,8 @@ from typing import Any
 
 from ..errors import NestedCagesError
 from ..exchange import Limits
+from ..exchange.decimals import MAX_DECIMALS
+from ..geometry.grid import Grid
 from ..hierarchy import level_words, parse_level
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
@@ -113,6 +115,19 @@ def parser() -> argparse.ArgumentParser:
         metavar="LENGTH",
         help="smallest distance between a cage and what it encloses (default: 1e-5 of the drawing's diagonal)",
     )
+    grids = options.add_mutually_exclusive_group()
+    grids.add_argument(
+        "--grid",
+        type=_length,
+        metavar="LENGTH",
+        help="cage vertices are multiples of this length, and certified as such",
+    )
+    grids.add_argument(
+        "--decimals",
+        type=_decimals,
+        metavar="N",
+        help="the same by decimals: 6 or 7 for maps in degrees, 0 for whole pixels",
+    )
     options.add_argument(
         "--limit",
         dest="limits",
@@ -209,6 +224,10 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
     for name in OUTLINES:
         if getattr(given, name) and not outlines:
             options.error(f"--{name.replace('_', '-')} is for collision outlines; write one with -o FILE.json")
+    if given.decimals is not None:
+        given.grid = Grid.of_decimals(given.decimals).spacing
+    if given.borders and given.grid is not None:
+        options.error("--borders cuts cages where borders run, which is not on a grid; leave out one of them")
     given.jobs = given.jobs or 1
     given.limits = replace(Limits(), **dict(given.limits))
 
@@ -268,6 +287,11 @@ def _corners(text: str) -> int:
 
 def _length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
+
+
+def _decimals(text: str) -> int:
+    what = f"a whole number from 0 to {MAX_DECIMALS} is needed"
+    return int(_number(text, what, lambda value: 0 <= value <= MAX_DECIMALS and value % 1 == 0))
 
 
 def _limit(text: str) -> tuple[str, int]:

@@ -118,6 +118,7 @@ def _measures(cage: Cage) -> dict[str, Any]:
         "clearance": float(said.clearance),
         "wanted_clearance": float(said.wanted_clearance),
         "excess": float(said.excess),
+        "grid": said.grid,
         "start": said.start,
         "iterations": dict(said.iterations),
         "seconds": sum(said.seconds.values()),

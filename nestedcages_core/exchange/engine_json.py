@@ -14,6 +14,7 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.triangulation import piece_vertices, triangulate
+from .decimals import check_decimals, subtracted
 from .files import write_whole
 from .geojson import loaded_json
 from .limits import Limits
@@ -32,6 +33,7 @@ def to_engine_json(
     triangles: bool = False,
     pieces: int | None = None,
     indent: int | None = None,
+    decimals: int | None = None,
 ) -> str:
     """The outline as JSON: {"format", "version", "polygons": [{"outer": [[x, y], …], "holes": [[[x, y], …], …]}]}.
 
@@ -39,9 +41,11 @@ def to_engine_json(
     apart. flip_y: y is written as `flip_y - y`, so the height of a picture turns it over, and 0 mirrors it.
     triangles: also {"points": [[x, y], …], "triangles": [[i, j, k], …]}, for engines whose pieces must be convex.
     pieces: also {"points", "pieces": [[i, j, …], …]}, convex and counter-clockwise, of at most so many vertices each.
+    decimals: as of `to_geojson`.
 
-    Raises NestedCagesError if ``pieces`` is less than 3.
+    Raises NestedCagesError if ``pieces`` is less than 3, and for coordinates with more decimals.
     """
+    check_decimals([mesh], decimals)
     document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
     turn = 1 if flip_y is None else -1
     if triangles or pieces is not None:
@@ -54,13 +58,19 @@ def to_engine_json(
 
 
 def frames_to_engine_json(
-    outlines: Sequence[Mesh], times: ArrayLike | None = None, *, flip_y: float | None = None, indent: int | None = None
+    outlines: Sequence[Mesh],
+    times: ArrayLike | None = None,
+    *,
+    flip_y: float | None = None,
+    indent: int | None = None,
+    decimals: int | None = None,
 ) -> str:
     """Outlines of an animation as JSON: {"format", "version", "frames": [{"time", "polygons": [...]}]}.
 
     The polygons of a frame are those of `to_engine_json`; outlines of one moving cage list its vertices in the same
-    order in all frames. times: (K,) 0, 1, ... by default.
+    order in all frames. times: (K,) 0, 1, ... by default. decimals: as of `to_geojson`.
     """
+    check_decimals(outlines, decimals)
     if not outlines:
         raise NestedCagesError("There are no frames to write.")
     moments = np.arange(len(outlines), dtype=float) if times is None else np.asarray(times, dtype=float)
@@ -104,9 +114,10 @@ def write_engine_json(
     flip_y: float | None = None,
     triangles: bool = False,
     pieces: int | None = None,
+    decimals: int | None = None,
 ) -> None:
     """Write the outline to a file, whole or not at all; see `to_engine_json`."""
-    write_whole(path, to_engine_json(mesh, flip_y=flip_y, triangles=triangles, pieces=pieces))
+    write_whole(path, to_engine_json(mesh, flip_y=flip_y, triangles=triangles, pieces=pieces, decimals=decimals))
 
 
 def is_engine_json(text: str | bytes) -> bool:
@@ -200,7 +211,7 @@ def _mesh_of(document: Mapping[str, Any], flip_y: float | None, limits: Limits) 
 
 
 def _flipped(points: FloatArray, flip_y: float | None) -> FloatArray:
-    """Points (n, 2) with y turned over at half of `flip_y`; -0.0 is written as 0.0."""
+    """Points (n, 2) with y turned over at half of `flip_y`, in decimals; turned twice they are the same again."""
     if flip_y is None:
         return points
-    return np.stack((points[:, 0], flip_y - points[:, 1] + 0.0), axis=1)
+    return np.stack((points[:, 0], subtracted(flip_y, points[:, 1])), axis=1)

@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
 from ..geometry.mesh import Mesh
 from .antimeridian import across
+from .decimals import check_decimals
 from .files import read_whole, write_whole
 from .limits import Limits
 from .repair import mesh_of
@@ -140,18 +141,27 @@ def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None) 
 
 
 def to_geojson(
-    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature], *, indent: int | None = None, crs: Any = None
+    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature],
+    *,
+    indent: int | None = None,
+    crs: Any = None,
+    decimals: int | None = None,
 ) -> str:
     """A FeatureCollection with one feature per shape; coordinates are written to the last bit.
 
-    crs: a `crs` member to write along, as `Map.crs` has it. Raises NestedCagesError for what JSON cannot hold.
+    crs: a `crs` member to write along, as `Map.crs` has it. decimals: the most that a coordinate may have; nothing is
+    rounded, since that would undo certificates: ask for cages with as many, as by Settings(grid=1e-6) for 6.
+
+    Raises NestedCagesError for what JSON cannot hold, and for coordinates with more decimals.
     """
     if isinstance(shapes, Map):
-        return to_geojson(shapes.features, indent=indent, crs=shapes.crs if crs is None else crs)
+        crs = shapes.crs if crs is None else crs
+        return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
     given: Any = [shapes] if isinstance(shapes, Mesh | Feature) else shapes
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
         raise NestedCagesError("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
+    check_decimals([item.mesh for item in features], decimals)
     collection: dict[str, Any] = (
         {"type": "FeatureCollection"}
         if crs is None
@@ -168,10 +178,14 @@ def to_geojson(
 
 
 def write_geojson(
-    path: str | os.PathLike[str], shapes: Mesh | Feature | Map | Sequence[Mesh | Feature], *, crs: Any = None
+    path: str | os.PathLike[str],
+    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature],
+    *,
+    crs: Any = None,
+    decimals: int | None = None,
 ) -> None:
     """Write a GeoJSON file, whole or not at all; see `to_geojson`."""
-    write_whole(path, to_geojson(shapes, crs=crs))
+    write_whole(path, to_geojson(shapes, crs=crs, decimals=decimals))
 
 
 def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:

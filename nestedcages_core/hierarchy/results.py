@@ -48,6 +48,8 @@ class NestingReport:
     """Sentences about what was not done as asked, for instance why the fallback was used."""
     fewest: int | None = None
     """No cage within the distance asked for has fewer vertices; None where none was asked for."""
+    grid: float | None = None
+    """Certified: all coordinates of the cage are multiples of this length; None where none was asked for."""
 
     def __str__(self) -> str:
         measures = (
@@ -55,6 +57,7 @@ class NestingReport:
             f"simple: {_yes(self.simple)}",
             f"clearance {self.clearance:.3g} (wanted {self.wanted_clearance:.3g})",
             f"excess {100.0 * self.excess:.2f} %",
+            *([f"on a grid of {self.grid:.6g}"] if self.grid is not None else []),
             f"start: {self.start}",
             f"{sum(self.seconds.values()):.2f} s",
         )

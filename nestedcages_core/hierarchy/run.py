@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..verification import verify
 from .attempts import clearances_for
 from .inner_level import InnerLevelBuilder
 from .level import LevelBuilder
+from .on_grid import Builder, GridLevelBuilder
 from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
 from .settings import Settings
@@ -113,9 +115,12 @@ def _hierarchy(
         inner = finished[-1].cage if finished else fine
         try:
             clearances = clearances_for(settings, fine)
-            work = builder(inner, clearances, settings, LevelProgress(index, len(wanted)))
+            with_clearances = partial(_builder, builder, inner, settings, LevelProgress(index, len(wanted)))
+            work: Builder = with_clearances(clearances)
+            if settings.grid is not None:
+                work = GridLevelBuilder(work, with_clearances)
             if isinstance(level, Within):
-                if not isinstance(work, LevelBuilder):
+                if builder is not LevelBuilder:
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
                 about = fine if level.of is None else _enclosed(level.of.validated(), inner, index)
                 made = fewest(level, about, work, strictly=settings.clearance or 0.0)
@@ -135,6 +140,17 @@ def _enclosed(about: Mesh, inner: Mesh, index: int) -> Mesh:
     if not same and not verify(inner, about, same_loops=False):
         raise NestingError(f"Level {index + 1}: the mesh that Within(of=...) names is not inside of what is enclosed.")
     return about
+
+
+def _builder(
+    builder: type[LevelBuilder | InnerLevelBuilder],
+    fine: Mesh,
+    settings: Settings,
+    progress: LevelProgress,
+    clearances: tuple[float, ...],
+) -> Builder:
+    """What makes a level with certain clearances."""
+    return builder(fine, clearances, settings, progress)
 
 
 def _checked(fine: MeshLike, levels: Sequence[int | MeshLike | Within]) -> tuple[Mesh, list[int | Mesh | Within]]:

@@ -49,12 +49,19 @@ class Settings:
     IPC for small meshes and sequential QPs for large ones, each with the other one after it."""
     tightening: Tightening = field(default_factory=Tightening)
     """How the cage is brought to its optimum once the fine mesh is back."""
+    grid: float | None = None
+    """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
+    for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not _is_length(self.clearance):
             raise NestedCagesError(
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
                 f"default."
+            )
+        if self.grid is not None and not (_is_length(self.grid) and self.grid > 0.0):
+            raise NestedCagesError(
+                f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none."
             )
         if not isinstance(self.starts, int | np.integer) or self.starts < 1:
             raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")

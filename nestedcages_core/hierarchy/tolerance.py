@@ -17,7 +17,7 @@ from ..geometry.mesh import Mesh, Nesting
 from ..stages import Stage
 from ..verification import verify
 from ..verification.reach import reach, stays_within
-from .level import LevelBuilder
+from .on_grid import Builder, GridLevelBuilder
 from .results import Level, Progress
 
 MAX_POLYGONS = 4
@@ -77,7 +77,7 @@ class Within:
         return f"within an excess of {100.0 * self.limit:.6g} %"
 
 
-def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) -> Stage[Progress, Level]:
+def fewest(need: Within, fine: Mesh, builder: Builder, *, strictly: float) -> Stage[Progress, Level]:
     """The level of the fewest vertices found. ``fine``: what the need is about, the input of the hierarchy.
 
     strictly: a clearance that every cage keeps, for the bound. Raises NestingError where not even as many vertices as
@@ -103,7 +103,7 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
 class _Search:
     """The levels tried, and the best of them."""
 
-    def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
+    def __init__(self, need: Within, fine: Mesh, builder: Builder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
         self.inner = builder.fine
         self.bound = LEAST_PER_LOOP * len(fine.loops)
@@ -187,9 +187,15 @@ class _Search:
         if len(level.cage.vertices) >= self.count:
             return False
         for cut in _cuts(level):
-            if self.need.is_met(cut.cage, self.fine):
-                self.best = cut
-                return True
+            if not self.need.is_met(cut.cage, self.fine):
+                continue
+            if isinstance(self.builder, GridLevelBuilder) and cut is not level:  # an earlier step is not on the grid
+                found = yield from self.builder.on_grid(cut)
+                if found is None or not self.need.is_met(found.cage, self.fine):
+                    continue
+                cut = found
+            self.best = cut
+            return True
         self.taken = min(self.taken, self.need.measured(level.cage, self.fine))
         return False
 
@@ -204,5 +210,5 @@ def _cuts(level: Level) -> Iterator[Level]:
         certificate = verify(cage, level.fine, report.wanted_clearance, same_loops=same_loops)
         if certificate:
             shorter = Reinflation(way.moving_steps, way.cage_steps[: last + 1], way.iterations)
-            measures = replace(report, clearance=certificate.clearance, excess=certificate.excess)
+            measures = replace(report, clearance=certificate.clearance, excess=certificate.excess, grid=None)
             yield replace(level, cage=cage, reinflation=shorter, report=measures)

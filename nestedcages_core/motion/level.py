@@ -37,6 +37,11 @@ class LevelMotion:
     """The wanted one, in the input's units; the default one may be less where gaps are narrow."""
 
     def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
+        if settings.grid is not None:
+            raise NestingError(
+                "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "
+                "leave out the grid."
+            )
         self.fine, self.wanted, self.settings, self.cyclic = fine, wanted, settings, cyclic
         self.notes: list[str] = []
 

@@ -61,7 +61,7 @@ def outward_correction(
     short = np.flatnonzero(missing[family] > 0.0)
     shift = np.zeros(m)
     np.maximum.at(shift, pairs.start[short], missing[short])
-    correction = _shift_edges(bodies, cage, shift)
+    correction = shift_edges(bodies, cage, shift)
     for family, share in ((pairs.cage_fine, 1.0), (pairs.cage_cage, 0.5)):
         short = np.flatnonzero(missing[family] > 0.0) + family.start
         if len(short) == 0:
@@ -74,7 +74,7 @@ def outward_correction(
     return correction
 
 
-def _shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:
+def shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:
     """(m, 2) smallest motions of the vertices that move each edge outwards by ``shift`` (m,)."""
     edge = cage[bodies.cage_successor] - cage
     length = np.hypot(edge[:, 0], edge[:, 1])

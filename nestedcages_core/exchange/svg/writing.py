@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.mesh import Mesh
+from ..decimals import check_decimals
 from ..files import write_whole
 from .document import DECORATION, OUTLINES, Frame
 
@@ -41,6 +42,7 @@ def to_svg(
     frame: Frame | None = None,
     levels: Sequence[int] | None = None,
     y_up: bool = False,
+    decimals: int | None = None,
 ) -> str:
     """An SVG document with one path per mesh, holes cut out, coordinates to the last bit as they are.
 
@@ -50,6 +52,7 @@ def to_svg(
     levels: of each shape, 0 for a drawing, 1 for its innermost cage; as counted unless given. Levels differ in colour
     and in class, "level-0" and so on; the highest is drawn first, so that cages lie below what they enclose.
     y_up: whether y points up, as in maps.
+    decimals: the most that a coordinate of a cage may have, as of `to_geojson`; a drawing is written as it is.
     """
     named = _named(shapes)
     if not named:
@@ -57,6 +60,8 @@ def to_svg(
     level_of = list(range(len(named)) if levels is None else levels)
     if len(level_of) != len(named):
         raise NestedCagesError(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
+    cages = [mesh for level, mesh in zip(level_of, named.values(), strict=True) if level > 0]
+    check_decimals(cages or named.values(), decimals)
     points = np.concatenate([mesh.vertices for mesh in named.values()]) * (1.0, -1.0 if y_up else 1.0)
     low, high = points.min(axis=0), points.max(axis=0)
     diagonal = float(np.hypot(*(high - low)))
