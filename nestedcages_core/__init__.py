@@ -1,4 +1,4 @@
-"""Nested cages in the plane: coarse outlines that strictly enclose a detailed shape, and the safe way there.
+"""Nested cages in the plane: coarse outlines that strictly enclose a detailed shape, with collision-free motion.
 
 Augmenting Nested Cages with IPC (Gurditta & Jacobson 2022) in numpy and scipy. The main entry is `nested_cages`.
 

@@ -16,7 +16,7 @@ def check_positive(method: object, *names: str) -> None:
 
 
 def check_limit(method: object, *names: str) -> None:
-    """NestedCagesError unless the named parameters are numbers above 0; infinity is no limit."""
+    """NestedCagesError unless the named parameters are numbers above 0, infinity included."""
     _check(method, names, lambda value: value > 0.0, "must be positive")
 
 

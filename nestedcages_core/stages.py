@@ -1,6 +1,6 @@
 """Stages of a run are generators: they yield while they work and return their result.
 
-Whoever pumps a stage shows its progress, and stops it by closing it or letting it go.
+The caller iterates over a stage to show its progress, and closes or drops it to cancel.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> S
 
 
 class Run(Generic[Shown, Result]):
-    """A stage as an iterator over what it shows, with its result at the end; dropping it cancels the work."""
+    """A stage as an iterator over its progress, with the result at the end; dropping it cancels the work."""
 
     def __init__(self, work: Stage[Shown, Result]) -> None:
         self._work = work
@@ -63,13 +63,13 @@ class Run(Generic[Shown, Result]):
 
     @property
     def result(self) -> Result:
-        """What the stage returned; RuntimeError before it is over, or if it never will be."""
+        """The result of the stage. Raises RuntimeError before the end, or if the stage failed or was cancelled."""
         if not self._results:
             raise RuntimeError(self._unfinished)
         return self._results[0]
 
     def close(self) -> None:
-        """Cancel the work; nothing happens when it is over."""
+        """Cancel the work; does nothing once it is finished."""
         if not self._over:
             self._over, self._unfinished = True, "the run has no result: it was cancelled"
         self._work.close()

@@ -1,4 +1,4 @@
-"""Cages for many shapes, over any executor of concurrent.futures, and what is finished of them on the disk."""
+"""Cages for many shapes, on any executor of concurrent.futures, with finished results kept on disk."""
 
 from __future__ import annotations
 

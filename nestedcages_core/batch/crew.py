@@ -1,4 +1,4 @@
-"""Workers of any executor, and others after them should they die."""
+"""The workers of an executor, replaced when they die."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from ..errors import NestedCagesError
 from .tasks import Outcome, Task
 
 IN_FLIGHT = 2
-"""Shapes handed out per worker and not yet back: enough to keep all busy, few to look through when a worker dies."""
+"""Shapes in flight per worker: enough to keep all busy, few to retry when a worker dies."""
 
 TRIES_ALONE = 2
-"""Times that a shape is tried alone after a worker died, before it is blamed."""
+"""Retries of a shape alone after a worker died, before it is blamed."""
 
 MAX_DEATHS = 12
-"""Deaths of workers without one outcome between, after which the batch gives up: the cause is no single shape."""
+"""Consecutive deaths of workers without any outcome after which the batch gives up: no single shape is the cause."""
 
 
 class Crew:
-    """An executor, and others after it should its workers die."""
+    """An executor, and its replacements when workers die."""
 
     def __init__(self, executor: Executor | Callable[[], Executor]) -> None:
         self.make = executor if not isinstance(executor, Executor) else None
@@ -28,14 +28,14 @@ class Crew:
         self.own = not isinstance(executor, Executor)
         self.waiting: deque[Task] = deque()
         self.alone: deque[tuple[Task, int]] = deque()
-        """Tasks that were under way when a worker died, and how often each has been tried alone."""
+        """Tasks that were in flight when a worker died, with their numbers of tries alone."""
         self.under_way: dict[Future[Outcome], Task] = {}
         self.deaths = 0
         self.cause: BaseException | None = None
-        """What broke the executor, where it says so: a result that cannot be read back rather than a dead worker."""
+        """What broke the executor, if it says so: a result that cannot be unpickled rather than a dead worker."""
 
     def run(self, tasks: Sequence[Task]) -> Generator[Outcome, None, None]:
-        """Outcomes as they come in; nothing new is begun once the reader has gone."""
+        """Yield outcomes as they come in; start no further task once the caller stops iterating."""
         self.waiting.extend(tasks)
         try:
             while self.waiting or self.alone or self.under_way:
@@ -63,7 +63,7 @@ class Crew:
             self.alone.popleft()
 
     def _hand_out(self) -> bool:
-        """Give the workers what they can take; False if they are dead."""
+        """Submit as many tasks as the workers can take; False if they are dead."""
         try:
             if self.alone:
                 if not self.under_way:
@@ -80,8 +80,8 @@ class Crew:
         return True
 
     def _after_a_death(self) -> Iterator[Outcome]:
-        """Replace the executor; try what was under way again, each alone, so that the cause shows itself."""
-        for future, task in list(self.under_way.items()):  # some came back before the death
+        """Replace the executor and retry the tasks in flight one at a time, to find the one to blame."""
+        for future, task in list(self.under_way.items()):  # some had finished before
             if future.done() and not isinstance(future.exception(), BrokenExecutor):
                 del self.under_way[future]
                 self._came_back(task)
@@ -107,7 +107,7 @@ class Crew:
 
     def _another(self) -> Executor:
         """A new executor like the one that died."""
-        from concurrent.futures import ProcessPoolExecutor  # brings multiprocessing, which few need
+        from concurrent.futures import ProcessPoolExecutor  # imports multiprocessing, which few need
 
         dead = self.executor
         if self.own:
@@ -138,7 +138,7 @@ def _blame(task: Task, cause: BaseException | None) -> str:
 
 
 def _failed(task: Task, error: BaseException) -> Outcome:
-    """The outcome of a task that raised on its way; what ends the program is raised on."""
+    """The outcome of a task that raised outside of the shape; exceptions that end the program are re-raised."""
     if not isinstance(error, Exception):
         raise error
     if not isinstance(error, NestedCagesError):

@@ -1,4 +1,4 @@
-"""What a result was made of, as a short text: the same text, the same result."""
+"""A short text that identifies the input of a result: equal texts mean equal results."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from ..geometry.mesh import Mesh
 from .tasks import Task
 
 REVISION = 1
-"""Counts changes of the method that make earlier results worth making again."""
+"""Number of changes to the method that make stored results out of date."""
 
 
 def fingerprint(task: Task) -> str:
-    """Of the shape, its levels, the settings, and what is kept; empty where the shape or its levels are not valid.
+    """Fingerprint of shape, levels, settings and ``keep``; empty if the shape or its levels are not valid.
 
-    Objects of the user's own without fields count as new in every run, since nothing tells what they do.
+    User-defined objects without fields count as new in every run, since their behaviour cannot be read from them.
     """
     try:
         mesh = Mesh.of(task.shape)
         levels = task.levels(mesh) if callable(task.levels) else task.levels
         parts = (REVISION, mesh, list(levels), task.settings, task.keep)
-    except Exception:  # the task says why
+    except Exception:  # running the task reports the reason
         return ""
     found = hashlib.sha256()
     _add(found.update, parts)
@@ -34,7 +34,7 @@ def fingerprint(task: Task) -> str:
 
 
 def _add(update: Callable[[bytes], None], value: Any) -> None:
-    """Feed a value to the hash, every part with its type and length, so that no two values look alike."""
+    """Feed a value to the hash, each part with its type and length, so that different values differ."""
     update(f"<{type(value).__module__}.{type(value).__qualname__}>".encode())
     if isinstance(value, Mesh):
         _add(update, value.vertices)

@@ -1,4 +1,4 @@
-"""Cages for many shapes, over any executor of concurrent.futures: threads, processes, Dask, MPI."""
+"""Cages for many shapes, on any executor of concurrent.futures: threads, processes, Dask, MPI."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ Shapes: TypeAlias = Iterable[Any] | Mapping[Any, Any]
 
 @dataclass(frozen=True)
 class BatchProgress:
-    """How far a batch is."""
+    """Progress of a batch."""
 
     finished: int
     total: int
     outcome: Outcome
-    """The one that has just come in."""
+    """The outcome that has just come in."""
 
     @property
     def fraction(self) -> float:
-        """Of the whole batch, from 0 to 1."""
+        """Fraction of the batch that is done, from 0 to 1."""
         return self.finished / self.total
 
 
@@ -46,19 +46,19 @@ def nested_cages_many(
     finished: MutableMapping[Any, Outcome] | None = None,
     keep: Keep | None = None,
 ) -> list[Outcome]:
-    """Cages around many shapes, in the order of the input; a shape that fails has its error in its outcome.
+    """Cages around many shapes, in input order; the outcome of a shape that fails holds the error.
 
-    shapes: meshes or anything with `__geo_interface__`, in a sequence or by key. levels: as in `nested_cages`, for all
-    shapes, by key, or a function of the mesh. executor: where the work is done, one shape after the other in this
-    process unless given; a function that makes an executor is called again should a worker die, and what it made is
-    shut down at the end. A ProcessPoolExecutor with a dead worker is replaced by one of its kind: nothing is lost.
-
-    progress: called for every outcome; it may raise to cancel, then nothing new is begun. finished: outcomes by key,
-    added to as they come in: a dict, or an OutcomeFolder on the disk. A shape is made again unless its outcome there
-    has no error and was made of the same shape, levels, settings and ``keep``. Entries that cannot be read count as
-    missing, and those that cannot be written are left out with a warning.
-    keep: what of a Hierarchy is kept, such as `lambda made: made.cages[-1]`; all of it unless given. For processes
-    this function and that of the levels are defined in a module.
+    shapes: meshes or anything with `__geo_interface__`, in a sequence or by key.
+    levels: as in `nested_cages`; the same for all shapes, by key, or a function of the mesh.
+    executor: where the work runs; default: this process, one shape after the other. May be a function that makes an
+    executor: it is called again if a worker dies, and its executors are shut down at the end. A ProcessPoolExecutor
+    with a dead worker is replaced by a new one, and no shape is lost.
+    progress: called for every outcome; it may raise to cancel, and then no further shape is started.
+    finished: stored outcomes by key, a dict or an OutcomeFolder; new ones are added. A shape is computed again unless
+    its stored outcome has no error and comes from the same shape, levels, settings and ``keep``. Entries that cannot be
+    read count as missing; entries that cannot be written are skipped with a warning.
+    keep: the part of a Hierarchy to keep, such as `lambda made: made.cages[-1]`; default: all of it. With processes,
+    this function and that of the levels must be defined in a module.
     """
     tasks = list(_tasks(shapes, levels, settings if settings is not None else Settings(), keep))
     outcomes: dict[Hashable, Outcome] = {}
@@ -77,7 +77,7 @@ def nested_cages_many(
 
 
 def _known(task: Task, finished: MutableMapping[Any, Outcome]) -> Outcome | None:
-    """The outcome of the same task, without an error, if there is one; whatever is wrong with an entry."""
+    """The stored outcome of the same task if it has no error; None for any other or damaged entry."""
     with suppress(Exception):
         known = finished[task.key]
         if isinstance(known, Outcome) and known.error is None and known.made_of == task.made_of != "":
@@ -86,7 +86,7 @@ def _known(task: Task, finished: MutableMapping[Any, Outcome]) -> Outcome | None
 
 
 def _keep(finished: MutableMapping[Any, Outcome], outcome: Outcome) -> None:
-    """Add an outcome; the batch goes on where it cannot be kept."""
+    """Store an outcome; warn and go on if that fails."""
     try:
         finished[outcome.key] = outcome
     except Exception as error:
@@ -108,7 +108,7 @@ def _tasks(shapes: Shapes, levels: Levels, settings: Settings, keep: Keep | None
 
 
 def _reusable(levels: Any) -> Any:
-    """Levels that can be read more than once; what is no list of levels is left for the door of `nested_cages`."""
+    """Levels that can be read more than once; invalid ones are left for `nested_cages` to reject."""
     return list(levels) if isinstance(levels, Iterator) else levels
 
 

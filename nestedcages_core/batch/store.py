@@ -1,4 +1,4 @@
-"""Outcomes on the disk, one file each: numbers as npz, everything else as JSON; nothing in them is ever run."""
+"""Outcomes on disk, one file each: arrays as npz, everything else as JSON. Reading runs no code from the files."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from ..hierarchy import Hierarchy, Level, NestingReport
 from .tasks import Outcome
 
 OUTCOME_FORMAT, OUTCOME_VERSION = "nested-cages outcome", 1
-"""What the files call themselves."""
+"""Identifies the files."""
 
 ENDING = ".npz"
 
 RECORDS = {kind.__name__: kind for kind in (Hierarchy, Level, NestingReport, FlowResult, Reinflation)}
-"""Dataclasses that can be kept, by their names."""
+"""Dataclasses that can be stored, by name."""
 
 
 class OutcomeFolder(MutableMapping[Any, Outcome]):
     """Outcomes by key in a folder, for ``nested_cages_many(…, finished=OutcomeFolder("cages"))``.
 
-    Keys are texts and whole numbers. Results may be a Hierarchy, meshes, arrays, numbers, texts, and lists, tuples and
-    dicts of these; an outcome with an error is not kept. A file is written whole or not at all. One that is truncated
-    or foreign raises KeyError as if it were missing, and is replaced when its shape has been made.
+    Keys are strings and integers. Results may be a Hierarchy, meshes, arrays, numbers, strings, and lists, tuples and
+    dicts of these; outcomes with an error are not stored. A file is written whole or not at all. A truncated or
+    foreign file raises KeyError as if it were missing, and is replaced once its shape is done.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -89,13 +89,13 @@ class OutcomeFolder(MutableMapping[Any, Outcome]):
 def _read(path: Path) -> tuple[Any, Outcome]:
     """Key and outcome of a file. Raises KeyError for one that is missing, truncated or foreign."""
     try:
-        with np.load(path) as arrays:  # which refuses pickled objects
+        with np.load(path) as arrays:  # rejects pickled objects
             known = json.loads(str(arrays["outcome"]))
             if (known["format"], known["version"]) != (OUTCOME_FORMAT, OUTCOME_VERSION):
                 raise KeyError(path.name)
             key = known["key"]
             return key, Outcome(key, _unpacked(known["result"], arrays), None, known["seconds"], known["made_of"])
-    except Exception as error:  # whatever a truncated or foreign file leads to
+    except Exception as error:  # a truncated or foreign file may raise anything
         raise KeyError(path.name) from error
 
 
@@ -106,7 +106,7 @@ def _checked(key: Any) -> Any:
 
 
 def _packed(value: Any, arrays: list[Any]) -> Any:
-    """A value as JSON; its arrays go to the list, and are named by their places in it."""
+    """A value as JSON; its arrays are appended to the list and referred to by index."""
 
     def stored(array: Any) -> dict[str, Any]:
         arrays.append(array)
@@ -133,7 +133,7 @@ def _packed(value: Any, arrays: list[Any]) -> Any:
 
 
 def _unpacked(packed: Any, arrays: Any) -> Any:
-    """The value again; meshes are validated as at any door."""
+    """The value of its JSON; meshes are validated."""
     if "array" in packed:
         return arrays[f"a{packed['array']}"]
     if "mesh" in packed:

@@ -15,17 +15,17 @@ Keep: TypeAlias = Callable[[Hierarchy], Any]
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What became of one shape."""
+    """The result of one shape, or its error."""
 
     key: Hashable
-    """Its key, or its number in the input."""
+    """Key of the shape, or its index in the input."""
     result: Any = None
-    """Its Hierarchy, or what was kept of it; None after an error."""
+    """The Hierarchy, or the part that was kept; None after an error."""
     error: Exception | None = None
     seconds: float = 0.0
-    """Time that it took where it was made."""
+    """Seconds of computation in the worker."""
     made_of: str = ""
-    """Fingerprint of shape, levels, settings and what is kept; a result with the same one is used again."""
+    """Fingerprint of shape, levels, settings and ``keep``; a stored result with the same one is reused."""
 
     def unwrap(self) -> Any:
         """The result; raises the error if there is one."""
@@ -36,7 +36,7 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One shape on its way to a worker."""
+    """One shape to be computed by a worker."""
 
     key: Hashable
     shape: Any
@@ -46,7 +46,7 @@ class Task:
     made_of: str = ""
 
     def run(self) -> Outcome:
-        """The outcome; errors are part of it, so that none ends the batch."""
+        """The outcome; errors are stored in it and do not end the batch."""
         began = perf_counter()
         try:
             mesh = Mesh.of(self.shape)

@@ -1,4 +1,4 @@
-"""The command for shells: a drawing, a map or a picture goes in, certified cages come out."""
+"""The shell command: certified cages around drawings, maps and pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cages around everything that a file holds."""
+"""Cages around all shapes of a file."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ class Made:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What became of a file."""
+    """The cages and failures of a file."""
 
     source: Source
     made: Sequence[Made] = ()
     failures: Sequence[str] = field(default_factory=list)
-    """A sentence for each shape that has no cages, or not all of them."""
+    """One sentence per shape that has no cages, or not all of them."""
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
@@ -91,7 +91,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
 
 
 def _processes(count: int) -> Executor:
-    from concurrent.futures import ProcessPoolExecutor  # brings multiprocessing, which few need
+    from concurrent.futures import ProcessPoolExecutor  # imports multiprocessing, which few need
 
     return ProcessPoolExecutor(count)
 
@@ -104,7 +104,7 @@ def _add(
     *,
     several: bool = False,
 ) -> None:
-    """Do the work; of an error keep the sentence and the levels that were finished before it."""
+    """Make the cages; after an error keep its message and the levels finished before it."""
     try:
         made.append(Made.of(shape, work()))
     except NestedCagesError as error:
@@ -115,7 +115,7 @@ def _add(
 
 
 def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
-    """The same with all cages cut at the borders between the regions, level by level."""
+    """The result with all cages cut at the borders between regions, level by level."""
     regions = inner = [each.fine for each in made]
     cut_back: list[list[Cage]] = [[] for _ in made]
     for number in range(max((len(each.cages) for each in made), default=0)):

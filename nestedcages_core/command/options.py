@@ -19,7 +19,7 @@ from .sources import KINDS, STREAM, kind_of
 
 DESCRIPTION = """\
 Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly enclose them, never cross themselves,
-and hug them as tightly as their vertices allow. Every cage is certified by exact predicates before it is written."""
+and are as tight as their vertex counts allow. Exact predicates certify every cage before it is written."""
 
 EPILOG = """\
 input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
@@ -65,14 +65,14 @@ BELONGING = {
     "threshold": ("picture",),
     "holes": ("picture",),
 }
-"""Options, and the kinds of files that they are for."""
+"""Options that only apply to some kinds of files, with these kinds."""
 
 OUTLINES = ("flip_y", "triangles", "pieces")
 """Options for collision outlines."""
 
 
 def parser() -> argparse.ArgumentParser:
-    """The options, with a complete --help."""
+    """The parser, with a complete --help."""
     options = argparse.ArgumentParser(
         prog="nested-cages",
         description=DESCRIPTION,
@@ -186,7 +186,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
-    """The options of drawings, as `SvgOptions` has them."""
+    """The options of drawings as `SvgOptions`."""
     return {
         "tolerance": given.tolerance,
         "element": given.element,
@@ -200,7 +200,7 @@ def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
 
 
 def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
-    """End with a sentence where options do not fit each other or the files; afterwards they are complete."""
+    """Exit with a message if the options contradict each other or do not apply to the files; fill in defaults."""
     kinds = {kind_of(path) for path in paths}
     for path in paths:
         if kind_of(path) is None:
@@ -233,7 +233,7 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
 
 
 def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
-    """The same for the files to write."""
+    """Exit with a message if the output files cannot be written."""
     for path in given.output:
         if path != STREAM and Path(path).suffix.lower() not in WRITTEN:
             options.error(f"{Path(path).name}: a file is written if it ends in {', '.join(WRITTEN)}")

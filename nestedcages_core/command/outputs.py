@@ -1,4 +1,4 @@
-"""What is written: cages as SVG, GeoJSON and collision outlines, and the report as JSON."""
+"""Output: cages as SVG, GeoJSON and collision outlines, and the report as JSON."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .making import Cage, Made, Result
 from .sources import STREAM, Source
 
 WRITTEN = {".svg": "svg", ".geojson": "geojson", ".json": "json"}
-"""Formats by the extension of the file to write."""
+"""Output formats by file extension."""
 
 STEM = "{stem}"
 """Placeholder in an output's name: the input's name without its extension."""
@@ -26,7 +26,7 @@ REPORT_FORMAT, REPORT_VERSION = "nested-cages report", 1
 
 
 def format_of(path: str, source: Source, chosen: str | None) -> str:
-    """The format of an output: by its extension; for the standard output as chosen, or as the input is."""
+    """The format of an output: by extension; for the standard output as chosen, or like the input."""
     if path != STREAM:
         return WRITTEN[Path(path).suffix.lower()]
     return chosen or {"map": "geojson", "outline": "json"}.get(source.kind, "svg")
@@ -38,7 +38,7 @@ def target(path: str, source: Source) -> str:
 
 
 def check(path: str, source: Source, kind: str) -> None:
-    """Raise NestedCagesError where a source cannot be written in a format; asked before any cage is made."""
+    """Raise NestedCagesError if a source cannot be written in a format; called before any cage is made."""
     several = len(source.shapes) + len(source.failures)
     if kind == "json" and several > 1:
         raise NestedCagesError(
@@ -59,7 +59,7 @@ def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces:
 
 
 def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
-    """The last cages of several pictures as the frames of an animation, corners in corresponding order.
+    """The last cages of several pictures as frames of an animation, with corresponding vertices in the same order.
 
     Raises NestedCagesError where a picture has no cage, or the pictures are to be flipped and differ in height.
     """
@@ -88,7 +88,7 @@ def report(results: Sequence[Mapping[str, Any]]) -> str:
 
 
 def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:
-    """What the report says about a file."""
+    """The report's entry for a file."""
     source = result.source
     return {
         "file": source.path,
@@ -127,7 +127,7 @@ def _measures(cage: Cage) -> dict[str, Any]:
 
 
 def _svg(result: Result) -> str:
-    """The shapes and their cages, on what was read: a drawing's page, a picture's pixels, a map with the north up."""
+    """The shapes and their cages in the frame of the input: the page, the pixels, or a map with north up."""
     several = len(result.made) > 1
     meshes: dict[str, Mesh] = {}
     levels: list[int] = []

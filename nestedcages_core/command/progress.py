@@ -1,4 +1,4 @@
-"""Progress for people, on the standard error stream."""
+"""Progress on the standard error stream."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ BAR = 24
 
 
 def tell(text: str, stream: TextIO) -> None:
-    """Print a line; a reader that has gone away, such as `head`, loses the words and nothing else."""
+    """Print a line; a closed pipe, as behind `head`, is ignored."""
     try:
         print(text, file=stream, flush=True)
     except BrokenPipeError:
@@ -21,7 +21,7 @@ def tell(text: str, stream: TextIO) -> None:
 
 
 class ProgressLine:
-    """Progress for people: a bar that moves on a terminal, a line per stage elsewhere."""
+    """A progress bar on a terminal, one line per stage elsewhere."""
 
     def __init__(self, stream: TextIO, *, silent: bool) -> None:
         self.stream = stream
@@ -51,7 +51,7 @@ class ProgressLine:
         self.stream.flush()
 
     def end(self) -> None:
-        """Leave the line."""
+        """End the line of the bar."""
         if self.moving and self.last:
             self.stream.write("\n")
         self.last = ""

@@ -1,4 +1,4 @@
-"""From the files that come in to those that go out."""
+"""Run the command: read the files, make the cages, write the outputs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DONE, FAILED, INTERRUPTED = 0, 1, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status."""
     for stream in (sys.stdout, sys.stderr):
-        with suppress(AttributeError, ValueError, OSError):  # a stream of somebody's own
+        with suppress(AttributeError, ValueError, OSError):  # a replaced stream, without an encoding
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     options = parser()
     given = options.parse_args(arguments)
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _animation(path: str, results: Sequence[Result], given: argparse.Namespace, out: TextIO) -> bool:
-    """Write the outlines of several pictures as the frames of one animation; whether that was possible."""
+    """Write the outlines of several pictures as frames of one animation; returns whether it succeeded."""
     try:
         put(path, frames_of(results, flip_y=given.flip_y))
     except NestedCagesError as error:
@@ -74,7 +74,7 @@ def _animation(path: str, results: Sequence[Result], given: argparse.Namespace, 
 def _file(
     path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO, *, several: bool
 ) -> tuple[Result, dict[str, Any]]:
-    """Read, make, say and write one file; what was made, and its entry in the report, errors included."""
+    """Process one file; returns its cages and its entry in the report, errors included."""
     result = Result(Source(path, "unknown"))
     written: list[str] = []
     failures: list[str] = []
@@ -107,13 +107,13 @@ def _file(
 
 
 def _of_system(error: OSError, path: str) -> str:
-    """The sentence of an error of the operating system."""
+    """The message for an error of the operating system."""
     name = error.filename if error.filename is not None else path
     return f"{name}: {error.strerror or error or type(error).__name__}"
 
 
 def _say(result: Result, out: TextIO, title: str | None) -> None:
-    """The certificate of every cage."""
+    """Print the certificate of every cage."""
     if title is not None:
         tell(f"{title}:", out)
     several = len(result.source.shapes) + len(result.source.failures) > 1

@@ -1,4 +1,4 @@
-"""Files that come in, of every kind, as shapes with what was said about them."""
+"""Input files of all kinds as shapes, with the notes of their readers."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
 
 STREAM = "-"
-"""Standard input or output in place of a file."""
+"""Stands for the standard input or output."""
 
 KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture"}
-"""What a file holds, by its extension."""
+"""The content of a file by its extension."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What cages are made around: a mesh, or a picture whose opaque pixels become one."""
+    """The shape to enclose: a mesh, or a picture whose opaque pixels become one."""
 
     name: str
     content: Mesh | AnyArray
@@ -41,18 +41,18 @@ class Source:
     """One of `KINDS`, or "outline"."""
     shapes: Sequence[Shape] = ()
     notes: Sequence[str] = ()
-    """Sentences about repairs, and what was left out."""
+    """Sentences about repairs and omissions."""
     failures: Sequence[str] = ()
     """Sentences about shapes that could not be read."""
     crs: Any = None
     frame: Frame | None = None
-    """Of a drawing or a picture, on which written drawings lie."""
+    """Page of a drawing or a picture, for SVG output."""
     height: float = 0.0
-    """Of a picture in pixels: what its y is turned over in."""
+    """Height of a picture in pixels, for turning y over."""
 
 
 def expanded(patterns: Sequence[str]) -> list[str]:
-    """The files that names and patterns such as `icons/*.svg` stand for. Raises NestedCagesError where one has none."""
+    """The files that match names and patterns such as `icons/*.svg`. Raises NestedCagesError for one without any."""
     found: list[str] = []
     for pattern in patterns:
         if pattern == STREAM or not glob.has_magic(pattern) or Path(pattern).exists():
@@ -66,7 +66,7 @@ def expanded(patterns: Sequence[str]) -> list[str]:
 
 
 def kind_of(path: str) -> str | None:
-    """What a file holds by its name; None if that is nothing that can be read. Of a stream it is seen later."""
+    """The content of a file by its name; None if it cannot be read. For a stream it is guessed later."""
     return "stream" if path == STREAM else KINDS.get(Path(path).suffix.lower())
 
 
@@ -110,7 +110,7 @@ def _streamed(limits: Limits) -> bytes:
 
 
 def _guessed(data: bytes) -> str:
-    """The kind of a stream by how it begins. Raises NestedCagesError."""
+    """The kind of a stream by its first bytes. Raises NestedCagesError."""
     start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
     if start.startswith(b"\x89PNG"):
         return "picture"

@@ -15,7 +15,7 @@ from .pairs import Bodies, Pairs
 
 @dataclass(frozen=True, eq=False)
 class BarrierRanges:
-    """d̂ of each vertex and edge, lengths."""
+    """Range d̂ of each vertex and edge; lengths."""
 
     cage_vertex: FloatArray
     """(m,) against the cage itself."""

@@ -20,7 +20,7 @@ class ContactOutcome:
     reached_target: bool
     """Whether the fine mesh is exactly at the last target."""
     iterations: int
-    """Number of systems of equations or quadratic programs solved."""
+    """Number of linear systems or quadratic programs solved."""
     reason: str = ""
     """Part of a sentence: what stopped it, naming the vertex; empty when the target was reached."""
 
@@ -37,6 +37,6 @@ class Contact(Protocol):
         to pass; clearance: wanted distance, for guidance only.
 
         A generator: yields every accepted x, the linear motion from the one before being free of collisions, and
-        returns the outcome. It reports failure in the outcome and does not raise.
+        returns the outcome. Failure is part of the outcome, not an exception.
         """
         ...

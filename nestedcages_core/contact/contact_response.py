@@ -7,7 +7,7 @@ For a motion E of the fine mesh the response D solves a proximal quadratic progr
 
 soft in e, so that it always has a solution. Every contact wants two distances: a hard one, half of its current distance
 down to the clearance, which lets the motion go on; and a larger one where the cage is free to move, since a cage that
-is too close can only take the smallest steps. Only contact moves the cage here: with an energy it would drift while the
+is too close can only take the smallest steps. The cage moves by contact alone: with an energy it would drift while the
 fine mesh is still away.
 """
 
@@ -43,19 +43,19 @@ MAX_ACTIVE_FRACTION = 0.3
 """Fraction of fine vertices in motion above which the whole cage is active."""
 
 FULL_SEARCH_PAIRS = 1_000_000
-"""Number of pairs of a cage and a fine vertex below which the whole cage is active: no search would pay off."""
+"""Number of pairs of a cage and a fine vertex below which the whole cage is active: a search would not pay off."""
 
 NEIGHBOUR_RINGS = 2
 """Neighbours along the cage, on either side of vertices near the motion, that are active too."""
 
 CLOSEST_APPROACH = 2.0 * float(np.sqrt(2.0))
-"""How much closer two cage vertices can come if each moves by 1 along both its axes."""
+"""Upper bound on how much closer two cage vertices come if each moves by 1 along both its axes."""
 
 SMALLEST_SCALE = 0.1
 """Lower bound of the expected multipliers, as a fraction of the working gap."""
 
 ABSOLUTE_TOLERANCE = 1e-4
-"""Complementarity at which a quadratic program is solved in any case, in units of the working gap squared."""
+"""Complementarity below which a quadratic program always counts as solved, in units of the working gap squared."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Distances(WantedDistances):
     """Final distances to keep, and the working gap."""
 
     gap: float
-    """Distance to keep on top of these on the way, where there is room; a length."""
+    """Distance to keep in addition on the way, where there is space; a length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class Response:
 
 @dataclass(eq=False)
 class ContactResponse:
-    """Computes responses; keeps the candidate pairs from one to the next."""
+    """Computes responses; reuses candidate pairs."""
 
     bodies: Bodies
     distances: Distances

@@ -1,7 +1,7 @@
 """The feasibility rule: the part of a motion that is free of collisions and leaves enough distance at its end.
 
 Continuous collision detection bounds the motion (Li et al. 2020, section 5). The rule also bounds how fast distances
-shrink, so that the next motion has room.
+shrink, so that the next motion is not blocked.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ class FeasibilityRule:
 
     bodies: Bodies
     clearance: float
-    """Final distance; a motion may use up what is above it."""
+    """Final distance; a motion may use up the distance above it."""
     gap: float
     """Working gap of the cage, a length."""
 
     def concerned(self, pairs: Pairs, contacts: Contacts, motion: FloatArray) -> tuple[Pairs, Contacts]:
-        """The pairs that the motion (m + n, 2), or a part of it, can bring closer than the rule allows."""
+        """The pairs that the motion (m + n, 2), or part of it, can bring closer than the rule allows."""
         length = np.hypot(motion[:, 0], motion[:, 1])
         near = contacts.distance - pairs.approach(length) <= self._least(contacts)
         return pairs.subset(near), contacts.where(near)
@@ -69,7 +69,7 @@ class FeasibilityRule:
         return fraction
 
     def fractions(self, pairs: Pairs, contacts: Contacts, x: FloatArray, motion: FloatArray) -> FloatArray:
-        """(m + n,) a feasible fraction per vertex, for when a common one would be too short."""
+        """(m + n,) a feasible fraction per vertex; used where a common one would be too short."""
         least = self._least(contacts)
         kept = np.ones(len(x))
         for slowdown in range(MAX_SLOWDOWNS):

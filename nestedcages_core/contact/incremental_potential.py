@@ -118,7 +118,7 @@ class IncrementalPotential:
         return len(impacts(pairs, x, motion, pair.distance)[0]) == 0
 
     def pairs_in_range(self, x: FloatArray) -> int:
-        """Number of pairs with a barrier at x."""
+        """Number of pairs with a non-zero barrier at x."""
         return len(self._active(x)[0])
 
     def _barriers(self, x: FloatArray) -> BarrierSum:

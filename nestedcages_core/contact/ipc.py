@@ -1,5 +1,4 @@
-"""Incremental Potential Contact: the paper's way to push the cage, by a solver on the barrier energy with collision-
-free steps."""
+"""Incremental Potential Contact: minimise a barrier energy by collision-free steps, as in the paper."""
 
 from __future__ import annotations
 
@@ -52,7 +51,7 @@ class IPC:
     """
 
     solver: Solver = field(default_factory=ProjectedNewton)
-    """How the sum is minimised."""
+    """Minimises the sum."""
     energy: Energy = field(default_factory=Area)
     """E_cages."""
     barrier_range: float = 0.1
@@ -66,11 +65,11 @@ class IPC:
     stride: float = 0.5
     """Maximum motion of a fine vertex to one target, as a fraction of the mean coarse edge length."""
     max_pairs: float | None = None
-    """Pairs in contact per vertex above which it gives up, as every iteration gets slower; None for any number."""
+    """Pairs in contact per vertex above which it gives up, since iterations get slow; None: never."""
     step_filter: StepFilter = field(default_factory=TimeOfImpact)
-    """What bounds a step before the line search."""
+    """Bounds each step before the line search."""
     broad_phase: BroadPhase = field(default_factory=UniformGrid)
-    """Which pairs are looked at."""
+    """Finds the candidate pairs."""
 
     def __post_init__(self) -> None:
         check_positive(self, "barrier_range", "restoring", "barrier", "stride")
@@ -150,6 +149,6 @@ def _distances(fine: FloatArray, target: FloatArray) -> FloatArray:
 
 
 def _blocked(fine: FloatArray, target: FloatArray) -> str:
-    """Which fine vertex is farthest from its target."""
+    """The fine vertex that is farthest from its target, in words."""
     worst = int(np.hypot(*(target - fine).T).argmax())
     return f"the cage holds up fine vertex {worst}"

@@ -12,7 +12,7 @@ from ..geometry.arrays import FloatArray
 from .pairs import Bodies, CandidateList, Pairs, find_pairs
 
 MAX_PAIRS = 20_000_000
-"""Number of pairs above which storing all of them does not fit into the memory of a small machine."""
+"""Maximum number of pairs stored: more would not fit into the memory of a small machine."""
 
 
 class PairSource(Protocol):

@@ -23,7 +23,7 @@ MAX_EXCESS_REACH = 8.0
 """Ratio of the reach of a list to the reach asked for above which it is rebuilt, to save measuring its pairs."""
 
 SMALL_LIST = 1000
-"""Number of pairs up to which it is not."""
+"""Number of pairs up to which it is kept."""
 
 
 @dataclass(frozen=True, eq=False)

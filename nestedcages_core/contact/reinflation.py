@@ -1,5 +1,5 @@
-"""Reinflation: the fine mesh goes back along its flow and pushes the cage out (Gurditta & Jacobson 2022, section
-3.2)."""
+"""Reinflation: the fine mesh moves back along its flow and pushes the cage out
+(Gurditta & Jacobson 2022, section 3.2)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .pairs import Bodies
 logger = logging.getLogger(__name__)
 
 REMEDY = "use more cage vertices, or a coarse mesh closer to the fine one"
-"""What a user can change when the path is blocked."""
+"""Advice in messages when the path is blocked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,15 +30,15 @@ class Reinflation:
     """Every step of fine mesh and cage; between consecutive steps, linear motion of both is free of collisions."""
 
     moving_steps: FloatArray = field(repr=False)
-    """(R + 1, n, 2) steps of the fine mesh until it is back; it rests during the tightening, the K - R steps after."""
+    """(R + 1, n, 2) steps of the fine mesh until it is back; during the K - R steps of the tightening it rests."""
     cage_steps: FloatArray = field(repr=False)
     """(K + 1, m, 2): step 0 is the coarse mesh, step K the cage."""
     iterations: int
-    """Systems of equations or quadratic programs solved."""
+    """Linear systems or quadratic programs solved."""
 
     @property
     def tightening_start(self) -> int:
-        """R, the index of the step at which the fine mesh is back; what follows only tightens the cage."""
+        """R, the index of the step at which the fine mesh is back and tightening begins."""
         return len(self.moving_steps) - 1
 
     @property
@@ -50,7 +50,7 @@ class Reinflation:
     def fine_steps(self) -> FloatArray:
         """(K + 1, n, 2): step 0 lies inside the coarse mesh, step K is exactly the fine mesh.
 
-        Read-only. Filled in when first asked for, unless the fine mesh rests all the time.
+        Read-only. Computed on first use, unless the fine mesh rests all the time.
         """
         count, (moving, *shape) = len(self.cage_steps), self.moving_steps.shape
         if moving == 1:
@@ -68,7 +68,7 @@ class Reinflation:
         return Reinflation(self.moving_steps, np.stack([*self.cage_steps, *cages]), self.iterations)
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the steps that can be filled in again."""
+        """The state without the steps that can be computed again."""
         return {name: value for name, value in vars(self).items() if name != "fine_steps"}
 
 

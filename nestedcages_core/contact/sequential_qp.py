@@ -1,8 +1,8 @@
 """Contact by sequential quadratic programming: the fine mesh takes long steps and pushes the cage out.
 
-Each motion of the fine mesh is answered by a quadratic program for the cage. Both move together, as far as the
-feasibility rule of Incremental Potential Contact allows: every state is free of contact and every step is bounded by
-continuous collision detection (Li et al. 2020). The fine mesh first goes straight to the last target; where that is
+A quadratic program finds the response of the cage to each motion of the fine mesh. Both move together, as far as the
+feasibility rule of Incremental Potential Contact allows: every state is free of contact, and continuous collision
+detection bounds every step (Li et al. 2020). The fine mesh first goes straight to the last target; where that is
 blocked, it follows the recorded path.
 """
 
@@ -32,7 +32,7 @@ REJECTED_STRIDE = 0.35
 """Factor on the stride after a rejected step."""
 
 MAX_REJECTIONS = 8
-"""Maximum number of rejections in a row; then every vertex goes as far as it can by itself."""
+"""Maximum number of consecutive rejections; then every vertex moves as far as it can by itself."""
 
 MIN_REJECTED_STRIDE = 2e-3
 """Strides below this fraction of the mean coarse edge length are not rejected."""
@@ -56,7 +56,7 @@ SUFFICIENT_PROGRESS = 2e-3
 """Smallest relative decrease of the remaining distance that counts as progress."""
 
 PATIENCE = 20
-"""Iterations in a row without progress after which the path is blocked."""
+"""Consecutive iterations without progress after which the path counts as blocked."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +67,13 @@ class SequentialQP:
     """
 
     gap: float = 0.05
-    """Distance between cage and fine mesh meanwhile, where there is room."""
+    """Distance kept between cage and fine mesh on the way, where there is space."""
     stride: float = 1.0 / 3.0
     """Maximum motion of a fine vertex in one step."""
     iterations: int = 300
     """Maximum number of steps to one target."""
     quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1))
-    """How the quadratic programs are solved."""
+    """Solves the quadratic programs."""
 
     def __post_init__(self) -> None:
         check_positive(self, "gap", "stride")
@@ -95,7 +95,7 @@ class SequentialQP:
 
 
 class _Motion:
-    """Positions of both meshes on the path, and what is needed to move them."""
+    """State of a motion along the path."""
 
     def __init__(self, settings: SequentialQP, bodies: Bodies, x: FloatArray, clearance: float) -> None:
         self.settings, self.x = settings, x
@@ -141,7 +141,7 @@ class _Motion:
             if fraction < LONG_FRACTION:
                 single = self.rule.fractions(*step)
                 covered = float(single[self.m :] @ (part * length)) / float((part * length).sum())
-                if covered > fraction or fraction <= REJECTED_FRACTION:  # so short a fraction need not be feasible
+                if covered > fraction or fraction <= REJECTED_FRACTION:  # a fraction as short as this may be infeasible
                     kept, fraction = single, covered
             may_reject = longest > MIN_REJECTED_STRIDE * self.unit and rejected < MAX_REJECTIONS
             if fraction <= REJECTED_FRACTION and may_reject:
@@ -164,6 +164,6 @@ class _Motion:
         return not bool((target - self.x[self.m :]).any())
 
     def blocking_vertex(self, target: FloatArray) -> str:
-        """Which fine vertex is farthest from its target, in words."""
+        """The fine vertex that is farthest from its target, in words."""
         worst = int(np.hypot(*(target - self.x[self.m :]).T).argmax())
         return f"the cage holds up fine vertex {worst}"

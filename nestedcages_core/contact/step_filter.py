@@ -17,10 +17,10 @@ class StepFilter(Protocol):
 
     @property
     def safe(self) -> bool:
-        """Whether the motions it allows are free of collisions; otherwise each state must be tested."""
+        """Whether the allowed motions are free of collisions; if not, each state must be tested."""
 
     def fraction(self, pairs: Pairs, x: FloatArray, motion: FloatArray, distance: FloatArray) -> float:
-        """Part of ``motion`` (m + n, 2) from x that may be taken, at most 1.
+        """Fraction of ``motion`` (m + n, 2) from x that may be taken, at most 1.
 
         pairs: a superset of those that can meet; distance: (K,) their distances at x.
         """
@@ -28,7 +28,7 @@ class StepFilter(Protocol):
 
 @dataclass(frozen=True)
 class NoFilter:
-    """Any step, as in the paper: only the infinite energy of a crossing rejects it afterwards."""
+    """No bound, as in the paper: only the infinite energy of a crossing rejects a step afterwards."""
 
     safe: ClassVar[bool] = False
 

@@ -1,4 +1,4 @@
-"""The distances that a cage has to keep from the fine mesh, and from itself."""
+"""The distances that a cage must keep from the fine mesh and from itself."""
 
 from __future__ import annotations
 

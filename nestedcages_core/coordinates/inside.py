@@ -1,4 +1,4 @@
-"""The check of coordinates that are defined inside the cage only."""
+"""The check for coordinates that are only defined inside the cage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Linear precision to the last digits: small corrections for W @ cage = points."""
+"""Linear precision to the last digits: small corrections such that W @ cage = points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Functions between the levels of a hierarchy: each cage contains the one before, so no value is ever extrapolated."""
+"""Transfer of functions between the levels of a hierarchy: always interpolation, since cages enclose each other."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Grids:
     def prolongation(self, finer: int, coarser: int) -> csr_array:
         """(N_finer, N_coarser) values on a coarse grid, linear on its triangles, to values on a finer one.
 
-        Rows have sum 1 and entries that are not negative; linear functions stay what they are.
+        Rows sum to 1, no entry is negative, and linear functions are reproduced.
         """
         if not 0 <= finer <= coarser < len(self.grids):
             raise NestedCagesError(

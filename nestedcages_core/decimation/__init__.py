@@ -2,10 +2,10 @@
 
 - `Decimation`: the interface, with `Count`, the vertices of a level; `SeveralStarts` for methods that offer several
   coarse meshes.
-- `OnCurve`: vertices on the fine mesh, shared out as the outer hull does.
+- `OnCurve`: vertices on the fine mesh, distributed like those of the outer hull.
 - `OuterHull`: strictly encloses the fine mesh from the start; works for any count down to a triangle per loop.
 - `ArcLength`: evenly spaced along each loop.
-- `DouglasPeucker`, `Visvalingam`: a choice of the fine vertices, by distance from chords or by area.
+- `DouglasPeucker`, `Visvalingam`: a subset of the fine vertices, by distance from chords or by area.
 - `EdgeCollapse`: vertices near the fine mesh, by squared distances to its lines.
 - `OwnDecimation`: a function of the user's own.
 """

@@ -14,7 +14,7 @@ from .outline import Outline
 def shares(total: int, lengths: FloatArray, least: int) -> IntArray:
     """Numbers (K,) in proportion to lengths (K,), at least `least` each, whose sum is `total` or the least possible.
 
-    One by one, each goes to where the spacing is longest (D'Hondt's method), which minimises the longest spacing. Ties
+    Each vertex in turn goes where the spacing is longest (D'Hondt's method), which minimises the longest spacing. Ties
     go to the first.
     """
     numbers = np.full(len(lengths), least, dtype=np.int64)
@@ -30,7 +30,7 @@ def shares(total: int, lengths: FloatArray, least: int) -> IntArray:
 def padded(outline: Outline, total: int, per_loop: IntArray | None) -> list[FloatArray]:
     """The loops (k, 2) of an outline with edges divided evenly until there are enough vertices.
 
-    total: number of vertices to come to. per_loop: (L,) the number for each loop, instead of the total.
+    total: wanted number of vertices. per_loop: (L,) wanted number for each loop, instead of the total.
     """
     steps = outline.vertices[outline.successor] - outline.vertices
     lengths = norm(steps)

@@ -20,12 +20,12 @@ PHASES = (0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875)
 
 @dataclass(frozen=True)
 class ArcLength:
-    """Vertices evenly spaced along each loop; a total count is shared out in proportion to length."""
+    """Vertices evenly spaced along each loop; a total count is distributed in proportion to length."""
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh whose vertices lie on the fine one, whatever the clearance; loop k on loop k.
 
-        Raises NestingError if the count is impossible or the loops cross in all of the phases that are tried.
+        Raises NestingError if the count is impossible or the loops cross in all phases.
         """
         request = Request.of(fine, count)
         loops, sizes = request.outline.loops, request.per_loop

@@ -1,4 +1,4 @@
-"""The interface of all decimations, and the count they are asked for."""
+"""The interface of all decimations, and the counts they take."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Decimation(Protocol):
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh of the fine one whose loop k stands for loop k of the fine mesh.
 
-        count: the total number of vertices, shared out between the loops, or one number per loop.
-        clearance: the distance to the fine mesh that the cage will have to keep, in input units.
+        count: the total number of vertices, distributed over the loops, or one number per loop.
+        clearance: the distance to the fine mesh that the cage must keep, in input units.
 
         Raises NestingError.
         """
@@ -41,14 +41,14 @@ class Start(NamedTuple):
     source: str
     """What it is, such as "outer hull"."""
     on_curve: Mesh | None = None
-    """The same with its vertices on the fine mesh, where that is preferred: it leads to its cage by the flow."""
+    """The mesh with its vertices on the fine mesh, where that is preferred; the flow leads from it to a cage."""
     makeshift_for: NestingError | None = None
-    """Why it is not what was asked for; the error to raise if it does not lead to a cage."""
+    """Why it differs from the request; raised if it does not lead to a cage."""
 
 
 @runtime_checkable
 class SeveralStarts(Protocol):
-    """A decimation that offers several coarse meshes to start from, and can be stopped while it looks for them."""
+    """A decimation that offers several coarse meshes to start from, and whose search can be cancelled."""
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float, most: int) -> Stage[float, list[Start]]:
         """Up to ``most`` different coarse meshes, the most promising first; otherwise like `Decimation.decimate`.
@@ -59,7 +59,7 @@ class SeveralStarts(Protocol):
 
 
 def clamped(count: int, fine: Mesh) -> tuple[int, tuple[str, ...]]:
-    """A number of vertices, reduced to that of the fine mesh if it is larger, and a note if so."""
+    """A number of vertices, clamped to that of the fine mesh, with a note if it was larger."""
     available = len(fine.vertices)
     if count <= available:
         return count, ()
@@ -67,7 +67,7 @@ def clamped(count: int, fine: Mesh) -> tuple[int, tuple[str, ...]]:
 
 
 def shared_anew(count: Count, coarse: Mesh) -> tuple[str, ...]:
-    """A note if a coarse mesh has other numbers of vertices per loop than were asked for."""
+    """A note if the numbers of vertices per loop of a coarse mesh differ from the request."""
     if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
         return ()
     return ("The vertices per loop of the coarse mesh do not fit the mesh inside: their sum is shared out anew.",)
@@ -75,7 +75,7 @@ def shared_anew(count: Count, coarse: Mesh) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Budget:
-    """A checked count: `total` vertices; `per_loop` in the order of `fine.loops`, or None to be shared out freely."""
+    """A checked count: `total` vertices; `per_loop` in the order of `fine.loops`, or None to distribute them freely."""
 
     total: int
     per_loop: tuple[int, ...] | None
@@ -84,7 +84,7 @@ class Budget:
 def checked_budget(fine: Mesh, count: Count) -> Budget:
     """The count as a Budget. Raises NestingError unless every loop gets 3 and the total is at most that of `fine`.
 
-    Numbers per loop may exceed those of the fine mesh: they are what a given coarse mesh has.
+    Numbers per loop may exceed those of the fine mesh, as they come from a given coarse mesh.
     """
     loops, available = len(fine.loops), len(fine.vertices)
     try:

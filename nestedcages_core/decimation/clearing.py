@@ -21,10 +21,10 @@ from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
 CLEARANCE_RESERVE = 1.05
-"""Distance, in clearances, that outlines are moved to where there is room: later stages need some slack."""
+"""Distance in clearances that outlines keep where there is space: slack for later stages."""
 
 MAX_WIDENINGS = 12
-"""Maximum number of consecutive steps outwards; each is limited by short edges and by gaps."""
+"""Maximum number of consecutive outward steps; short edges and gaps limit each."""
 
 STALLED_RATIO = 0.97
 """Ratio of the largest shortfalls after and before a step above which no further step is made."""
@@ -33,10 +33,10 @@ MAX_ROUNDS = 12
 """Maximum number of rounds that remove obstacles to wider steps: small details first, then narrow gaps."""
 
 SMALL_DETAIL = 0.2
-"""Size, in clearances, of details that are built over where they keep an outline from reaching the clearance."""
+"""Size in clearances of details that are filled where they keep an outline from reaching the clearance."""
 
 NARROW_GAP = 2.2
-"""Width, in clearances, below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
+"""Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
 
 
 def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
@@ -50,7 +50,7 @@ def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
         outline = without_small_details(outline, (SMALL_DETAIL * clearance) ** 2)
         if len(outline.vertices) == size:
             outline = _without(outline, _in_narrow_gaps(outline, tight, NARROW_GAP * clearance))
-        if len(outline.vertices) == size:  # last, since corners at the mouth of a filled gap may be free
+        if len(outline.vertices) == size:  # last, since filling a gap may free the corners at its mouth
             outline = _without(outline, tight)
         if len(outline.vertices) == size:
             break
@@ -58,7 +58,7 @@ def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
 
 
 def _widened(outline: Outline, fine: Mesh, distance: float) -> Outline:
-    """The outline with those edges moved outwards that are closer than `distance`, as far as there is room."""
+    """The outline with edges closer than `distance` moved outwards, as far as gaps allow."""
     last = np.inf
     for _ in range(MAX_WIDENINGS):
         missing = shortfall(outline, fine, distance)
@@ -73,7 +73,7 @@ def _widened(outline: Outline, fine: Mesh, distance: float) -> Outline:
 
 
 def shortfall(outline: Outline, fine: Mesh, distance: float) -> FloatArray:
-    """(n,) how much farther each vertex of an outline has to go for both of its edges to keep a distance."""
+    """(n,) how much farther out each vertex must move for both its edges to keep a distance."""
     starts, ends = outline.vertices, outline.vertices[outline.successor]
     fine_starts, fine_ends = fine.edge_tree.starts, fine.edge_tree.ends
     missing = np.zeros(len(starts))
@@ -130,19 +130,19 @@ def _covered(count: int, first: IntArray, last: IntArray, begin: IntArray, size:
 
 
 def without_gaps(outline: Outline, width: float) -> Outline:
-    """The outline with all gaps filled that are narrower than `width`, however narrow."""
+    """The outline with all gaps narrower than `width` filled."""
     unwanted = _in_narrow_gaps(outline, np.ones(len(outline.vertices), dtype=bool), width)
     return _without(outline, unwanted, exact=True) if unwanted.any() else outline
 
 
 def without_small_details(outline: Outline, area: float) -> Outline:
-    """The outline with details built over that cost less than an area: short edges keep steps short."""
+    """The outline with details below an area filled, since short edges keep steps short."""
     minimum = [LEAST_PER_LOOP] * len(outline.sizes)
     return ProgressiveHull(outline, Weights(pivot=None), minimum).run(sum(minimum), area)
 
 
 def _without(outline: Outline, unwanted: BoolArray, *, exact: bool = False) -> Outline:
-    """The outline without the unwanted (n,) vertices, as far as they can be dropped: fills the pockets they line."""
+    """The outline without the unwanted (n,) vertices that can be dropped, which fills the pockets they line."""
     loops = LinkedLoops(outline, reach=1.0)
     waiting = deque(np.flatnonzero(unwanted).tolist())
     while waiting:

@@ -1,4 +1,4 @@
-"""Douglas-Peucker simplification: from a triangle per loop on, the vertex farthest from its chord comes next."""
+"""Douglas-Peucker simplification: starting from a triangle per loop, add the vertex farthest from its chord."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from .request import Request
 from .simplification import followed
 
 MAX_REPAIRS = 100
-"""Maximum number of repairs, each of which divides crossing chords first."""
+"""Maximum number of repairs; each divides crossing chords first."""
 
 Chord = tuple[int, int, int]
-"""Loop, first vertex and last vertex in it; the last may be the size of the loop, which is vertex 0."""
+"""Loop, first vertex and last vertex; a last vertex equal to the size of the loop means vertex 0."""
 
 
 @dataclass(frozen=True)
 class DouglasPeucker:
-    """Vertices of the fine mesh that stand out (Douglas & Peucker 1973), as many as wanted instead of a tolerance.
+    """The vertices of the fine mesh that stand out most (Douglas & Peucker 1973), by count instead of tolerance.
 
-    Chords that cross are divided first, so the loops stay simple wherever the count allows it.
+    Crossing chords are divided first, so the loops stay simple wherever the count allows it.
     """
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
@@ -55,10 +55,10 @@ class DouglasPeucker:
 
 
 class _Division:
-    """Loops divided into chords, again and again; where and how far each chord is from its stretch is kept."""
+    """Loops divided into chords step by step; caches the farthest vertex of each stretch from its chord."""
 
     def __init__(self, loops: Sequence[FloatArray]) -> None:
-        """loops: (k, 2) each, from a vertex on that always stays."""
+        """loops: (k, 2) each; their first vertex always stays."""
         self.loops = [np.concatenate((loop, loop[:1])) for loop in loops]
         self._farthest: dict[Chord, tuple[float, int]] = {}
 
@@ -89,7 +89,7 @@ class _Division:
         return [sorted(vertices) for vertices in chosen]
 
     def crossing(self, chosen: list[list[int]]) -> set[Chord]:
-        """The chords that touch others than their neighbours and can be divided."""
+        """The chords that touch a chord other than their neighbours and can be divided."""
         outline = self.outline(chosen)
         one, other = crossing_pairs(outline.tree)
         apart = (outline.successor[one] != other) & (outline.successor[other] != one)

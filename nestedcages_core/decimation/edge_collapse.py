@@ -1,4 +1,4 @@
-"""Edge collapse by quadric error: an edge shrinks to the point closest to the lines it stands for."""
+"""Edge collapse by quadric error: an edge shrinks to the point closest to the lines that it replaces."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class _Collapsing(Simplification):
         p, q, r, s = 2.0 * (xx + anchor), 2.0 * (yy + anchor), 2.0 * anchor * mx - x1, 2.0 * anchor * my - y1
         determinant = p * q - xy * xy
         if determinant < SMALLEST_DETERMINANT:
-            return  # edges so short that their lines count for nothing
+            return  # edges too short to have a line
         x, y = (q * r - xy * s) / determinant, (p * s - xy * r) / determinant
         cost = xx * x * x + xy * x * y + yy * y * y + x1 * x + y1 * y + one
         if max(abs(x), abs(y)) < MAX_VERTEX_DISTANCE * loops.diameter / self.unit:

@@ -12,14 +12,14 @@ STRIDE = 1 << 32
 
 
 class EdgeGrid:
-    """Grids of several cell sizes; each edge lies in one cell, that of its middle, on the level of its own length.
+    """Grids of several cell sizes; each edge is in one cell, that of its midpoint, on the level of its length.
 
     A cell is larger than its edges, so an edge reaches at most half a cell from its middle, whatever the mixture of
     long and short edges. Scalar on purpose: the loops change edge by edge.
     """
 
     def __init__(self, count: int, origin: tuple[float, float], finest: float) -> None:
-        """Room for edges 0 .. count - 1; origin: a point near the loops, for small cell numbers.
+        """Reserve space for edges 0 .. count - 1; origin: a point near the loops, for small cell numbers.
 
         finest: length below which edges share the cells of a level: a rounding of the coordinates.
         """
@@ -55,7 +55,7 @@ class EdgeGrid:
             members.remove(edge)
 
     def near(self, low_x: float, low_y: float, high_x: float, high_y: float) -> list[int]:
-        """All edges whose boxes touch the given box, and some more."""
+        """A superset of the edges whose boxes touch the given box."""
         found: list[int] = []
         origin_x, origin_y = self._origin
         low_x, low_y, high_x, high_y = low_x - origin_x, low_y - origin_y, high_x - origin_x, high_y - origin_y

@@ -17,23 +17,23 @@ EVEN_WEIGHTS = Weights()
 """Equal cost per area: best on smooth shapes with few features."""
 
 ROUGH_WEIGHTS = Weights(drop=0.55, extend=1.1, slide=0.8, pivot=1.1, spike=0.03)
-"""Cheap notches: best on rough shapes, whose notches must be filled before bumps are extended."""
+"""Cheap notches: best on rough shapes, where notches should be filled before bumps are extended."""
 
 STAGE_SHARE = 0.4
-"""Fraction of the time until the restarts begin, roughly: only for the progress bar."""
+"""Approximate fraction of the time before the restarts; only for the progress bar."""
 
 MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
-"""Size of the outline that restarts begin at: a minimum, and a multiple of the wanted number of vertices."""
+"""Size of the outline to restart from: a minimum, and a multiple of the wanted number of vertices."""
 
 MAX_SIZE_OF_TWO_STAGES = 400
-"""Size of the outline up to which both weights make a stage for the restarts; above it, only the rough ones."""
+"""Size of the outline up to which restarts use outlines of both weights; above it, only of the rough ones."""
 
 MAX_RESTART_MOVES = 12_000
 """Moves of all restarts together, about half a second: limits the number of restarts."""
 
 EXTRA_RESTARTS_PER_LOOP, MAX_RESTART_FACTOR = 2, 2
-"""Further restarts per loop after the second, since many loops share vertices in many ways; and the maximum number of
-restarts as a multiple of that of one loop."""
+"""Additional restarts per loop after the second, since vertices can be distributed in many ways; maximum number of
+restarts, as a multiple of that of one loop."""
 
 MIN_RESTARTS = 4
 """Minimum number of restarts, whatever the moves."""
@@ -42,14 +42,14 @@ SPIKE_WEIGHTS = (0.0, 0.1, 0.3)
 """Weights of the spike term in the first restarts, all else even."""
 
 MAX_RESCUES = 40
-"""Maximum number of runs with widely varied weights, if no restart reaches the wanted number; they lower the smallest
-number that is possible (docs/ablation.md: rescues)."""
+"""Maximum number of runs with widely varied weights if no restart reaches the wanted number; they reach smaller numbers
+(docs/ablation.md: rescues)."""
 
 MAX_RESCUE_MOVES, MIN_RESCUES = 8_000, 8
 """Moves of all rescues together, about two seconds, and the minimum number of rescues."""
 
 MAX_SIZE_OF_WHOLE_RESCUE = 400
-"""Size of the outline up to which every second rescue begins at the outline itself."""
+"""Size of the outline up to which every second rescue starts from the outline itself."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Variation:
     noise: tuple[float, float]
     reach: tuple[float, float] = (0.4, 0.4)
     loops: float = 0.0
-    """Standard deviation of the logarithm of a factor per loop."""
+    """Standard deviation of the logarithm of a random factor per loop."""
 
     def draw(self, rng: random.Random, loops: int) -> Weights:
         """Random weights; pivots vary like extensions."""
@@ -110,8 +110,8 @@ def search_hulls(
 
     A generator: yields the fraction done and returns the hulls.
 
-    minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: what is done to an outline
-    that restarts begin at. Deterministic for a seed.
+    minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: applied to each outline to
+    restart from. Deterministic for a seed.
     """
     both = len(outline.vertices) <= MAX_SIZE_OF_TWO_STAGES
     leading = (EVEN_WEIGHTS, ROUGH_WEIGHTS) if both else (ROUGH_WEIGHTS,)
@@ -134,14 +134,14 @@ def search_hulls(
 
 
 def _fraction(finished: int, runs: int, done: float) -> float:
-    """The fraction of the search when a fraction of the next restart is done."""
+    """Fraction of the search that is done, given that of the next restart."""
     return STAGE_SHARE + (1.0 - STAGE_SHARE) * (finished + done) / runs
 
 
 def _stages(
     outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]
 ) -> Stage[float, list[Outline]]:
-    """Outlines that restarts begin at, made without pivots, which cost more area there and a third of the time."""
+    """Outlines to restart from, made without pivots, which would cost area and a third of the time."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
     stages = []
     for chosen in weights:
@@ -152,7 +152,7 @@ def _stages(
 def _rescues(
     outline: Outline, count: int, minimum: Sequence[int], seed: int, prepare: Callable[[Outline], Outline]
 ) -> Stage[float, list[Outline]]:
-    """Hulls by runs that do not depend on the count, so that the smallest one found can be asked for."""
+    """Hulls from runs that do not depend on the count, so that a request for the smallest one found succeeds."""
     stages = yield from _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,))
     starts = [prepare(stage) for stage in stages]
     if len(outline.vertices) <= MAX_SIZE_OF_WHOLE_RESCUE:

@@ -1,5 +1,7 @@
-"""Inner hull: a coarse mesh strictly inside the fine one. It is the outer hull of the complement: loops are walked the
-other way round, so the solid on their left is what lies around the fine mesh."""
+"""Inner hull: a coarse mesh strictly inside the fine one.
+
+It is the outer hull of the complement: the loops are reversed, so the solid on their left is what surrounds the fine
+mesh."""
 
 from __future__ import annotations
 
@@ -16,12 +18,12 @@ from .outline import Outline
 from .request import Request
 
 SOURCE = "inner hull"
-"""What its meshes are called in reports."""
+"""Name of its meshes in reports."""
 
 
 @dataclass(frozen=True, eq=False)
 class InnerRequest(Request):
-    """A request for a coarse mesh inside the fine one; the loops of the outline run the other way round."""
+    """A request for a coarse mesh inside the fine one; the loops of the outline are reversed."""
 
     @classmethod
     def of(cls, fine: Mesh, count: Count) -> InnerRequest:
@@ -30,7 +32,7 @@ class InnerRequest(Request):
         return cls(fine, _walked_back(request.outline), request.loop_order, request.total, request.per_loop)
 
     def with_room(self, coarse: Mesh, clearance: float) -> Mesh:
-        """The coarse mesh as it is: its outer loops are never as small as the holes of an outer cage."""
+        """The coarse mesh itself: unlike the holes of outer cages, its loops have space."""
         return coarse
 
     def nests(self, coarse: Mesh) -> bool:
@@ -51,7 +53,7 @@ def inner_hulls(
 
 
 def _walked_back(outline: Outline) -> Outline:
-    """The same loops the other way round, each from the same vertex on."""
+    """The reversed loops, each with the same first vertex."""
     order = np.concatenate(
         [begin + (-np.arange(size)) % size for begin, size in zip(outline.begins.tolist(), outline.sizes, strict=True)]
     )

@@ -1,4 +1,4 @@
-"""Linked loops that lose vertices, with a grid of their edges: the data structure of all greedy decimations."""
+"""Linked loops and a grid of their edges: the data structure of all greedy decimations."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from .edge_grid import EdgeGrid
 from .outline import Outline
 
 MARGIN_ULPS = 64.0
-"""Units in the last place of the largest coordinate kept free around an added triangle, for nudges."""
+"""Margin around an added triangle, in units in the last place of the largest coordinate, for nudges."""
 
 
 class LinkedLoops:
-    """Doubly linked loops with their edges in a grid. A vertex keeps its number; an edge has that of its start."""
+    """Doubly linked loops with their edges in a grid. Vertices keep their numbers; an edge has that of its start."""
 
     def __init__(self, outline: Outline, reach: float) -> None:
-        """reach: largest distance from the centre, in diameters, that vertices are expected to have."""
+        """reach: expected upper bound on the distance of vertices from the centre, in diameters."""
         vertices = outline.vertices
         self.sizes = list(outline.sizes)
         self.total = total = len(vertices)
@@ -47,7 +47,7 @@ class LinkedLoops:
         return Outline(vertices, tuple(self.sizes), np.array([(self.first[v], self.last[v]) for v in ring]))
 
     def walk(self, start: int) -> Iterator[int]:
-        """The vertices of a loop from one of them on."""
+        """The vertices of a loop, starting with a given one."""
         vertex = start
         while True:
             yield vertex
@@ -60,7 +60,7 @@ class LinkedLoops:
         self.grid.insert(edge, self.x[edge], self.y[edge], self.x[end], self.y[end])
 
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
-        """Remove a vertex, and move those right before it, in loop order: (vertex, x, y) each."""
+        """Remove a vertex, and move some right before it, in loop order: (vertex, x, y) each."""
         before, after = self.previous[vertex], self.next[vertex]
         changed = [self.previous[moved[0][0]], *(v for v, _, _ in moved)] if moved else [before]
         self.grid.remove(vertex)

@@ -1,12 +1,12 @@
-"""Minimal nested polygons: few links around a loop within a distance of it, and a bound that no polygon undercuts.
+"""Minimal nested polygons: few edges around a loop within a distance of it, and a lower bound on their number.
 
-A gate is a segment from a point of the fine loop straight outwards to a place farther from the fine mesh than the
-distance. Segments to nearest points do not cross, so a loop of a cage within the distance meets the gates in their
-order, and each of its edges meets a run of consecutive ones: it passes between their two ends, that on the fine mesh to
-its left. Runs whose two sets of ends no line separates need more than one edge; as few runs as cover all gates are a
-lower bound. A greedy walk of longest links through the same gates gives a polygon, which is optimal but for one vertex
-between convex loops (Aggarwal, Booth, O'Rourke, Suri, Yap 1989; for simple polygons Suri & O'Rourke 1985, Ghosh &
-Maheshwari 1990, whose walks start links from whole segments).
+A gate is a segment from a point of the fine loop (its foot) straight outwards to a point farther from the fine mesh
+than the distance (its tip). Gates do not cross, so a cage's loop within the distance meets them in their order, and
+each of its edges meets a run of consecutive gates, with their feet on its left and their tips on its right. A run
+whose feet and tips cannot be separated by a line needs more than one edge, so the smallest number of separable runs
+that cover all gates is a lower bound. A greedy walk of longest edges through the same gates gives a polygon. Between
+convex loops it has at most one vertex too many (Aggarwal, Booth, O'Rourke, Suri, Yap 1989; for simple polygons see Suri
+& O'Rourke 1985, Ghosh & Maheshwari 1990, whose edges start from whole segments).
 """
 
 from __future__ import annotations
@@ -23,33 +23,33 @@ from .base import LEAST_PER_LOOP
 from .clearing import CLEARANCE_RESERVE
 
 FIRST_GATES, MAX_GATES = 192, 1024
-"""Gates of a loop at first, and at most."""
+"""First and maximum number of gates of a loop."""
 
 GATES_PER_LINK = 20
-"""Gates aimed at for each link: it may lose one of them in the bound."""
+"""Wanted number of gates per edge; the bound may lose one of them."""
 
 FAN_STEP = 0.1
 """Largest turn, in radians, between gates at a convex corner."""
 
 RELAXED = 1e-6
-"""Relative width by which the gates of the bound are longer than the distance, to stay above rounding."""
+"""Relative excess length of the gates of the bound over the distance, against rounding."""
 
 RESERVE = 1e-3
-"""Relative width by which the gates of the walk are shorter."""
+"""Relative shortening of the gates of the walk."""
 
 FIRST_WINDOW = 32
-"""Gates looked at for a run at first; doubled where a run is longer."""
+"""First number of gates tested for a run; doubled where a run is longer."""
 
 ANGLE_SLACK = 1e-9
-"""Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
+"""Radians by which a line may miss a gate before a run counts as too long; above the rounding of angles."""
 
 WALKS = 32
-"""Gates of a loop from which a walk starts."""
+"""Number of gates of a loop at which a walk starts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gates:
-    """Gates of one loop in its order: from the feet (N, 2) on the loop along unit normals (N, 2)."""
+    """Gates of one loop, in its order: feet (N, 2) on the loop, and unit normals (N, 2)."""
 
     foot: FloatArray
     normal: FloatArray
@@ -60,7 +60,7 @@ class Gates:
 
 
 def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
-    """About so many gates of a loop of the fine mesh; none where others of its points are closer."""
+    """About ``count`` gates of a loop of the fine mesh; none where other parts of the mesh are closer."""
     ring = fine.loops[loop]
     points = fine.vertices[ring]
     steps = np.roll(points, -1, axis=0) - points
@@ -68,7 +68,7 @@ def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
     normal = rotated_right(steps) / lengths[:, None]
     before = np.roll(normal, 1, axis=0)
     turn = np.arctan2(cross(before, normal), (before * normal).sum(axis=1))
-    # places and normals change by as much per gate: the offset's boundary is divided evenly
+    # evenly spaced along the offset curve: places and normals change by the same amount per gate
     spacing = float((lengths + distance * np.maximum(turn, 0.0)).sum()) / count
     feet, normals = [], []
     for k in range(len(ring)):
@@ -90,13 +90,13 @@ def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
 
 
 def _parts(pieces: float) -> FloatArray:
-    """The middles of so many equal parts of a unit interval, at least one."""
+    """The middles of equal parts of the unit interval, about ``pieces`` of them and at least one."""
     number = max(1, round(pieces))
     return (np.arange(number) + 0.5) / number
 
 
 def fewest_links(fine: Mesh, loop: int, distance: float, clearance: float) -> int:
-    """Lower bound on the vertices of a cage's loop around a loop of the fine mesh, all of it within a distance."""
+    """Lower bound on the vertices of a cage's loop that stays within a distance of its fine loop."""
     links = _fewest_runs(gates(fine, loop, distance, FIRST_GATES), distance, clearance)
     if GATES_PER_LINK * links > FIRST_GATES:
         more = gates(fine, loop, distance, min(GATES_PER_LINK * links, MAX_GATES))
@@ -105,7 +105,7 @@ def fewest_links(fine: Mesh, loop: int, distance: float, clearance: float) -> in
 
 
 def _fewest_runs(found: Gates, distance: float, clearance: float) -> int:
-    """As few runs as cover the circle, by leaps from every gate at once; at least 3."""
+    """The smallest number of runs that cover the circle, by leaps from every gate at once; at least 3."""
     count = len(found.foot)
     if count < LEAST_PER_LOOP:
         return LEAST_PER_LOOP
@@ -119,7 +119,7 @@ def _fewest_runs(found: Gates, distance: float, clearance: float) -> int:
 
 
 def _longest_runs(feet: FloatArray, tips: FloatArray) -> IntArray:
-    """(N,) for each gate, how many from it on, in circular order, have a line between feet (N, 2) and tips (N, 2).
+    """(N,) number of gates from each one on, in circular order, whose feet (N, 2) and tips (N, 2) a line separates.
 
     With n from tip to foot, a line separates where n · (foot_k - tip_l) ≥ 0 for all k and l: each pair allows half a
     circle of normals around the direction of its difference.
@@ -145,13 +145,13 @@ def _longest_runs(feet: FloatArray, tips: FloatArray) -> IntArray:
 
 
 def _corner(values: FloatArray) -> FloatArray:
-    """(W,) the largest value of each row up to the diagonal."""
+    """(W,) largest value of each row up to the diagonal."""
     largest: FloatArray = np.where(np.tril(np.ones(values.shape, dtype=bool)), values, -np.inf).max(axis=1)
     return largest
 
 
 def walks(fine: Mesh, loop: int, distance: float, clearance: float) -> list[FloatArray]:
-    """Polygons (k, 2) around a loop of few links each, fewest first; they are to be verified."""
+    """Polygons (k, 2) with few edges around a loop, fewest first; to be verified."""
     found = gates(fine, loop, distance, MAX_GATES // 2)
     if len(found.foot) < LEAST_PER_LOOP:
         return []
@@ -165,7 +165,7 @@ def walks(fine: Mesh, loop: int, distance: float, clearance: float) -> list[Floa
 
 
 def _walk(feet: FloatArray, tips: FloatArray, start: int, side: FloatArray) -> FloatArray | None:
-    """The polygon of longest links from the tip or the foot of a gate on; None where it does not get around."""
+    """The polygon of longest edges from the tip or the foot of a gate; None if it does not get around."""
     count = len(feet)
     at, place, goal = side[start], start, start + count
     corners = [at]

@@ -1,4 +1,4 @@
-"""A priority queue of moves, most of which become obsolete before their turn."""
+"""A priority queue of moves. Most of them become obsolete before their turn."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ COST_SPLITTER = 2.0**27 + 1.0
 """Rounds costs to 26 bits (Dekker 1971), so that equal moves of a symmetric shape tie despite round-off."""
 
 HEAP_DIVISOR = 4
-"""When the heap is empty, the cheapest 1 / HEAP_DIVISOR of the waiting moves refill it: a small heap stays in cache."""
+"""An empty heap is refilled with the cheapest 1 / HEAP_DIVISOR of the waiting moves: a small heap stays in cache."""
 
 
 class MoveQueue:

@@ -19,7 +19,7 @@ EDGE_FRACTION = 0.2
 """Longest step of a vertex in units of its shorter edge; below 0.5, so that no edge flips."""
 
 GAP_FRACTION = 0.25
-"""Longest step of a vertex in units of the gap in front of it: where both sides move, half of it stays open."""
+"""Longest step of a vertex in units of the gap in front of it: half of it stays open if both sides move."""
 
 SCALE_STEP = 8.0
 """Ratio of steps that share one search radius for gaps."""
@@ -31,11 +31,11 @@ HALVINGS = 48
 def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxTree) -> tuple[Outline, IntArray]:
     """The outline with its edges moved outwards by `distance`, less in narrow gaps; and the vertices that are stuck.
 
-    distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: edges to stay clear of, next to
-    those of the result itself.
+    distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: further edges to stay clear of,
+    besides those of the result.
 
     The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
-    vertices that came in, is empty, its moved edges touch neither each other nor the obstacle, exactly.
+    input vertices, is empty, its moved edges touch neither each other nor the obstacle, exactly.
     """
     lengths = norm(outline.vertices[outline.successor] - outline.vertices)
     distance = np.broadcast_to(distance, len(lengths))

@@ -1,4 +1,4 @@
-"""On the curve: the vertices of an outer hull, each put back onto the part of the fine mesh that it stands for."""
+"""On the curve: an outer hull with each vertex put back onto the part of the fine mesh that it replaces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .request import Request
 
 @dataclass(frozen=True)
 class OnCurve:
-    """Vertices on the fine mesh, shared out between and along its loops as the outer hull does: more at features."""
+    """Vertices on the fine mesh, distributed over its loops like those of the outer hull: more at features."""
 
     hull: OuterHull = field(default_factory=OuterHull)
     """The search whose best hull is used."""
@@ -42,7 +42,7 @@ class OnCurve:
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
         """Up to `most` outer hulls, least area first, with their meshes on the curve.
 
-        A generator: yields the fraction done and returns the list. Where there is no hull it is one mesh by arc length.
+        A generator: yields the fraction done and returns the list; without any hull, one mesh by arc length.
         """
         request = Request.of(fine, count)
         try:
@@ -57,9 +57,9 @@ class OnCurve:
 
 
 def closest_on_curve(cage: Mesh, fine: Mesh) -> Mesh | None:
-    """The cage, whose loop k stands for loop k of the fine mesh, with its vertices moved to the closest points there.
+    """The cage with its vertices moved to the closest points of the fine mesh, loop k to loop k.
 
-    None where it crosses itself then. Flow and reinflation lead from it to much the same cage.
+    None where that crosses itself. Flow and reinflation lead from it to nearly the same cage.
     """
     loops = []
     for own, other in zip(cage.loops, fine.loops, strict=True):
@@ -76,7 +76,7 @@ def closest_on_curve(cage: Mesh, fine: Mesh) -> Mesh | None:
 
 
 def _put_on_curve(hull: Outline, request: Request) -> Mesh | None:
-    """The coarse mesh of a hull with its vertices on the fine mesh; None where it crosses itself then."""
+    """The coarse mesh of a hull with its vertices on the fine mesh; None where that crosses itself."""
     try:
         return request.same_roles(request.coarse(_snapped(hull, request.outline)))
     except InvalidMeshError:
@@ -84,7 +84,7 @@ def _put_on_curve(hull: Outline, request: Request) -> Mesh | None:
 
 
 def _snapped(hull: Outline, outline: Outline) -> Outline:
-    """A hull with each vertex at the closest point of the stretch of the outline that it stands for.
+    """A hull with each vertex at the closest point of the stretch of the outline that it replaces.
 
     Stretches are disjoint and in order, so the points are.
     """

@@ -24,7 +24,7 @@ from .outline import Outline
 from .request import Request
 
 HULL_OFFSET = 5e-5
-"""Distance, in diameters, between hull and fine mesh where there is room, unless the clearance is larger."""
+"""Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""
 
 CLOSED_GAP_WIDTH = 1e-9
 """Width, in diameters, below which gaps are filled first: no cage could keep a distance in them."""
@@ -33,7 +33,7 @@ SAME_AREA_TOLERANCE = 1e-9
 """Relative difference of area below which two hulls count as equal."""
 
 SOURCE = "outer hull"
-"""What its meshes are called in reports."""
+"""Name of its meshes in reports."""
 
 MAX_LOOPS_LISTED = 8
 """Number of loops up to which a message lists what was found for each."""
@@ -44,7 +44,7 @@ class OuterHull:
     """Progressive hull of a strict offset of the fine mesh, the best of several seeded runs."""
 
     restarts: int = 8
-    """Runs with varied weights, at least 1; several loops get more, large vertex counts fewer."""
+    """Number of runs with varied weights, at least 1; more for several loops, fewer for large vertex counts."""
     seed: int = 0
     """Seed of the random weights."""
 
@@ -64,8 +64,8 @@ class OuterHull:
         """Up to `most` different meshes that strictly enclose the fine one, by exact predicates, least area first.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
-        unless the loops then block each other: their sum is shared out anew.
-        clearance: distance to keep from the fine mesh where there is room, in input units. Loop k of each mesh belongs
+        unless the loops then block each other: their sum is distributed anew.
+        clearance: distance to keep from the fine mesh where there is space, in input units. Loop k of each mesh belongs
         to loop k of the fine mesh.
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
@@ -100,7 +100,7 @@ class OuterHull:
 
 
 class _Search:
-    """The search for hulls of one mesh: three approaches, each for cases in which the one before fails."""
+    """The search for hulls of one mesh: three approaches, each for cases where the one before fails."""
 
     def __init__(self, method: OuterHull, request: Request, clearance: float) -> None:
         self.method = method
@@ -117,7 +117,7 @@ class _Search:
         return self._offset_hulls(max(self.distance, CLEARANCE_RESERVE * self.clearance), self._cleared)
 
     def around_offset(self) -> Stage[float, list[Outline]]:
-        """Hulls of a small offset: for loops without room for the clearance."""
+        """Hulls of a small offset: for loops without space for the clearance."""
         return self._offset_hulls(self.distance, _unchanged)
 
     def without_small_details(self) -> Stage[float, list[Outline]]:
@@ -129,7 +129,7 @@ class _Search:
         return (yield from self.with_clearance())
 
     def certified(self, hulls: Sequence[Outline]) -> Iterator[tuple[Mesh, Outline]]:
-        """Meshes of those of the hulls that are small enough, different, and strictly enclose the fine mesh."""
+        """Meshes of the hulls that are small enough, distinct, and strictly enclose the fine mesh."""
         area = 0.0
         for hull in hulls:
             if len(hull.vertices) <= self.target and abs(hull.area - area) > SAME_AREA_TOLERANCE * abs(hull.area):
@@ -148,7 +148,7 @@ class _Search:
         return max(self.target, len(hull.vertices)), hull.area
 
     def tightest(self) -> FloatArray:
-        """The vertex that is closest to an edge which does not end there."""
+        """The vertex closest to an edge that does not end in it."""
         starts, successor = self.start.vertices, self.start.successor
         vertex, edge = near_pairs(starts, starts, starts[successor], self.distance)
         apart = (vertex != edge) & (vertex != successor[edge])
@@ -158,7 +158,7 @@ class _Search:
         return place
 
     def unreachable(self, best: Outline) -> str:
-        """The sentence for a count that even the smallest hull found exceeds."""
+        """The message for a count that even the smallest hull exceeds."""
         sizes = [best.sizes[k] for k in np.argsort(self.request.loop_order)]
         per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= MAX_LOOPS_LISTED else ""
         smallest = len(best.vertices)

@@ -1,4 +1,4 @@
-"""The user's own decimation: any function that makes loops, checked like the others."""
+"""A user-defined decimation: any function that makes loops; its result is checked."""
 
 from __future__ import annotations
 

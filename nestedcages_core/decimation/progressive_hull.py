@@ -40,7 +40,7 @@ SMALLEST_DIVISOR = 1e-300
 """Squared lengths and cross products, in squared input units, that are too small to be divided by."""
 
 REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
-"""Factor on the reach of new vertices when no move is left within it, and how often it is applied."""
+"""Factor on the reach of new vertices when no move is left within it; maximum number of its applications."""
 
 SMALL_LOOP = 8
 """Size up to which all moves of a loop are reconsidered after each move."""

@@ -1,4 +1,4 @@
-"""What a decimation is asked for: loops in canonical order, and how many vertices to leave of them."""
+"""The request to a decimation: loops in canonical order, and the number of vertices to keep."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ TIE_TOLERANCE = 1e-9
 class Request:
     """The loops of a mesh in canonical order, and the number of vertices that its coarse mesh is to have.
 
-    outline: the loops, largest first, each from the vertex farthest from its centre on, so that nothing depends on how
-    the vertices of the mesh are numbered.
+    outline: the loops, largest first, each starting with the vertex farthest from its centre, so that nothing depends
+    on the numbering of the vertices.
     loop_order: (L,) for each loop of the outline its number in the mesh.
-    total: vertices of the coarse mesh. per_loop: (L,) vertices per loop of the outline; None: shared out freely.
+    total: vertices of the coarse mesh. per_loop: (L,) vertices per loop of the outline; None: distributed freely.
     """
 
     fine: Mesh
@@ -46,13 +46,13 @@ class Request:
 
     @property
     def minimum(self) -> list[int]:
-        """Vertices that each loop keeps: as many as it is to have, at most its own."""
+        """Vertices that each loop keeps: the wanted number, at most its own."""
         sizes = self.outline.sizes
         return [LEAST_PER_LOOP] * len(sizes) if self.per_loop is None else np.minimum(self.per_loop, sizes).tolist()
 
     @property
     def target(self) -> int:
-        """Vertices to come down to; loops that are to have more than their own get them by divided edges."""
+        """Number of vertices to decimate to. Loops that want more than their own get them by divided edges."""
         return self.total if self.per_loop is None else sum(self.minimum)
 
     def coarse(self, outline: Outline) -> Mesh:
@@ -85,7 +85,7 @@ class Request:
 
 
 def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
-    """The loops of a mesh, largest first, each from the vertex farthest from its centre on; and their numbers (L,)."""
+    """The loops of a mesh, largest first, each from the vertex farthest from its centre; and their numbers (L,)."""
     tie, corner = TIE_TOLERANCE * fine.diagonal, fine.vertices.min(axis=0)
     rings, keys = [], []
     for loop, area in zip(fine.loops, fine.loop_areas, strict=True):

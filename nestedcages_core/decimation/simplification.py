@@ -1,7 +1,7 @@
 """Greedy simplification: loops lose vertices one by one, cheapest first, and never cross.
 
 A move replaces a short chain of edges by another one. It is made only if no vertex of any loop lies between the two
-chains and the new edges touch nothing, by exact tests; so no loop is passed and none changes its role.
+chains and the new edges touch nothing, by exact tests. So loops never pass each other or change their roles.
 """
 
 from __future__ import annotations

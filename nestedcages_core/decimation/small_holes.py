@@ -1,4 +1,4 @@
-"""Holes that a clearance nearly fills: their loops start as small polygons in the widest place.
+"""Holes that a clearance nearly fills: their loops start as small polygons at the widest place.
 
 See docs/ablation.md: room in small holes.
 """
@@ -59,8 +59,8 @@ def largest_circle(fine: Mesh, hole: int) -> Circle:
 
 
 def with_room(coarse: Mesh, fine: Mesh, clearance: float) -> Mesh:
-    """The coarse mesh, whose loop k belongs to loop k of the fine one, with small polygons for holes that are too
-    close to it, where these are empty and have room for the clearance."""
+    """The coarse mesh, whose loop k belongs to loop k of the fine one, with small polygons for the holes that are too
+    close to it, if these are empty and have space for the clearance."""
     loops = [coarse.vertices[loop] for loop in coarse.loops]
     changed = False
     for k in np.flatnonzero(fine.loop_signs < 0).tolist():

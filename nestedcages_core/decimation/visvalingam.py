@@ -1,4 +1,4 @@
-"""Visvalingam's simplification: the vertex whose triangle with its neighbours is smallest goes first."""
+"""Visvalingam's simplification: remove the vertex whose triangle with its neighbours is smallest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .simplification import Simplification, simplified
 
 @dataclass(frozen=True)
 class Visvalingam:
-    """Vertices of the fine mesh that span much area (Visvalingam & Whyatt 1993), in loops that stay simple."""
+    """The vertices of the fine mesh that span most area (Visvalingam & Whyatt 1993), in loops that stay simple."""
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh of vertices of the fine one, whatever the clearance; loop k on loop k. Raises NestingError."""

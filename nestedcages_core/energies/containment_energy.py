@@ -14,7 +14,7 @@ ALL_PAIRS_LIMIT = 6000
 class ContainmentEnergy:
     """0 where no edges of cage and fine mesh meet and the cage does not meet itself, infinite elsewhere; exact.
 
-    From a contained start and by motion without collisions, containment cannot be lost in any other way. (Gurditta &
+    From a contained start and by collision-free motion, containment cannot be lost in any other way. (Gurditta &
     Jacobson 2022, section 3.2, use the parity of ray crossings, which fails for rays through a vertex.)
     """
 

@@ -1,4 +1,4 @@
-"""Energies of inner cages, whose solid is the complement: what is left over of the fine mesh takes the area's place."""
+"""Energies of inner cages, whose solid is the complement: the lost part of the fine mesh replaces the area."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .weighted_sum import BoundSum
 
 @dataclass(frozen=True)
 class LostArea(Area):
-    """The area between the fine mesh and a cage inside it, for cages walked the other way round; see `Area`.
+    """The area between the fine mesh and a cage inside it, for cages with reversed loops; see `Area`.
 
     Derivatives are those of the area: the two differ by a constant, the area around the cage.
     """
@@ -31,7 +31,7 @@ class LostArea(Area):
 
 @dataclass(frozen=True, eq=False)
 class WalkedBack(CageEnergy):
-    """An energy of a cage in the usual orientation, for cages walked the other way round."""
+    """An energy of a cage in the usual orientation, for cages with reversed loops."""
 
     energy: CageEnergy
 
@@ -57,9 +57,9 @@ class WalkedBack(CageEnergy):
 
 
 def inwards(energy: CageEnergy, around: float) -> CageEnergy:
-    """The energy of an inner cage that is walked the other way round; ``around`` is the area of the fine mesh.
+    """The energy of an inner cage with reversed loops; ``around`` is the area of the fine mesh.
 
-    The area of the cage, which is to grow, is replaced by the lost area. All other energies stay what they are.
+    The lost area replaces the area of the cage, which is to grow. Other energies stay the same.
     """
     if isinstance(energy, Area):
         return LostArea(around)

@@ -1,4 +1,4 @@
-"""Tight, but with the shape of the coarse mesh: straight stays straight, level stays level, symmetric symmetric."""
+"""Tight, but keeping the shape of the coarse mesh: straight, horizontal and symmetric parts stay so."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .weighted_sum import BoundSum
 class ShapeKeeping:
     """Area + strength · ½ L Σ min |z' - s p'|² over the cells of `BoundaryARAP`, with a scale s per cell.
 
-    Each part of the cage may scale, but not turn, at no cost. Area alone is indefinite, so rounding decides to which
-    side an edge rolls; this keeps a symmetric coarse mesh symmetric.
+    Each part of the cage may scale, but not turn, at no cost. The area alone is indefinite and rounding decides to
+    which side an edge rolls; this energy keeps a symmetric coarse mesh symmetric.
     """
 
     strength: float = 3.0

@@ -1,4 +1,4 @@
-"""What every flow takes and gives, and how it says what is in its way."""
+"""The interface of flows, their result, and obstacles to them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ..stages import Stage
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Why the fine mesh is not inside the coarse one, in parts of a sentence; the place in the units of the mesh."""
+    """Why the fine mesh is not inside the coarse one, as parts of a sentence; the place is in units of the mesh."""
 
     cause: str
     place: tuple[float, float] | None = None
     remedy: str = "change the coarse mesh there or let it be generated"
 
     def sentence(self, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> str:
-        """The whole sentence, with scale · place + shift, for callers that work in units of their own."""
+        """The whole sentence, with the place converted to scale · place + shift."""
         if self.place is None:
             return f"{self.cause}; {self.remedy}."
         x, y = (scale * coordinate + offset for coordinate, offset in zip(self.place, shift, strict=True))
@@ -29,16 +29,16 @@ class Obstacle:
 
 @dataclass(frozen=True, eq=False)
 class FlowResult:
-    """The way of the fine mesh into the coarse one."""
+    """The path of the fine mesh into the coarse one."""
 
     steps: FloatArray = field(repr=False)
     """(J + 1, n, 2) positions; step 0 is the fine mesh, step J is certified inside unless there is an obstacle."""
     iterations: int
-    """Iterations over all stages, those whose step was rejected included."""
+    """Iterations of all stages, rejected steps included."""
     stage: str
     """The stage that succeeded, or the one that failed."""
     obstacle: Obstacle | None = None
-    """What is in the way of the last step, None if that is inside."""
+    """What blocks the last step; None if it is inside."""
 
     @property
     def reason(self) -> str:

@@ -44,7 +44,7 @@ class Descent:
     steps: list[FloatArray]
     """Positions (n, 2) after each accepted step."""
     obstacle: Obstacle | None
-    """None if the last position is certified inside, else why not."""
+    """None if the last position is certified inside, else the obstacle."""
     iterations: int
     """Number of steps, rejected ones included."""
 
@@ -67,7 +67,7 @@ class EnergyFlow:
     """Cap on the change of a coordinate per step."""
 
     def descend(self, start: FloatArray, limit: int) -> Stage[float, Descent]:
-        """At most ``limit`` steps from (n, 2) positions until certified inside and at a good distance.
+        """At most ``limit`` steps from (n, 2) positions until certified inside at a good distance.
 
         A generator: yields the fraction of the limit before every step and returns the outcome.
         Descent continues for a few steps inside to gain distance; the result is the last certified position.

@@ -1,4 +1,4 @@
-"""Retraction along shortest paths inside the fine solid, for limbs that the coarse mesh cuts off; tips move first.
+"""Retraction along shortest paths inside the fine solid, for limbs cut off by the coarse mesh; tips move first.
 
 Paths run over a graph of points on the boundary and inside the fine solid. The core, the points well inside the coarse
 mesh, stays; all other vertices move along their paths to the core, so nothing leaves the fine solid.
@@ -29,7 +29,7 @@ PLASTIC = 1.324717957244746
 """The root of x³ = x + 1: multiples of its powers -1 and -2, modulo 1, fill a square evenly (Roberts 2018)."""
 
 JITTER = 1e-9
-"""Noise on the points for the triangulation, in extents of the fine mesh: collinear rows are slow without."""
+"""Noise on the points for the triangulation, in extents of the fine mesh: without it collinear rows are slow."""
 
 INSETS = (1.0, 4.0)
 """Depths of the rows of points below the coarse edges, in margins of the edge."""

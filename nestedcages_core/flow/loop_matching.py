@@ -23,7 +23,7 @@ COVERED = -1
 """Partner of a fine hole without a coarse hole."""
 
 PROBES = 64
-"""Vertices per fine component that decide its coarse component, if one wraps several."""
+"""Number of vertices per fine component that decide its coarse component, if one wraps several."""
 
 ALL_WINDINGS_LIMIT = 100_000
 """Number of pairs of points and edges up to which winding numbers test all of them (measured)."""

@@ -12,7 +12,7 @@ from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 
 MARGIN_PER_GAP = 0.25
-"""Largest margin, as a fraction of the distance to coarse edges that are not neighbours: half of a slit stays free."""
+"""Largest margin, as a fraction of the distance to coarse edges other than neighbours: half of a slit stays free."""
 
 MARGIN_PER_INRADIUS = 0.1
 """Largest margin, as a fraction of 2 · area / perimeter of the coarse loop, the inradius of a regular polygon."""

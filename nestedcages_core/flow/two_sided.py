@@ -49,7 +49,7 @@ class TwoSidedFlow:
     """Descent of the penetration measured from both boundaries, loop by loop; lengths in extents of the fine mesh."""
 
     margin: float = 3e-3
-    """Distance to the coarse mesh where there is room."""
+    """Distance to the coarse mesh where there is space."""
     spacing: float = 1.0 / 300.0
     """Distance between samples along the boundaries."""
     smoothing: float = 0.01
@@ -61,8 +61,8 @@ class TwoSidedFlow:
     limit: int = 20
     """Maximum number of steps of every other descent."""
     detours: bool = True
-    """Whether geodesic and correspondence are tried, which take many steps; without, coarse meshes that cut off limbs
-    are an error."""
+    """Whether to try the geodesic stage, which takes many steps; without it, coarse meshes that cut off limbs are an
+    error."""
 
     def __post_init__(self) -> None:
         check_positive(self, "margin", "spacing", "smoothing", "longest_step")
@@ -91,7 +91,7 @@ class TwoSidedFlow:
 
 
 def _fraction(tried: int, done: float) -> float:
-    """The fraction of the flow, if every further method takes half of what is left."""
+    """Fraction of the flow that is done, if every further method takes half of the rest."""
     return 1.0 - 0.5**tried * (1.0 - 0.5 * done)
 
 
@@ -113,7 +113,7 @@ class _Run:
         self.only_touching = self.in_pieces = False
 
     def methods(self) -> Iterator[Method]:
-        """What to try until one has no obstacle; the last result explains the failure best."""
+        """The methods to try until one has no obstacle; the last result explains a failure best."""
         yield self.inside()
         self.system = StepSystem(self.fine, self.settings.spacing * self.unit)
         yield self.vertices()
@@ -127,7 +127,7 @@ class _Run:
             yield self.geodesic(NARROW_MARGIN, whole)
 
     def inside(self) -> Method:
-        """No step, if the fine mesh is inside already."""
+        """No steps, if the fine mesh is already inside."""
         home = self.fine.vertices
         if not self.containment.boxes_nested(home):
             return None
@@ -142,7 +142,7 @@ class _Run:
         return self.result("vertices", self.first.steps, self.first.obstacle)
 
     def erosion(self) -> Method:
-        """A tiny move inwards, if that is enough."""
+        """A small inward offset, where that is enough."""
         if not self.only_touching:
             return None
         yield 0.0

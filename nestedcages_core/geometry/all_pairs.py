@@ -1,4 +1,4 @@
-"""When measuring every pair of a point and an edge beats a search tree, and in which portions to do so."""
+"""Measuring all pairs of points and edges: when it is faster than a search tree, and in blocks of what size."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ def few_pairs(points: int, edges: int) -> bool:
 
 
 def blocks(points: FloatArray, edges: int) -> list[FloatArray]:
-    """The points (P, 2) in portions that make about CACHED_PAIRS pairs with the edges each; at least one portion."""
+    """The points (P, 2) in blocks of about CACHED_PAIRS pairs with the edges each; at least one block."""
     rows = max(1, CACHED_PAIRS // max(1, edges))
     return [points[first : first + rows] for first in range(0, max(len(points), 1), rows)]

@@ -14,7 +14,7 @@ from .arrays import FloatArray, IntArray
 from .distance import point_edge
 
 ALL_BOXES_LIMIT = 200_000
-"""Number of pairs up to which testing all points against the boxes of all edges is faster than cells (measured)."""
+"""Number of pairs up to which testing all points against the boxes of all edges is faster than a grid (measured)."""
 
 MAX_CELLS = 1000
 """Maximum number of cells along the longer side; bounds the pieces of long edges."""

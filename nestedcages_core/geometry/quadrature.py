@@ -1,6 +1,6 @@
 """Quadrature along the edges of a mesh: where a field is sampled, and the weight of each sample at a vertex.
 
-A rule describes an edge as seen from one of its ends: ``parameters`` run from 0 at the vertex to 1 at the other end.
+A rule describes an edge seen from one of its ends: ``parameters`` run from 0 at the vertex to 1 at the other end.
 The gradient of the flow at a vertex is the weighted mean of the field over both incident edges, by length.
 """
 

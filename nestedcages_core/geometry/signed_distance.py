@@ -19,7 +19,7 @@ from .mesh import Mesh
 from .predicates import winding_number
 
 SAMPLES_PER_MEAN_EDGE = 0.5
-"""Points of the tree per mean edge length: an edge of twice the mean length has one, longer ones have more."""
+"""Points of the tree per mean edge length: an edge of twice the mean length has one, longer edges have more."""
 
 EXTRA_SAMPLES = 1000
 """Further points of the tree, so that a few long edges are still resolved."""

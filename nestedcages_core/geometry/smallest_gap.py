@@ -36,8 +36,8 @@ def smallest_gap(here: BoxTree, there: BoxTree) -> float:
     """Smallest distance between the closed loops of two trees, which must not meet.
 
     Centres are vertices, so every measured distance is an upper bound of the result; pairs of balls that are farther
-    apart than the best bound are dropped, and so are crowded pairs that turned boxes separate. The cost grows with the
-    stretches in close contact.
+    apart than the best bound are dropped, and so are crowded pairs that oriented boxes separate. The cost grows with
+    the length in close contact.
     """
     ours, theirs = Stretches(here), Stretches(there)
     a, b = len(ours.levels) - 1, len(theirs.levels) - 1

@@ -1,6 +1,6 @@
-"""What is tried for one level, best first: starts, contacts, clearances and fallbacks.
+"""The attempts for one level, best first: starts, contacts, clearances and fallbacks.
 
-Nothing else decides what follows a failure: `level` runs the attempts in turn until one gives a certified cage.
+This file alone decides what follows a failure: `level` runs the attempts in turn until one gives a certified cage.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ MIN_DEFAULT_CLEARANCE = 1e-12
 """Lower bound of the default clearance after all reductions, as a fraction of the diagonal."""
 
 MAX_CLEARANCE = 1e6
-"""Upper bound of a clearance in diagonals: beyond it, floating-point numbers keep nothing of the shape."""
+"""Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
 
 IPC_FIRST = 50_000
-"""Product of the vertex counts up to which IPC is tried first: there it takes no longer and leaves tighter cages."""
+"""Product of the vertex counts up to which IPC is tried first: it is then as fast and leaves tighter cages."""
 
 MAX_IPC_PAIRS = 10.0
-"""Pairs in contact per vertex above which sequential QPs are used instead of IPC. Usual are 1 to 3; 20 to 140 around
-cores of many needles, where an iteration takes fifty times as long."""
+"""Pairs in contact per vertex above which sequential QPs replace IPC. Usual are 1 to 3; around cores of many needles
+there are 20 to 140, and an iteration takes fifty times as long."""
 
 QUICK_LIMIT = 10
 """Maximum number of steps of a descent of the flow where hulls compete: half the usual one."""
 
 PAPER_PREFERENCE = 0.01
-"""A cage whose fine mesh went through flow and reinflation is preferred to one that needed neither, unless that is
-tighter by more than this fraction of its excess."""
+"""A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
+this fraction of its excess."""
 
 
 @dataclass(frozen=True)
@@ -48,23 +48,23 @@ class Attempt:
     """Cages from one or several coarse meshes; the tightest one that can be certified is the level."""
 
     source: Mesh | Decimation
-    """The user's own coarse mesh, or what makes coarse meshes."""
+    """A user's own coarse mesh, or a decimation."""
     count: Count
     """Vertices of the coarse meshes."""
     starts: int
     """Number of coarse meshes to start from, where the decimation offers several."""
     flow: FlowMethod
-    """How the fine mesh is brought inside the coarse ones."""
+    """Brings the fine mesh inside the coarse ones."""
     contacts: tuple[Contact, ...]
-    """Each starts over where the one before is blocked."""
+    """Tried in turn: each starts over where the one before is blocked."""
     clearances: tuple[float, ...]
-    """In the units of the input: the wanted one, then smaller ones for gaps that are too narrow for it."""
+    """In input units: the wanted one, then smaller ones for gaps that are too narrow for it."""
     fallback: bool = False
-    """Whether this is not what was asked for."""
+    """Whether this differs from what was asked for."""
     may_fall_back: bool = True
-    """Whether something else may be tried where flow or reinflation fails."""
+    """Whether to try something else if flow or reinflation fails."""
     tightened: bool = True
-    """False: the coarse meshes of the attempt before as they are, for shapes with details too small for the solvers."""
+    """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
 
 
 def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
@@ -79,7 +79,7 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
     else:
         may_fall_back = settings.fallback is not None
         if may_fall_back and isinstance(settings.decimation, OnCurve):
-            # its hulls need neither and lead to much the same cages: no long search for a way
+            # its hulls need neither flow nor contact and lead to nearly the same cages: give up on these early
             flow, contacts = _quick(flow), contacts if settings.contact else contacts[:1]
         last = Attempt(
             settings.decimation, wanted, settings.starts, flow, contacts, clearances, may_fall_back=may_fall_back
@@ -97,15 +97,15 @@ class StartOutcome(NamedTuple):
     """The outcome of a start."""
 
     rank: float = inf
-    """The smaller the better; infinite where there is no cage or a better one was in sight."""
+    """Smaller is better; infinite if there is no cage, or if it was given up for a better one."""
     cage: Mesh | None = None
 
 
 def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, StartOutcome, None]:
-    """The starts of an attempt that are worth trying; is sent what becomes of each.
+    """The starts of an attempt that are worth trying; a generator that is sent the outcome of each.
 
-    The best one first, on the curve, as in the paper; then the others as they are, which is quicker. If one of these
-    leads to a better cage, that is put on the curve, from where flow and reinflation lead back to it.
+    First the best one, on the curve, as in the paper; then the others as hulls, which is faster. If one of these leads
+    to a better cage, that cage is put on the curve, from where flow and reinflation lead back to it.
     """
     least, better = inf, None
     prefers_curve = starts[0].on_curve is not None
@@ -138,14 +138,14 @@ def contacts_for(settings: Settings, cage_vertices: int, fine_vertices: int) -> 
 
 
 def _quick(flow: FlowMethod) -> FlowMethod:
-    """The default flow without what takes long and is seldom needed; any other flow as it is."""
+    """The default flow with fewer steps and without its slow last stages; any other flow unchanged."""
     return replace(flow, limit=QUICK_LIMIT, detours=False) if isinstance(flow, TwoSidedFlow) else flow
 
 
 def clearances_for(settings: Settings, fine: Mesh) -> tuple[float, ...]:
     """The clearances to try in turn, in the units of the input: only the default one may be reduced.
 
-    Raises NestingError for a clearance beyond all measure.
+    Raises NestingError for a clearance that is too large for floating-point numbers.
     """
     wanted, diagonal = settings.clearance, fine.diagonal
     if wanted is None:

@@ -19,7 +19,7 @@ BOUND_ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class Bound:
-    """A place where every cage has less than ``clearance``, and why, in parts of a sentence."""
+    """A place where no cage keeps more than ``clearance``, and why, as parts of a sentence."""
 
     clearance: float
     where: str
@@ -27,7 +27,7 @@ class Bound:
     remedy: str
 
     def message(self, wanted: float) -> str:
-        """The sentence for a larger clearance."""
+        """The message for a larger clearance."""
         return (
             f"No cage keeps the clearance of {wanted:.6g} {self.where}: {self.why}; ask for less than "
             f"{self.clearance:.6g}, or {self.remedy}."

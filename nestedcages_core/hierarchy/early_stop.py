@@ -1,14 +1,14 @@
-"""A tightening is given up when its excess cannot fall below that of the best cage so far."""
+"""Stop a tightening early when its excess cannot fall below that of the best cage so far."""
 
 from __future__ import annotations
 
 import numpy as np
 
 FIRST_LOOK = 4
-"""Steps before the first comparison: the first ones only repair the start."""
+"""Steps before the first comparison, since the first ones only repair the start."""
 
 STEPS_AHEAD = 4.0
-"""Steps as good as the last one that are granted in advance: gains roughly halve from step to step."""
+"""Expected further gain, in units of the last gain: gains roughly halve from step to step."""
 
 
 class EarlyStop:

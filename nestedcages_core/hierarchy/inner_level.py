@@ -31,7 +31,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class _Tightened:
-    """A coarse mesh and the way from there to its cage, in the units of the solvers."""
+    """A coarse mesh and the steps from there to its cage, in the units of the solvers."""
 
     start: Start
     steps: tuple[FloatArray, ...]
@@ -45,8 +45,8 @@ class _Tightened:
 class InnerLevelBuilder:
     """Makes one level inside ``fine``. All methods that take time are generators of `Progress`.
 
-    The solid of an inner cage is what lies around it, without bound. Walked the other way round, its loops are the
-    oriented boundary of that, so hull and solvers push it away from the fine mesh as they do with an outer cage.
+    The unbounded region around an inner cage serves as its solid. Reversed, its loops are the oriented boundary of that
+    region, so hull and solvers push it away from the fine mesh as they do with an outer cage.
     """
 
     def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
@@ -55,7 +55,7 @@ class InnerLevelBuilder:
         self.unit_fine = self.units.from_input(fine)
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
-        """The level with the least lost area that can be certified. Raises NestingError."""
+        """The certified level with the smallest lost area. Raises NestingError."""
         starts, notes = yield from self._coarse_meshes(wanted)
         cages: list[_Tightened] = []
         for start in starts:
@@ -98,7 +98,7 @@ class InnerLevelBuilder:
         return (yield from self.progress.follow(search, lambda done: (done, "decimation"))), notes
 
     def _tightened(self, start: Start, clearance: float, best: float = np.inf) -> Stage[Progress, _Tightened | None]:
-        """The cage of a start; None if it cannot lose less than ``best``."""
+        """The cage of a start; None if it cannot lose less area than ``best``."""
         yield from self.progress.begin("tightening")
         coarse = self.units.from_input(start.coarse)
         bodies = replace(
@@ -175,7 +175,7 @@ class InnerLevelBuilder:
 
 
 def _hull(settings: Settings) -> OuterHull:
-    """The search for hulls that the settings name, or the default one."""
+    """The hull search of the settings, or the default one."""
     chosen = settings.decimation.hull if isinstance(settings.decimation, OnCurve) else settings.decimation
     return chosen if isinstance(chosen, OuterHull) else OuterHull()
 

@@ -33,7 +33,7 @@ from .units import SolverUnits
 logger = logging.getLogger(__name__)
 
 FAILURES = (FlowError, ReinflationError, NestingError)
-"""What the next attempt may mend; everything else ends the run."""
+"""Errors after which the next attempt is made; any other error ends the run."""
 
 
 class LevelBuilder:
@@ -44,7 +44,7 @@ class LevelBuilder:
         self.units = SolverUnits.of(fine)
         self.unit_fine = self.units.from_input(fine)
         self.starts: list[Start] = []
-        """Of the last attempt."""
+        """Starts of the last attempt."""
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level of the first attempt that succeeds. Raises the error of the last one."""
@@ -175,14 +175,14 @@ class LevelBuilder:
         )
 
     def _rank(self, cage: _Cage, vertices: FloatArray) -> float:
-        """What makes one cage better than another, the smaller the better: its excess."""
+        """The excess of a cage, the measure of the best one: smaller is better."""
         excess = signed_area(vertices, cage.unit_coarse.successor) / self.unit_fine.area - 1.0
         return excess if len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
     def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[str, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
         coarse, wanted = cage.start.coarse, attempt.clearances[0]
-        # a coarse mesh of one's own may wrap several parts in one loop or cover holes
+        # a user's own coarse mesh may wrap several parts in one loop or cover holes
         same_loops = coarse.has_loops_like(self.fine)
         for clearance in attempt.clearances:
             if clearance < wanted:
@@ -218,9 +218,9 @@ class LevelBuilder:
         return Level(self.fine, coarse, result, flow, reinflation, report)
 
     def _untightened(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
-        """The level of the first coarse mesh that is a cage as it is.
+        """The level of the first coarse mesh that already is a cage.
 
-        Details that are tiny compared with the whole may show in the input's units only, near the origin.
+        Details that are tiny relative to the whole may be resolved in input units only, near the origin.
         """
         yield from self.progress.begin("verification")
         may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
@@ -247,7 +247,7 @@ class LevelBuilder:
         iterations: Mapping[str, int],
         notes: tuple[str, ...],
     ) -> NestingReport:
-        """What is certified, and how long it took."""
+        """The report: what is certified, and how long it took."""
         self.progress.stop_clock()
         return NestingReport(
             strict=certificate.strict,
@@ -262,7 +262,7 @@ class LevelBuilder:
         )
 
     def _in_input_units(self, cage: _Cage) -> tuple[FlowResult, Reinflation]:
-        """Its steps in the input's units; input coordinates are put back exactly."""
+        """Flow and reinflation in input units; input coordinates are restored exactly."""
         units, reinflation = self.units, cage.reinflation
         flow_steps = units.to_input(cage.flow.steps)
         flow_steps[0] = self.fine.vertices
@@ -280,15 +280,15 @@ class _Cage:
     """A cage in progress, in the units of the solvers."""
 
     start: Start
-    """Its coarse mesh in the units of the input."""
+    """With its coarse mesh in input units."""
     unit_coarse: Mesh
     flow: FlowResult
     untightened: Reinflation
     reinflation: Reinflation
-    """The same and the tightening after it."""
+    """Followed by the tightening."""
     energy: CageEnergy
     rank: float = np.inf
-    """Of the tightened cage, see `_rank`; infinite if it was given up."""
+    """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
     counts: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -304,7 +304,7 @@ def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
 
 
 def _failed(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> str:
-    """Why a cage was not returned; tried: the last clearance asked for."""
+    """Why a cage was rejected; tried: the last clearance asked for."""
     if not _is_only_too_close(certificate, tried):
         return "The cage could not be certified: " + " ".join(certificate.problems)
     return too_narrow(fine, wanted) or (

@@ -9,14 +9,14 @@ from ..stages import Result, Stage, Yielded
 from .results import Progress
 
 DECIMATION_SHARE = 0.2
-"""Fraction of a level's time that decimation takes, roughly: only for the progress bar."""
+"""Approximate fraction of a level's time for decimation; only for the progress bar."""
 
 STAGES = {"decimation": 0.0, "flow": 0.0, "reinflation": 0.15, "tightening": 0.4, "verification": 0.95}
-"""Where each stage begins within one start, from 0 to 1, roughly."""
+"""Approximate fraction of a start at which each stage begins."""
 
 
 class LevelProgress:
-    """Places the progress of a stage within the whole run, and times the stages of one level."""
+    """Converts the progress of a stage to that of the whole run, and times the stages of one level."""
 
     def __init__(self, level: int, levels: int) -> None:
         self.seconds = dict.fromkeys(STAGES, 0.0)
@@ -27,17 +27,17 @@ class LevelProgress:
         self._furthest = 0.0
 
     def next_start(self, expected: int) -> None:
-        """The next coarse mesh begins, of so many that are expected."""
+        """Begin the next of ``expected`` coarse meshes."""
         self._start += 1
         self._starts = max(self._start + 1, expected)
 
     @property
     def starts_so_far(self) -> str:
-        """Which coarse mesh it is, in words."""
+        """The current coarse mesh, in words."""
         return f"{self._start + 1} of {self._starts}"
 
     def begin(self, stage: str) -> Iterator[Progress]:
-        """The next stage begins."""
+        """Begin the next stage."""
         self.stop_clock()
         self._stage = stage
         yield from self.show(0.0, stage)
@@ -49,9 +49,9 @@ class LevelProgress:
         self._since = now
 
     def show(self, fraction: float, message: str) -> Iterator[Progress]:
-        """The progress at a fraction of the current stage; the time until the reader asks for more is not counted."""
+        """Report progress of the current stage. Time spent by the caller is not counted."""
         self.stop_clock()
-        # the bar does not go back when something starts over, for instance from the fallback
+        # the bar never goes back, for instance when the fallback starts over
         self._furthest = max(self._furthest, self._within_level(min(max(fraction, 0.0), 1.0)))
         text = f"Level {self._level + 1} of {self._levels}: {message}"
         yield Progress(self._level, self._stage, (self._level + self._furthest) / self._levels, text)
@@ -60,7 +60,7 @@ class LevelProgress:
     def follow(
         self, stage: Stage[Yielded, Result], describe: Callable[[Yielded], tuple[float, str]]
     ) -> Stage[Progress, Result]:
-        """The stage with a fraction and a message shown for everything it yields."""
+        """Run a stage, with its yields converted to fraction and message of the progress."""
         while True:
             try:
                 yielded = next(stage)

@@ -1,4 +1,4 @@
-"""What a run gives: levels with their steps, reports on how each was made, and progress meanwhile."""
+"""Results of a run: levels with their steps and reports, and the progress on the way."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ..geometry.mesh import Mesh
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a run is."""
+    """Progress of a run."""
 
     level: int
     """Index of the level being made, 0 for the first."""
     stage: str
     """"decimation", "flow", "reinflation", "tightening" or "verification"."""
     fraction: float
-    """Of the whole run, from 0 to 1."""
+    """Fraction of the whole run, from 0 to 1."""
     message: str
     """A sentence for people."""
 
@@ -35,7 +35,7 @@ class NestingReport:
     clearance: float
     """Measured smallest distance between cage and fine mesh; unit: the input's."""
     wanted_clearance: float
-    """The clearance that was asked for, or that the default came to."""
+    """The clearance asked for, or the value of the default."""
     excess: float
     """area(cage) / area(fine) - 1; negative for inner cages."""
     start: str
@@ -45,7 +45,7 @@ class NestingReport:
     seconds: Mapping[str, float]
     """Wall-clock seconds per phase."""
     notes: tuple[str, ...] = ()
-    """Sentences about what was not done as asked, for instance why the fallback was used."""
+    """Sentences about deviations from the request, for instance why the fallback was used."""
     fewest: int | None = None
     """No cage within the distance asked for has fewer vertices; None where none was asked for."""
     grid: float | None = None
@@ -66,12 +66,12 @@ class NestingReport:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One cage and the way to it."""
+    """One cage, and flow and reinflation that lead to it."""
 
     fine: Mesh
     """The mesh that this level's cage encloses, or is inside of: the input, or the cage of the level before."""
     coarse: Mesh
-    """Where the cage started."""
+    """The mesh that the cage started from."""
     cage: Mesh
     flow: FlowResult
     reinflation: Reinflation

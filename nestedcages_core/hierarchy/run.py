@@ -36,8 +36,8 @@ def nested_cages(
 
     fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, lists of loops (k, 2).
     levels: for each cage its number of vertices, the user's own coarse mesh, or `Within` for the fewest vertices that
-    stay within a distance or an excess of ``fine``. ``progress`` is called between iterations
-    and may raise to cancel. Every returned cage is certified by exact predicates.
+    stay within a distance or an excess of ``fine``. ``progress`` is called between iterations and may raise to cancel.
+    Exact predicates certify every returned cage.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
@@ -55,10 +55,10 @@ def inner_cages(
     *,
     progress: Callable[[Progress], None] | None = None,
 ) -> Hierarchy:
-    """Cages inside ``fine``, as large as their vertices allow, each inside the one before; the rest as `nested_cages`.
+    """Cages inside ``fine``, as large as their vertices allow, each inside the one before; see `nested_cages`.
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
-    ``report.excess`` is negative. A mesh of one's own is where its cage starts, and must lie inside. No flow is needed,
+    ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. No flow is needed,
     so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull. `Within` is for cages
     around a mesh and is rejected here.
 
@@ -154,7 +154,7 @@ def _builder(
 
 
 def _checked(fine: MeshLike, levels: Sequence[int | MeshLike | Within]) -> tuple[Mesh, list[int | Mesh | Within]]:
-    """The fine mesh and the levels, each an int or a Mesh, all meshes validated.
+    """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
     """

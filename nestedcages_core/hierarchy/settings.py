@@ -24,7 +24,7 @@ METHODS = {
     "energy": ("at", "Area()"),
     "tightening": ("run", "Tightening()"),
 }
-"""What each choice must be able to do, and an example of it."""
+"""The method that each choice must have, and an example."""
 
 
 @dataclass(frozen=True)
@@ -33,20 +33,20 @@ class Settings:
 
     clearance: float | None = None
     """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
-    bounding-box diagonal, or as much of it as the gaps of the fine mesh leave room for."""
+    bounding-box diagonal, reduced where gaps of the fine mesh are too narrow for it."""
     decimation: Decimation = field(default_factory=OnCurve)
-    """How a vertex count becomes a coarse mesh."""
+    """Turns a vertex count into a coarse mesh."""
     starts: int = 3
     """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)
-    """Where to start instead when the flow or the reinflation fails; None makes that an error."""
+    """Decimation to start from if the flow or the reinflation fails; None: raise an error."""
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
-    """How the fine mesh is brought inside the coarse one."""
+    """Brings the fine mesh inside the coarse one."""
     energy: Energy = field(default_factory=Area)
     """What the cage minimises during tightening, and during reinflation with the default contact."""
     contact: Contact | Sequence[Contact] | None = None
-    """How contact is resolved during reinflation; of several, each starts over where the one before is blocked. None:
-    IPC for small meshes and sequential QPs for large ones, each with the other one after it."""
+    """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None: IPC for
+    small meshes and sequential QPs for large ones, each followed by the other."""
     tightening: Tightening = field(default_factory=Tightening)
     """How the cage is brought to its optimum once the fine mesh is back."""
     grid: float | None = None

@@ -1,4 +1,4 @@
-"""Levels by what they may cost instead of a number of vertices: the fewest found within a distance, or an excess."""
+"""Levels by a tolerance instead of a vertex count: the fewest vertices found within a distance or an excess."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from .on_grid import Builder, GridLevelBuilder
 from .results import Level, Progress
 
 MAX_POLYGONS = 4
-"""Greedy polygons that are tried."""
+"""Number of greedy polygons that are tried."""
 
 SHARES = (1.0, 0.98)
-"""Parts of the distance that greedy polygons keep: between two gates they may go a little farther."""
+"""Fractions of the distance for greedy polygons: between two gates they may go a little farther."""
 
 MAX_TESTED = 12
-"""Greedy polygons that are looked at."""
+"""Number of greedy polygons that are tested."""
 
 LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
@@ -62,11 +62,11 @@ class Within:
         return float(self.distance if self.distance is not None else self.excess or 0.0)
 
     def measured(self, cage: Mesh, fine: Mesh) -> float:
-        """What of it a cage takes; for a distance, a bound from above."""
+        """The excess of a cage, or an upper bound on its distance."""
         return reach(cage, fine) if self.distance is not None else cage.area / fine.area - 1.0
 
     def is_met(self, cage: Mesh, fine: Mesh) -> bool:
-        """Whether a cage takes no more than the limit."""
+        """Whether a cage stays within the limit."""
         if self.distance is not None:
             return stays_within(cage, fine, self.limit)
         return cage.area / fine.area - 1.0 <= self.limit
@@ -80,8 +80,9 @@ class Within:
 def fewest(need: Within, fine: Mesh, builder: Builder, *, strictly: float) -> Stage[Progress, Level]:
     """The level of the fewest vertices found. ``fine``: what the need is about, the input of the hierarchy.
 
-    strictly: a clearance that every cage keeps, for the bound. Raises NestingError where not even as many vertices as
-    the mesh inside has are enough.
+    fine: the mesh that the tolerance refers to, the input of the hierarchy.
+    strictly: a clearance that every cage keeps, for the bound. Raises NestingError if not even the vertex count of the
+    mesh inside is enough.
     """
     search = _Search(need, fine, builder)
     yield from search.try_walks(strictly)
@@ -101,7 +102,7 @@ def fewest(need: Within, fine: Mesh, builder: Builder, *, strictly: float) -> St
 
 
 class _Search:
-    """The levels tried, and the best of them."""
+    """State of the search: the levels tried, and the best of them."""
 
     def __init__(self, need: Within, fine: Mesh, builder: Builder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
@@ -113,11 +114,11 @@ class _Search:
 
     @property
     def count(self) -> int:
-        """Vertices of the best level, or one more than allowed."""
+        """Vertices of the best level; one more than allowed if there is none."""
         return len(self.best.cage.vertices) if self.best is not None else len(self.inner.vertices) + 1
 
     def try_walks(self, strictly: float) -> Stage[Progress, None]:
-        """The bound, and polygons of longest links, as starts."""
+        """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
         if distance is None:
             return
@@ -138,7 +139,7 @@ class _Search:
                 return
 
     def try_counts(self) -> Stage[Progress, None]:
-        """Numbers of vertices below the best one; if there is none yet, from the bound up, then between."""
+        """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
         least, most = self.bound, len(self.inner.vertices)
         low = least - 1
         if self.best is None:
@@ -178,7 +179,7 @@ class _Search:
         return mesh if fits and stays_within(mesh, self.fine, self.need.limit) else None
 
     def _try(self, wanted: int | Mesh) -> Stage[Progress, bool]:
-        """Build a level; whether it, or one of the steps to it, meets the need and becomes the best."""
+        """Build a level; returns whether it, or a step of its tightening, is within the tolerance and the new best."""
         try:
             level = yield from self.builder.build(wanted)
         except NestedCagesError as error:
@@ -201,7 +202,7 @@ class _Search:
 
 
 def _cuts(level: Level) -> Iterator[Level]:
-    """The level, then those that end at an earlier step of its tightening, where that is certified too."""
+    """The level, then levels that end at an earlier step of its tightening, where these are certified too."""
     yield level
     way, report = level.reinflation, level.report
     for last in range(len(way.cage_steps) - 2, way.tightening_start - 1, -1):

@@ -1,4 +1,4 @@
-"""Cages that follow a moving drawing: one topology, certified at every pose and at every instant between."""
+"""Cages that follow a moving drawing: constant topology, certified at every pose and every instant in between."""
 
 from __future__ import annotations
 

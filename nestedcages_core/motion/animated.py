@@ -29,10 +29,13 @@ def animated_cages(
 ) -> MovingCages:
     """Cages that follow a moving drawing, each enclosing the one before at every instant.
 
-    fine: its edges are the topology. poses: (T, n, 2), or an iterable of (n, 2) that is read once. levels: for each
-    cage its number of vertices, or a coarse mesh of the first pose. times: (T,) increasing, 0, 1, ... by default.
-    cyclic: the last cage is the first one; where the last pose is not the first, the way back to it is added, as long
-    as the mean interval. ``progress`` may raise to cancel.
+    fine: gives the topology.
+    poses: (T, n, 2), or an iterable of (n, 2) that is read once.
+    levels: for each cage its number of vertices, or a coarse mesh of the first pose.
+    times: (T,) increasing; default: 0, 1, ...
+    cyclic: the last cage equals the first. If the last pose differs from the first, the motion back to it is added,
+    over the mean interval.
+    progress: may raise to cancel.
 
     Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
     NestedCagesError that names the pose; its ``partial`` is the MovingCages up to there.
@@ -89,7 +92,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         return MovingCages(self._fine, tuple(finished))
 
     def _progress(self, index: int, key: Key) -> Progress:
-        """How far the run is with a key of a level; an iterable of unknown length is half-way all along."""
+        """Progress of the run at a key of a level; always one half for an iterable of unknown length."""
         done = 0.5 if self._count is None else (key.number + 1) / self._count
         fraction = (index + min(done, 1.0)) / len(self._levels)
         return Progress(index, "following", fraction, f"Level {index + 1} of {len(self._levels)}: pose {key.number}")
@@ -103,9 +106,9 @@ def stream_cages(
     *,
     times: ArrayLike | None = None,
 ) -> Iterator[Key]:
-    """The keys of one level of `animated_cages` as they are certified, a few poses behind those that are read.
+    """The keys of one level of `animated_cages` as they are certified, a few poses behind the input.
 
-    Memory is that of a window of poses, however long the motion.
+    Memory does not grow with the length of the motion.
     """
     motion = LevelMotion(fine, level, settings if settings is not None else Settings(), cyclic=False)
     return motion.keys(read_poses(fine, poses, times))

@@ -1,8 +1,9 @@
-"""Between the keys: room for the straight motion from one to the next, or another key where room would cost more.
+"""Between the keys: collision-free straight motion from one to the next, or another key where that would add less area.
 
-Both ends of an interval keep their distance, but on the straight way between them an edge that turns while the drawing
-slides along it cuts the corner. What is missing is measured at several instants, and the cages of both keys are pushed
-outwards by as much. That only adds area; where it would add too much, a key in the middle quarters what is missing.
+Both ends of an interval keep their distance, but during the linear motion between them an edge that turns while the
+drawing slides along it may cut corners. The missing distance is measured at several instants, and the cages of both
+keys are pushed outwards by it. Pushing adds area; where it would add too much, a key is inserted in the middle, which
+divides the missing distance by about four.
 """
 
 from __future__ import annotations
@@ -28,16 +29,16 @@ ROOM = 0.5
 """Distance that pushing aims at between the keys, in clearances."""
 
 PUSH_FACTOR, LATER_PUSH_FACTOR, LATER = 1.3, 2.0, 4
-"""Factor of a push, and a larger one from this round on: what one push leaves is of second order."""
+"""Factor on a push, and a larger one from this round on: the remainder after one push is of second order."""
 
 ROUNDS = 12
-"""Pushes of one interval before it gets another key."""
+"""Number of pushes of one interval before it gets another key."""
 
 PUSHED_AREA = 0.005
-"""Area that pushing may add to a tight cage, as a fraction, before the interval gets another key instead."""
+"""Fraction of its area that pushing may add to a tight cage before the interval gets another key instead."""
 
 SHORTEST = 1.0 / 32.0
-"""Part of the time between two given poses below which no keys are added and pushing may add any area."""
+"""Fraction of the time between two given poses below which no keys are added and pushing may add any area."""
 
 
 @dataclass(eq=False)
@@ -48,23 +49,23 @@ class Instant:
     fine: FloatArray = field(repr=False)
     """(n, 2) the pose in the units of the solvers."""
     cages: list[FloatArray] = field(repr=False)
-    """Each (m, 2): where the drawing carried the cage to, and the steps of its tightening that are taken."""
+    """(m, 2) each: the cage as carried by the drawing, and the accepted steps of its tightening."""
     cage: FloatArray = field(init=False, repr=False)
-    """(m, 2) the last of them, with the room that it made for the motion."""
+    """(m, 2) the last of them, pushed outwards for the motion."""
     handed_out: bool = False
-    """Whether the cage may not change any more."""
+    """Whether the cage may no longer change."""
     before: Instant | None = field(default=None, repr=False)
     after: Instant | None = field(default=None, repr=False)
     part: float = 1.0
-    """Length of the interval to the next key, as a part of that between two poses."""
+    """Length of the interval to the next key, as a fraction of that between two poses."""
     rounds: int = 0
-    """Pushes of that interval so far."""
+    """Number of pushes of that interval so far."""
 
     def __post_init__(self) -> None:
         self.cage = self.cages[-1]
 
     def loosen(self) -> bool:
-        """Take back half of the steps of tightening; whether there were any."""
+        """Undo half of the steps of tightening; returns whether there were any."""
         if self.handed_out or len(self.cages) == 1:
             return False
         self.cages = self.cages[: (len(self.cages) + 1) // 2]
@@ -91,7 +92,7 @@ class Straightener:
         return Instant(pose, self.follower.units.points(pose.vertices), cages)
 
     def append(self, last: Instant, key: Instant) -> None:
-        """Add a key after the last one, with a free way to it. Raises NestingError, and then it is not added."""
+        """Append a key, with collision-free motion to it. If that fails, raises NestingError without appending."""
         last.link(key)
         try:
             self.settle(last)
@@ -100,7 +101,7 @@ class Straightener:
             raise
 
     def settle(self, key: Instant) -> None:
-        """Make the interval that begins at a key free, and those that change with it. Raises NestingError."""
+        """Make the interval after a key, and those that change with it, collision-free. Raises NestingError."""
         open_: list[Instant] = [key]
         while open_:
             begin = open_.pop()
@@ -124,7 +125,7 @@ class Straightener:
                 )
 
     def _pushed(self, begin: Instant, end: Instant) -> tuple[FloatArray, FloatArray] | None:
-        """Cages of both keys pushed outwards by what is missing between them; None where a key is the better way."""
+        """Cages of both keys pushed outwards by the missing distance; None where another key is better."""
         last_resort = begin.part <= SHORTEST
         if begin.rounds >= (2 * ROUNDS if last_resort else ROUNDS) or (begin.handed_out and end.handed_out):
             return None
@@ -147,13 +148,13 @@ class Straightener:
         return cages[0], cages[1]
 
     def _missing(self, pairs: Pairs, x0: FloatArray, x1: FloatArray) -> FloatArray:
-        """(K,) how far pairs of cage and fine mesh are from keeping their distance between x0 and x1 (m + n, 2)."""
+        """(K,) missing distance of pairs of cage and fine mesh between x0 and x1 (m + n, 2)."""
         side, aim = sides(pairs, x0), ROOM * self.follower.clearance
         missing = np.full(len(pairs), -np.inf)
         for s in INSTANTS:
             missing = np.maximum(missing, aim - measure(pairs, (1.0 - s) * x0 + s * x1, side).distance)
         missing[pairs.cage_cage] = np.minimum(missing[pairs.cage_cage], 0.0)
-        if not (missing > 0.0).any():  # it is missing between the instants
+        if not (missing > 0.0).any():  # the minimum lies between the instants
             missing[missing > -aim] = aim
         return missing
 

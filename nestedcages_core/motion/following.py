@@ -1,8 +1,8 @@
 """Following: from the cage of one pose to that of the next one.
 
-The drawing carries the cage along; what came too close is restored to its distance, and the cage is tightened at the
-new pose. Where a cage that is carried in one piece would cross the drawing, the way is cut into parts; where that does
-not help either, the drawing moves on its straight line and pushes the cage, as in reinflation.
+The drawing carries the cage along, distances that became too small are restored, and the cage is tightened at the new
+pose. If a cage carried in one step would cross the drawing, the motion is divided into parts. If that does not help
+either, the drawing moves on a straight line and pushes the cage, as in reinflation.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from ..verification import verify
 from .carrying import carried
 
 WAY_PARTS = (1, 2, 4, 8)
-"""Into how many parts the way to a pose is cut, in turn, until the carried cage can be restored in each."""
+"""Numbers of parts that a motion is divided into, tried in turn until the carried cage can be restored in each."""
 
 RESTORED_REACH = 0.25
-"""How far apart pairs are that restoration looks at, in mean cage edge lengths."""
+"""Largest distance of the pairs that restoration considers, in mean cage edge lengths."""
 
 AIM = 1.01
 """Distance that restoration aims at, in clearances."""
@@ -63,7 +63,7 @@ class Follower:
     def next(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> list[FloatArray] | None:
         """Cages (m, 2) of the pose ``after`` (n, 2) from that of ``before``, from the loosest to the tight one.
 
-        None if the way is blocked.
+        None if the motion is blocked.
         """
         for parts in WAY_PARTS:
             start = self._carried(cage, before, after, parts)
@@ -78,9 +78,9 @@ class Follower:
         return [cage, *run]
 
     def restored(self, cage: FloatArray, before: FloatArray, guess: FloatArray, after: FloatArray) -> FloatArray | None:
-        """(m, 2) a cage of the pose ``after`` next to a guess of it; None if there is none so near.
+        """(m, 2) a cage of the pose ``after`` near a guess; None if restoration fails.
 
-        cage, before: the cage of another pose and that pose: they say on which side of each other things belong.
+        cage, before: the cage of another pose and that pose; they define the correct sides.
         """
         bodies = self.bodies
         old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
@@ -98,7 +98,7 @@ class Follower:
         return verify(self.topology.moved(cage), self.fine.moved(fine)).holds
 
     def _carried(self, cage: FloatArray, before: FloatArray, after: FloatArray, parts: int) -> FloatArray | None:
-        """The cage carried along the straight way in so many parts, restored after each."""
+        """The cage carried along the straight motion in ``parts`` steps, restored after each."""
         place, found = before, cage
         for part in range(1, parts + 1):
             onward = after if part == parts else before + (part / parts) * (after - before)
@@ -110,7 +110,7 @@ class Follower:
         return found
 
     def _pushed(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray | None:
-        """The cage pushed by the drawing on its straight way."""
+        """The cage pushed by the drawing on its straight motion."""
         start = np.concatenate([cage, before])
         outcome = drain(self.contact.reinflate(self.bodies, start, [after], clearance=self.clearance))
         return outcome.x[: self.bodies.m] if outcome.reached_target else None

@@ -1,4 +1,4 @@
-"""One level of a motion: the first cage, the cages that follow it, and free ways between them."""
+"""One level of a motion: the first cage, the cages that follow it, and collision-free motion between them."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from .results import Key
 from .starts import first_cage
 
 WINDOW = 8
-"""Poses behind the newest one whose cages may still be pushed; older ones are handed out."""
+"""Number of recent poses whose cages may still be pushed; older ones are final."""
 
 LOOK_AHEAD = 64
-"""Poses of a motion that is not cyclic which are looked at before the first cage is chosen."""
+"""Number of poses of a non-cyclic motion that are read before the first cage is chosen."""
 
 
 class LevelMotion:
     """Makes the moving cage of one level; `keys` gives its keys as they are certified."""
 
     topology: Mesh
-    """The cage's edges and its vertices at the first pose, before it makes room for the motion."""
+    """The cage's edges, and its vertices at the first pose before they are pushed for the motion."""
     clearance: float
-    """The wanted one, in the input's units; the default one may be less where gaps are narrow."""
+    """The wanted clearance, in input units; the default may be reduced where gaps are narrow."""
 
     def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
         if settings.grid is not None:
@@ -64,7 +64,7 @@ class LevelMotion:
             yield self._certified(key)
 
     def _stream(self, poses: Iterable[Pose]) -> Iterator[Instant]:
-        """One pose after the other; no more than a window of them is kept."""
+        """Process one pose after the other, with no more than a window of them in memory."""
         oldest: Instant | None = None
         blocked: NestedCagesError | None = None
         try:
@@ -74,7 +74,7 @@ class LevelMotion:
                     oldest.handed_out, oldest.before = True, None
                     yield oldest
                     oldest = oldest.after
-        except NestedCagesError as error:  # the keys before it are good
+        except NestedCagesError as error:  # return the keys before the failure
             blocked = error
         if oldest is not None:
             yield from around(oldest)
@@ -82,7 +82,7 @@ class LevelMotion:
             raise blocked
 
     def _ring(self, poses: list[Pose]) -> Iterator[Instant]:
-        """Around once to come into step, around again, and into each other; the last key is the first one again."""
+        """Follow one round to settle, then a second one, and blend both; the last key equals the first."""
         closing = poses[-1]
         if not np.array_equal(closing.vertices, poses[0].vertices):
             time = closing.time + (closing.time - poses[0].time) / (len(poses) - 1)
@@ -100,7 +100,7 @@ class LevelMotion:
         yield self._straightener.instant(closing, [keys[0].cage])
 
     def _merged(self, begins: list[Instant], ends: list[Instant]) -> list[Instant]:
-        """Keys, all but the last, that go over from the cages of one round to those of another, so that they close."""
+        """Keys, all but the last, that blend from the cages of one round to those of another, so that they close."""
         keys: list[Instant] = []
         for number, (one, other) in enumerate(zip(begins[:-1], ends[:-1], strict=True)):
             share = number / (len(ends) - 1)
@@ -110,7 +110,7 @@ class LevelMotion:
         return keys
 
     def _followed(self, poses: Iterable[Pose], cage: FloatArray) -> Iterator[Instant]:
-        """A key for each pose, the first one with the given cage, each with a free way from the one before."""
+        """A key for each pose, the first with the given cage, each with collision-free motion from the one before."""
         key: Instant | None = None
         for pose in poses:
             if key is None:
@@ -123,7 +123,7 @@ class LevelMotion:
             yield key
 
     def _anew(self, pose: Pose, cage: FloatArray) -> FloatArray:
-        """A cage of a pose by the flow, from that of the pose before as the coarse mesh."""
+        """A cage of a pose by flow and reinflation, with the cage of the previous pose as the coarse mesh."""
         fine = self.fine.moved(pose.vertices).validated()
         try:
             coarse = self.topology.moved(self.units.to_input(cage)).validated()
@@ -153,7 +153,7 @@ class LevelMotion:
 
 
 def _look_ahead(poses: Iterator[Pose], most: int | None) -> tuple[list[Pose], Iterator[Pose]]:
-    """The first poses and an iterator over the others; what is wrong with one of the first is raised by the latter."""
+    """The first poses and an iterator over the others; errors of the first are raised by the iterator."""
     ahead: list[Pose] = []
     try:
         for pose in islice(poses, most):

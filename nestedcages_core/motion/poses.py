@@ -1,4 +1,4 @@
-"""The poses of a drawing, read once and checked at the door."""
+"""The poses of a drawing, read once and checked."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Pose:
     """A drawing at an instant."""
 
     number: int
-    """Of the given pose, or of the one before."""
+    """Index of the given pose, or of the one before."""
     time: float
     vertices: FloatArray = field(repr=False)
     """(n, 2) in the input's units."""
     given: bool = True
-    """Whether it is a given pose, not a key that the level inside added."""
+    """Whether it is a given pose, not a key added by the level inside."""
 
 
 def read_poses(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike], times: ArrayLike | None) -> Iterator[Pose]:

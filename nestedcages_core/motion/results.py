@@ -1,4 +1,4 @@
-"""What a moving drawing gets: levels with their keys, and what was certified."""
+"""Results of a motion: levels with their keys, and reports."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class Key:
     """One certified instant; between consecutive keys fine mesh and cage move on straight lines."""
 
     number: int
-    """Of the given pose, or of the one before."""
+    """Index of the given pose, or of the one before."""
     time: float
     fine: FloatArray = field(repr=False)
-    """(n, 2) vertices of the fine mesh; those of a given pose bit by bit."""
+    """(n, 2) vertices of the fine mesh; exactly those of a given pose."""
     cage: FloatArray = field(repr=False)
     """(m, 2) vertices of the cage."""
     certificate: Certificate = field(repr=False)
@@ -32,7 +32,7 @@ class MotionReport:
     """What was certified, key by key."""
 
     certificates: tuple[Certificate, ...]
-    """(K,) of every key; the motion between keys is certified as well."""
+    """(K,) one per key; the motion between keys is certified as well."""
     given: IntArray
     """(T,) indices of the keys that are given poses."""
     wanted_clearance: float
@@ -40,7 +40,7 @@ class MotionReport:
     seconds: float
     """Wall-clock seconds."""
     notes: tuple[str, ...] = ()
-    """Sentences about what was not done as asked."""
+    """Sentences about deviations from the request."""
 
     @property
     def excess(self) -> FloatArray:
@@ -76,7 +76,7 @@ class MovingLevel:
     times: FloatArray
     """(K,) increasing: all given times, and those of the keys added between them."""
     fine_steps: FloatArray = field(repr=False)
-    """(K, n, 2) what the cage encloses: the given poses bit by bit at their times, or the cage of the level before."""
+    """(K, n, 2) the enclosed mesh: exactly the given poses at their times, or the cage of the level before."""
     cage_steps: FloatArray = field(repr=False)
     """(K, m, 2)."""
     report: MotionReport = field(repr=False)

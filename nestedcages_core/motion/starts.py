@@ -1,4 +1,4 @@
-"""The first cage of a motion: it fixes where vertices stand, so it is chosen for all poses at once."""
+"""The first cage of a motion: it fixes the distribution of vertices, so it is chosen for all poses at once."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..hierarchy import Settings, nested_cages
 from .following import Follower
 
 CANDIDATES = 3
-"""Poses, spread over the motion, whose own cages are tried as the first cage."""
+"""Number of poses, spread over the motion, whose cages are candidates for the first cage."""
 
 SAMPLES = 4
-"""Poses, spread likewise, at which a candidate is tried."""
+"""Number of poses, spread over the motion, at which a candidate is evaluated."""
 
 
 def first_cage(
@@ -25,9 +25,9 @@ def first_cage(
     settings: Settings,
     follower: Callable[[Mesh, Mesh], Follower],
 ) -> Mesh:
-    """A cage of the first pose whose area is small in the mean over the poses. Raises NestedCagesError.
+    """A cage of the first pose whose mean area over the poses is small. Raises NestedCagesError.
 
-    poses: the meshes of the poses to look at; follower: made from a cage and the pose that it encloses.
+    poses: meshes of the first poses; follower: makes a follower from a cage and the pose that it encloses.
     """
     first = nested_cages(poses[0], [wanted], settings).levels[0].cage
     if isinstance(wanted, Mesh):
@@ -49,7 +49,7 @@ def first_cage(
 
 
 def _mean_area(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -> float:
-    """Mean area of a cage of pose ``at`` that follows to each of some poses in one go; infinite if it cannot."""
+    """Mean area of a cage of pose ``at`` that follows directly to each of some poses; infinite if it cannot."""
     unit, successor = follower.units.points, cage.successor
     areas = []
     for k in sorted({round(s * (len(poses) - 1) / SAMPLES) for s in range(SAMPLES)}):

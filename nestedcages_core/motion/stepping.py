@@ -1,4 +1,4 @@
-"""One step: the cage of a drawing, moved to where the drawing is now."""
+"""One step: the cage of a drawing after the drawing has moved."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from .following import Follower
 
 
 def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: Settings | None = None) -> Mesh | None:
-    """The cage of a pose moved to another pose and tightened there; None where its way is blocked.
+    """The cage of a pose moved to another pose and tightened there; None if the motion is blocked.
 
-    before, after: the same topology; cage: one of ``before``; clearance: a length, in the input's units. What is
-    returned is certified by `verify`. For a motion, whose instants are certified as well, see `animated_cages`.
+    before, after: the same topology; cage: one of ``before``; clearance: a length, in the input's units. The
+    result is certified by `verify`. To certify the instants in between too, see `animated_cages`.
     """
     units = SolverUnits.of(after)
     follower = Follower.of(cage, before, units, clearance, settings if settings is not None else Settings())

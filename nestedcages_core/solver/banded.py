@@ -45,7 +45,7 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class BandOrder:
-    """An order of m vertices that keeps those close together that a matrix couples."""
+    """An order of m vertices that keeps vertices coupled by a matrix close together."""
 
     position: IntArray
     """(m,) position of each vertex in the order."""

@@ -39,7 +39,7 @@ class Objective(Protocol):
         ...
 
     def finished(self, x: FloatArray) -> bool:
-        """Whether to stop, whatever the gradient: the goal of the minimisation is reached."""
+        """Whether to stop regardless of the gradient, as the goal of the minimisation is reached."""
         ...
 
 

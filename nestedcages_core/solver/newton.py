@@ -13,7 +13,7 @@ from .base import Objective, SolverResult
 from .line_search import backtrack
 
 STALLED_AFTER = 12
-"""Number of steps that must gain more together than the tolerance asks of one; otherwise contact blocks them."""
+"""Number of steps that must together gain more than the tolerance of one step; otherwise contact blocks them."""
 
 
 @dataclass(frozen=True)

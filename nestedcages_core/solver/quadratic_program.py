@@ -118,7 +118,7 @@ class InteriorPoint:
         check_positive(self, "complementarity", "primal", "dual")
 
     def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> QPSolution:
-        """Solve; ``absolute`` is a complementarity, in units of the energy, at which to stop in any case.
+        """Solve; ``absolute`` is a complementarity, in units of the energy, below which to stop in any case.
 
         Raises: NestedCagesError for an energy whose derivatives are not finite.
         """

@@ -22,7 +22,7 @@ REDUNDANCY = 0.02
 them."""
 
 REQUIRED_OWN_DISTANCE = 0.5
-"""Fraction of the wanted distance between parts of the cage that a step must keep: parts make room for each other."""
+"""Fraction of the wanted distance between parts of the cage that a step must keep: parts may approach each other."""
 
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""

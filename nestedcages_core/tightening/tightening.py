@@ -89,7 +89,7 @@ class Tightening:
     patience: int = 3
     """... for so many iterations."""
     solver: InteriorPoint = field(default_factory=InteriorPoint)
-    """Method for the quadratic programs."""
+    """Solves the quadratic programs."""
 
     def __post_init__(self) -> None:
         check_count(self, "iterations", least=0)
@@ -179,7 +179,7 @@ class _Run:
         )  # fmt: skip
 
     def _accept(self, trial: Trial) -> Stage[FloatArray, float]:
-        """Go where the trial led, if anywhere; the energy there."""
+        """Move to the result of the trial, if it was accepted; returns the energy there."""
         if trial.accepted:
             self.x = trial.x
             yield self.x[: self.m].copy()

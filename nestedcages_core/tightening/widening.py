@@ -1,6 +1,6 @@
 """Widening: bring a cage that is free of contact, but closer to the fine mesh than the clearance, to the clearance.
 
-A single restoration usually succeeds. Where walls are in each other's way, the cage takes small steps, each the
+A single restoration usually succeeds. Where walls block each other, the cage takes small steps, each the
 smallest motion that increases all distances at once.
 """
 
@@ -31,10 +31,10 @@ TARGET_DISTANCE = 2.0
 """Distance that small steps aim at, in clearances: beyond 1, so that they reach the clearance in finite time."""
 
 SHORTEST_COMMON_STEP = 0.1
-"""Fraction of a step below which each vertex gets a fraction of its own."""
+"""Fraction of a step below which each vertex gets its own fraction."""
 
 REQUIRED_PROGRESS, MAX_IDLE_STEPS = 0.99, 8
-"""Factor by which the sum of the missing distances must shrink, and cap on the steps in a row without."""
+"""Factor by which the sum of the missing distances must shrink; maximum number of consecutive steps that miss it."""
 
 OWN_DISTANCE_KEPT = 0.1
 """Fraction of the smallest distance between parts of the cage that they keep, if that is less than the clearance."""

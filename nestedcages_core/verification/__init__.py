@@ -1,4 +1,4 @@
-"""The certificates, the only judges of a cage and of the motion towards it; exact in every verdict but the distance.
+"""The certificates of a cage and of the motion towards it. All verdicts but the distance are exact.
 
 - `verify`: the `Certificate` of a cage around a fine mesh.
 - `verify_motion`: the `MotionCertificate` of linear motion between steps.

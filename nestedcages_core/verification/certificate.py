@@ -50,7 +50,7 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
     same_loops: whether the cage must keep the loops of the fine mesh; without it, a cage may cover holes, and one loop
     may wrap several components.
 
-    Raises InvalidMeshError for what is no shape at all; a shape that is not valid makes a certificate that says so.
+    Raises InvalidMeshError for input that is not a shape; for an invalid shape, the certificate says so.
     """
     problems: list[str] = []
     judged, judged_fine = (_at_the_door(mesh, name, problems) for mesh, name in ((cage, "cage"), (fine, "fine mesh")))
@@ -89,13 +89,13 @@ def _at_the_door(shape: MeshLike, name: str, problems: list[str]) -> Mesh | None
 
 
 def _turned_loops(cage: Mesh, judged: Mesh) -> IntArray:
-    """Loops that run the other way, or are holes instead of outer loops, than when the cage's edges were oriented."""
+    """Loops whose direction or role has changed since the cage's edges were oriented."""
     opposed = cage.loop_of_vertex[cage.edges[cage.edges[:, 0] != judged.edges[:, 0], 0]]
     return np.union1d(opposed, np.flatnonzero(judged.loop_signs != cage.loop_signs))
 
 
 def loops_in_words(mesh: Mesh) -> str:
-    """How many loops of each kind there are."""
+    """The numbers of outer loops and holes, in words."""
     outer = int((mesh.loop_signs > 0).sum())
     holes = len(mesh.loops) - outer
     return f"{outer} outer loop{'s' * (outer != 1)} and {holes or 'no'} hole{'s' * (holes != 1)}"
@@ -109,11 +109,11 @@ class _Pair:
         self.nesting = Nesting(cage, fine)
 
     def of_cage(self, loop: int) -> str:
-        """Where a loop of the cage is, for the user."""
+        """A loop of the cage and its place, in words."""
         return place(self.cage.vertices[self.cage.loops[loop][0]])
 
     def of_fine(self, loop: int) -> str:
-        """Where a loop of the fine mesh is, for the user."""
+        """A loop of the fine mesh and its place, in words."""
         return place(self.fine.vertices[self.fine.loops[loop][0]])
 
     def contact(self) -> list[str]:

@@ -8,7 +8,7 @@ sign, beyond their rounding errors, the pair is certified; so is one whose point
 edge along x or along y, even where the edge shrinks to a point. All other intervals of s are halved. After k halvings a
 difference of positions carries an absolute error of up to k roundings of the largest one, which both tests allow for:
 a relative bound says nothing about a difference that vanishes. A pair that is undecided after all halvings counts as a
-collision: the certificate never errs on the unsafe side.
+collision, so the certificate is conservative.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class MotionCertificate:
     step: int | None = None
     """The first step whose motion to the next one could not be certified."""
     vertex: int | None = None
-    """A vertex that may be hit there: an index into the cage's vertices, or into the fine ones counted on from them."""
+    """A vertex that may be hit there: an index into the vertices of the cage, followed by those of the fine mesh."""
 
     def __bool__(self) -> bool:
         return self.free
@@ -66,7 +66,7 @@ def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_st
     comes or goes: all instants are nested if one is, for which `verify` has a certificate. cage and fine may be
     anything that `verify` accepts.
 
-    Raises NestedCagesError if the steps are not that many places, or not finite.
+    Raises NestedCagesError if the steps have another shape or are not finite.
     """
     cage, fine = Mesh.of(cage), Mesh.of(fine)
     cage_steps, fine_steps = _checked_steps(cage, cage_steps, "cage"), _checked_steps(fine, fine_steps, "fine")
@@ -80,7 +80,7 @@ def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_st
 def certify_motion(
     bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
 ) -> MotionCertificate:
-    """The same for steps, (m, 2) and (n, 2) each, that need no check; none of them is copied."""
+    """`verify_motion` for steps, (m, 2) and (n, 2) each, that need no check or copy."""
     candidates = CandidateList(bodies)
     for step in range(len(cage_steps) - 1):
         before = np.concatenate([cage_steps[step], fine_steps[step]])
@@ -102,7 +102,7 @@ def certify_motion(
 
 
 def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
-    """Steps (K + 1, n, 2) of a mesh. Raises NestedCagesError unless they are that many finite numbers."""
+    """Steps (K + 1, n, 2) of a mesh. Raises NestedCagesError for another shape or values that are not finite."""
     try:
         checked = np.asarray(steps, dtype=np.float64)
     except (TypeError, ValueError):

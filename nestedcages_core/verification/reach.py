@@ -1,6 +1,6 @@
-"""How far the solid of a cage reaches away from the solid of the fine mesh: bounded from above, not sampled.
+"""The largest distance of a cage's solid from the solid of the fine mesh: an upper bound, not a sample.
 
-What lies between the two is triangulated. The distance to one segment of the fine mesh is convex, so on a triangle it
+The region between the two is triangulated. The distance to one segment of the fine mesh is convex, so on a triangle it
 is largest at a corner, and the least such value over some segments bounds the distance to the whole mesh on all of the
 triangle. Triangles whose bound is above the largest distance found at a corner are halved.
 """
@@ -17,7 +17,7 @@ from ..geometry.triangulation import triangulate
 from ..geometry.vectors import norm
 
 REACH_PRECISION = 1e-4
-"""Relative width of the interval in which the reach is known; its upper end counts."""
+"""Relative width of the interval that contains the reach; its upper end is returned."""
 
 MAX_TRIANGLE_HALVINGS = 60
 """Cap on the halvings of a triangle: its sides are then shorter by a factor of a billion."""
@@ -37,7 +37,7 @@ def stays_within(cage: Mesh, fine: Mesh, distance: float) -> bool:
 
 
 def _reach(cage: Mesh, fine: Mesh, limit: float | None) -> float:
-    """The reach; with a limit, only a number on the same side of it."""
+    """The reach; with a limit, any number on the same side of the limit."""
     between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
     search = EdgeSearch(fine.vertices, fine.edge_ends)
     largest = 0.0

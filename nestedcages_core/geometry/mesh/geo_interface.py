@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from ...errors import InvalidMeshError
 
 MAX_NESTING_DEPTH = 64
-"""Maximum nesting of collections; a deeper one is taken to contain itself."""
+"""Maximum nesting depth of collections; a deeper one is assumed to contain itself."""
 
 
 class HasGeoInterface(Protocol):

@@ -15,13 +15,13 @@ FANOUT = 4
 """Boxes that share a parent; 4 was the fastest of 2, 4 and 8 for loops of 1,000 to 100,000 segments."""
 
 BLOCK_PAIRS = 2**16
-"""Pairs whose children are compared at once; bounds the memory to about 100 MB."""
+"""Pairs compared at once; bounds the memory to about 100 MB."""
 
 CROWDED = 8
-"""Overlaps per box above which turned boxes are tested too; smooth loops have about 3."""
+"""Overlaps per box above which oriented boxes are tested too; smooth loops have about 3."""
 
 FEW_CHAINS = 8
-"""Number of chains up to which sorting them costs more than the boxes that span two of them."""
+"""Number of chains up to which sorting them costs more than it saves."""
 
 MORTON_BITS = 16
 """Bits per coordinate of the space-filling curve that sorts chains of segments."""
@@ -82,8 +82,8 @@ class BoxTree:
     def blocks(self, other: BoxTree | None = None, *, slim: bool = False) -> Iterator[tuple[IntArray, IntArray]]:
         """The pairs of `pairs(other)`, or of `self_pairs()`, in blocks of bounded size.
 
-        slim: whether to drop pairs that turned boxes separate, where upright boxes overlap too often. All pairs of
-        segments that share a point are kept.
+        slim: whether to drop pairs that oriented boxes separate, where axis-aligned boxes overlap too often. All pairs
+        of segments that share a point are kept.
         """
         second = self if other is None else other
         a, b = len(self.levels) - 1, len(second.levels) - 1
@@ -138,14 +138,14 @@ class BoxTree:
     @cached_property
     def sizes(self) -> list[float]:
         """Mean extent of the boxes of each level."""
-        with np.errstate(over="ignore", invalid="ignore"):  # only decides what to open first
+        with np.errstate(over="ignore", invalid="ignore"):  # only decides which level to open first
             return [
                 float(boxes[2:, :count].mean() - boxes[:2, :count].mean()) if count else 0.0
                 for boxes, count in zip(self.levels, self.counts, strict=True)
             ]
 
     def oriented(self, level: int) -> OrientedBoxes:
-        """The turned boxes of a level, made when they are first asked for."""
+        """The oriented boxes of a level, made on first use."""
         if not self._oriented:
             self._oriented.append(OrientedBoxes.of_segments(*self.sorted_segments))
         while len(self._oriented) <= level:

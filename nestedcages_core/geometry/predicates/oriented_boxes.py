@@ -1,4 +1,4 @@
-"""Boxes turned along their segments: unlike upright ones they separate long, slanted, parallel segments."""
+"""Oriented boxes: unlike axis-aligned ones they separate long, slanted, parallel segments."""
 
 from __future__ import annotations
 

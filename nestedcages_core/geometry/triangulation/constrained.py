@@ -33,7 +33,7 @@ def constrained_delaunay(points: FloatArray, segments: IntArray) -> IntArray:
 
     points: (N, 2), all different; segments: (S, 2) indices, closed loops that neither cross nor pass through a point.
     Points outside the region are left unused. Corners are judged by exact predicates; an edge is Delaunay to within
-    DOUBTFUL_ANGLE. Raises InvalidMeshError where two points or segments are in each other's way.
+    DOUBTFUL_ANGLE. Raises InvalidMeshError where points coincide or segments cross.
     """
     _check_different(points)
     low, high = points.min(axis=0), points.max(axis=0)

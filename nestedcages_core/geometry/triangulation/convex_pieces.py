@@ -13,7 +13,7 @@ from ..predicates.orientation import orientation_sign
 from .solid import triangulate
 
 ORDERS = 24
-"""Orders in which diagonals are tried: the longest first, then random ones; the fewest pieces are kept."""
+"""Number of orders of the diagonals: by length, then random ones; the result with fewest pieces is kept."""
 
 Piece = list[int]
 
@@ -22,8 +22,8 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
     """Convex polygons (k, 2), counter-clockwise, of at most ``most`` vertices each, that tile a mesh exactly.
 
     Their vertices are those of the mesh; no others are added. The constrained Delaunay triangles are joined across
-    diagonals while pieces stay convex, by exact predicates, as by Hertel & Mehlhorn (1983), who show that at most four
-    times as many pieces are left as needed without a limit; of several orders the best is kept.
+    diagonals while pieces stay convex, by exact predicates, after Hertel & Mehlhorn (1983): without a limit, at most
+    four times as many pieces as necessary are left. The best of several orders is kept.
 
     Raises NestedCagesError if ``most`` is less than 3.
     """
@@ -57,7 +57,7 @@ def _joined(
     places: list[tuple[float, float]],
     most: int,
 ) -> list[Piece]:
-    """The pieces that are left when diagonals are removed in an order, wherever that is possible."""
+    """The pieces after removing diagonals in a given order, wherever possible."""
     pieces: list[Piece | None] = list(triangles)
     into = list(range(len(triangles)))
 

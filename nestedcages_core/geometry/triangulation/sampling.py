@@ -24,7 +24,7 @@ MAX_CELL_HALVINGS = 24
 """Maximum number of halvings of the bounding box: the smallest spacing is 6e-8 of it."""
 
 SPACING_SAMPLES = 257
-"""Places on an edge where the wanted spacing is evaluated to integrate it."""
+"""Samples of the wanted spacing on an edge, to integrate it."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def _inside(mesh: Mesh, boundary: FloatArray, segments: IntArray, sampling: Samp
     tree = cKDTree(boundary)
     distance = SignedDistance.of(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    # the root is a power of two times the spacing, so that even parts get just what they ask for
+    # the root is a power of two times the spacing, so that uniform parts get exactly that spacing
     width = float((high - low).max())
     depth = max(int(np.ceil(np.log2(width / sampling.spacing))), 0)
     size = sampling.spacing * 2.0**depth

@@ -16,7 +16,7 @@ INSIDE_TOLERANCE = -1e-12
 """Smallest barycentric coordinate of a point inside a triangle, negative to allow for rounding."""
 
 MAX_WALK = 3.0
-"""Triangles, in √T, that a walk towards a point passes before all triangles are searched instead."""
+"""Maximum number of triangles of a walk to a point, in √T; then all triangles are searched."""
 
 CHUNK_TRIANGLES = 1_000_000
 """Pairs of points and triangles measured together; bounds the memory to about 200 MB."""
@@ -54,7 +54,7 @@ class Triangulation:
         return np.asarray(0.5 * cross(b - a, c - a))
 
     def boundary_values(self, mesh_vertices: int) -> csr_array:
-        """(B, n) what makes values at the n mesh vertices, linear along edges, values at the boundary vertices."""
+        """(B, n) maps values at the n mesh vertices, linear along edges, to values at the boundary vertices."""
         row = np.tile(np.arange(self.on_boundary), 2)
         column = np.concatenate((self.edge, self.end))
         value = np.concatenate((1.0 - self.parameter, self.parameter))
@@ -77,7 +77,7 @@ class Triangulation:
         return self._assembled(np.concatenate(entries))
 
     def interpolation(self, points: FloatArray) -> csr_array:
-        """(P, N) what makes values at the vertices, linear on each triangle, values at (P, 2) points of the solid.
+        """(P, N) maps values at the vertices, linear on each triangle, to values at (P, 2) points of the solid.
 
         Three entries per row, none negative, of sum 1. A point outside gets the values of a point on the boundary.
         """
@@ -89,7 +89,7 @@ class Triangulation:
         return csr_array((weights.ravel()[used], (row[used], column[used])), shape=shape)
 
     def differentiation(self, points: FloatArray) -> tuple[csr_array, csr_array]:
-        """What makes values at the vertices their slopes along x and y, (P, N) each, in the triangles around points."""
+        """Maps values at the vertices to slopes along x and y, (P, N) each, in the triangles around points."""
         triangle, _ = self.locate(points)
         corners = self.triangles[triangle]
         a, b, c = (self.vertices[corners[:, k]] for k in range(3))

@@ -1,7 +1,7 @@
 """Reinflation as published (Gurditta & Jacobson 2022, section 3.2), with repairs as switches.
 
-For each step of the flow, from the last to the first, the energy is lowered by a fixed number of descent steps. Nothing
-ensures that the fine mesh reaches its target before the next one is set, nor its original position in the end.
+For each step of the flow, from the last to the first, a fixed number of descent steps lowers the energy. Nothing
+ensures that the fine mesh reaches its target before the next one is set, or its original position in the end.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Repairs:
     parity: bool = False
     """E_cont by exact crossings, self-crossings of the cage included, instead of parity along rays."""
     exact_home: bool = False
-    """Increase λ_R after the last target until the fine mesh can go straight to it without contact; then go."""
+    """Increase λ_R after the last target until the fine mesh can move straight to it without contact; then move it."""
 
     def __post_init__(self) -> None:
         check_flag(self, "parity", "exact_home")
@@ -47,7 +47,7 @@ class PaperContact:
     """
 
     solver: Solver = field(default_factory=GradientDescent)
-    """How the energy is minimised."""
+    """Minimises the energy."""
     energy: Energy = field(default_factory=Area)
     """E_cages."""
     d_hat: float = 0.1 / PAPER_DIAGONAL
@@ -57,9 +57,9 @@ class PaperContact:
     repairs: Repairs = field(default_factory=Repairs)
     """Fixes to apply."""
     step_filter: StepFilter = field(default_factory=NoFilter)
-    """What bounds a step before the line search."""
+    """Bounds each step before the line search."""
     broad_phase: BroadPhase = field(default_factory=AllPairs)
-    """Which pairs are considered."""
+    """Finds the candidate pairs."""
 
     def __post_init__(self) -> None:
         check_positive(self, "d_hat")

@@ -37,7 +37,7 @@ class PaperFlow:
     step: float = 0.01 / PAPER_DIAGONAL
     """h in bounding-box diagonals of the fine mesh; the program has 0.01 on the annulus of Table 1."""
     limit: int = 300
-    """Maximum number of steps; the program has none. Of 78 pairs, none outside after 230 steps got inside in 1,000."""
+    """Maximum number of steps; the program has none. Of 78 pairs, those outside after 230 steps remain so for 1,000."""
     samples: int = 4
     """Samples per edge, at t = 0, 1/samples, … from the vertex on, weighted (1 - t)²."""
     over_length: bool = True

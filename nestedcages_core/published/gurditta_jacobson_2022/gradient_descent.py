@@ -31,7 +31,7 @@ class GradientDescent:
     smallest_step: float = 1e-15
     """Lower bound on t, at which the search ends."""
     refuse_infinite: bool = False
-    """Repair: reject states of infinite energy, even after another one."""
+    """Repair: reject states of infinite energy, even from a state of infinite energy."""
 
     def __post_init__(self) -> None:
         check_count(self, "steps", least=0)

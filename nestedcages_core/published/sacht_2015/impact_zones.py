@@ -26,7 +26,7 @@ from ...geometry.vectors import rotated_left
 from ...solver.quadratic_program import InteriorPoint, QuadraticProgram
 
 MAX_PROGRAMS = 12
-"""Cap on the programs for one velocity; remaining impacts are left to the halving of the step."""
+"""Maximum number of programs for one velocity; halving the step resolves remaining impacts."""
 
 KEPT_PROXIMITY = 0.7
 """Fraction of its distance that a pair closer than the proximity keeps: more than the feasibility rule requires."""
@@ -38,7 +38,7 @@ IMPULSE_TOLERANCE = 1e-4
 """Complementarity at which a program is solved in any case, in units of the proximity squared."""
 
 LARGEST_VELOCITY = 4.0
-"""Largest motion of a cage vertex along each axis, relative to the largest wished motion plus the proximity."""
+"""Largest motion of a cage vertex along each axis, relative to the largest desired motion plus the proximity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class ImpactZones:
     )
 
     def nearest(self, pairs: Pairs, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, int]:
-        """The filtered velocity (m + n, 2), equal to the wished one on the fine mesh, and the number of systems solved.
+        """The filtered velocity (m + n, 2), the desired one on the fine mesh, and the number of systems solved.
 
         pairs: a superset of those that can meet in the step from x (m + n, 2), which takes unit time.
         """

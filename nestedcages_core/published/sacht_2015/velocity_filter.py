@@ -44,15 +44,15 @@ SKIN_PER_EDGE = 0.3
 class VelocityFilter:
     """Prescribed fine velocities, filtered cage velocities; lengths in bounding-box diagonals of the fine mesh.
 
-    Tightening takes the place of the final pass of the original.
+    Tightening replaces the final pass of the original.
     """
 
     energy: Energy = field(default_factory=Area)
-    """What the cage lowers; ``NoEnergy()`` only clears the path."""
+    """Energy that the cage lowers; ``NoEnergy()`` only clears the path."""
     proximity: float = 1e-3
     """Distance below which pairs are pushed apart."""
     room: float = 5e-3
-    """The same for a cage without energy, to leave room for tightening."""
+    """The same for a cage without energy, to leave tightening some space."""
     first_step: float = 1e-2
     """First descent step, relative to the gradient of the energy."""
     smallest_step: float = 1e-3

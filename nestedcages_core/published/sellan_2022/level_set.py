@@ -122,7 +122,7 @@ class _Search:
             problem = "it still cuts into the mesh"
         except NestingError as error:
             problem = str(error)
-        if self.changed or not self.problem:  # a change of loops says most
+        if self.changed or not self.problem:  # a change of loops is the most useful reason
             self.problem = f"at the offset {offset:.3g} {problem}"
         return None
 

@@ -1,4 +1,4 @@
-"""Which loop of a level set belongs to which loop of the mesh, and which loops are none of the mesh's."""
+"""Matching of the loops of a level set with those of the mesh, and removal of extra loops."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...geometry.predicates import winding_number
 
 
 def without_pockets(contour: Mesh, fine: Mesh) -> Mesh:
-    """A level set without holes that the fine mesh does not have: closed bays, and parts of holes that split.
+    """A level set without the holes that the fine mesh does not have: closed bays, and parts of split holes.
 
     The largest part of each hole stays, and so does a hole that contains another component.
     """
