@@ -10,6 +10,7 @@ from ..energies import Blocks
 from ..energies.blocks import assembled_gradient
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import PointEdge, distance_gradient
+from ..geometry.vectors import inner
 from .barrier import BarrierTerms, barrier, barrier_hessian_factors
 from .condensation import newton_direction
 from .pairs import Pairs
@@ -38,7 +39,7 @@ class BarrierSum:
     @property
     def value(self) -> float:
         """The sum; infinite in contact."""
-        return float(self.weight @ self.terms.value)
+        return inner(self.weight, self.terms.value)
 
     def gradient(self) -> FloatArray:
         """(m + n, 2)."""

@@ -7,21 +7,14 @@ is a descent direction. What remains is a Schur complement in the 2 m unknowns o
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-import scipy.linalg.lapack
 import scipy.sparse as sp
-import scipy.sparse.linalg
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
-
-DENSE_CAGE_VERTICES = 150
-"""Number of cage vertices up to which a dense Cholesky factorisation is faster than a sparse LU (measured)."""
-
-DENSE_COUPLING_ENTRIES = 1_000_000
-"""Number of entries up to which a dense matrix for the coupling of fine mesh and cage is faster (measured)."""
+from ..solver.banded import BandOrder
+from ..solver.definite import Solve, factorised
 
 REGULARISATION = 1e-6
 """Added to the cage's diagonal, for energies that leave a motion free. The Hessian of the area is of order 1."""
@@ -34,8 +27,6 @@ ROUNDING_SHIFT_GROWTH = 100.0
 
 MAX_FACTORISATIONS = 10
 """Cap on the shifts: the last one is 1e2 times the diagonal."""
-
-Solve = Callable[[FloatArray], FloatArray]
 
 
 def newton_direction(
@@ -66,11 +57,20 @@ def newton_direction(
     mixed = in_cage & (row >= 2 * m)
 
     inverse = _inverse_2x2(_fine_blocks(entries, places, m, restoring[touched - m]))
-    coupling = _matrix(row[mixed] - 2 * m, column[mixed], entries[mixed], (2 * len(touched), 2 * m))
-    weighted = _block_product(inverse, coupling)
+    # a dense product of this length would depend on the number of threads of the BLAS
+    coupling = sp.csr_matrix((entries[mixed], (row[mixed] - 2 * m, column[mixed])), shape=(2 * len(touched), 2 * m))
+    weighted = _block_diagonal(inverse) @ coupling
     pull = gradient[touched].ravel()
     right = weighted.T @ pull - gradient[:m].ravel()
-    motion[:m] = _cage_solver(row[own], column[own], entries[own], cage, m, coupling, weighted)(right).reshape(m, 2)
+    condensed = (coupling.T @ weighted).tocoo()
+    energy, (energy_row, energy_column) = cage.entries()
+    solve = _cage_solver(
+        m,
+        np.concatenate([entries[own], energy, -condensed.data]),
+        np.concatenate([row[own], energy_row, condensed.row]),
+        np.concatenate([column[own], energy_column, condensed.col]),
+    )
+    motion[:m] = solve(right).reshape(m, 2)
 
     motion[m:] = -gradient[m:] / restoring[:, None]
     rest = (pull + coupling @ motion[:m].ravel()).reshape(-1, 2, 1)
@@ -93,46 +93,34 @@ def _fine_blocks(entries: FloatArray, places: IntArray, m: int, restoring: Float
     return blocks
 
 
-def _matrix(row: IntArray, column: IntArray, values: FloatArray, shape: tuple[int, int]) -> FloatArray | sp.csr_matrix:
-    """The matrix with these entries, duplicates summed; dense if small."""
-    if shape[0] * shape[1] <= DENSE_COUPLING_ENTRIES:
-        return np.bincount(row * shape[1] + column, values, shape[0] * shape[1]).reshape(shape)
-    return sp.csr_matrix((values, (row, column)), shape=shape)
-
-
-def _block_product(blocks: FloatArray, matrix: FloatArray | sp.csr_matrix) -> FloatArray | sp.csr_matrix:
-    """Block-diagonal matrix of blocks (k, 2, 2) times a matrix (2 k, c)."""
+def _block_diagonal(blocks: FloatArray) -> sp.bsr_matrix:
+    """The block-diagonal matrix of blocks (k, 2, 2)."""
     count = len(blocks)
-    if isinstance(matrix, np.ndarray):
-        return np.matmul(blocks, matrix.reshape(count, 2, matrix.shape[1])).reshape(matrix.shape)
-    diagonal = sp.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(2 * count, 2 * count))
-    return (diagonal @ matrix).tocsr()
+    return sp.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(2 * count, 2 * count))
 
 
-def _cage_solver(
-    row: IntArray,
-    column: IntArray,
-    values: FloatArray,
-    cage: Blocks,
-    m: int,
-    coupling: FloatArray | sp.csr_matrix,
-    weighted: FloatArray | sp.csr_matrix,
-) -> Solve:
-    """Solver for the Schur complement plus the blocks of the cage."""
-    size = 2 * m
-    condensed = coupling.T @ weighted
-    if m <= DENSE_CAGE_VERTICES:
-        matrix = np.bincount(row * size + column, values, size * size).reshape(size, size) + cage.dense(m)
-        matrix -= condensed if isinstance(condensed, np.ndarray) else condensed.toarray()
-        matrix.flat[:: size + 1] += REGULARISATION
-        scale = _equal_diagonals(matrix.diagonal())
-        solve = _dense_solver(scale[:, None] * matrix * scale)
-    else:
-        sparse = sp.csc_matrix((values, (row, column)), shape=(size, size)) + cage.sparse(m) - condensed
-        sparse = sp.csc_matrix(sparse + REGULARISATION * sp.identity(size))
-        scale = _equal_diagonals(sparse.diagonal())
-        solve = _sparse_solver((sp.diags(scale) @ sparse @ sp.diags(scale)).tocsc())
-    return lambda right: scale * solve(scale * right)
+def _cage_solver(m: int, entries: FloatArray, row: IntArray, column: IntArray) -> Solve:
+    """Solver for the symmetric matrix (2 m, 2 m) with these entries; those at the same place add up."""
+    coupled = (row > column) & (row % 2 == 0) & (column % 2 == 0)
+    order = BandOrder.of(m, row[coupled] // 2, column[coupled] // 2)
+    place = (2 * order.position[:, None] + np.arange(2)).ravel()
+    row, column = place[row], place[column]
+    lower = row >= column
+    size, height = 2 * m, 2 * order.bandwidth + 2
+    sums = np.bincount((column * height + row - column)[lower], entries[lower], size * height)
+    band: FloatArray = sums.astype(np.float64, copy=False).reshape(size, height)  # integers where there are no entries
+    band[:, 0] += REGULARISATION
+    scale = _equal_diagonals(band[:, 0])
+    beyond = np.concatenate([scale, np.zeros(height)])  # the band has places below the last row
+    band *= scale[:, None] * sliding_window_view(beyond, height)[:size]
+    solve = _shifted_solver(band)
+
+    def solution(right: FloatArray) -> FloatArray:
+        ordered = np.empty(size)
+        ordered[place] = right
+        return np.asarray((scale * solve(scale * ordered))[place])
+
+    return solution
 
 
 def _equal_diagonals(diagonal: FloatArray) -> FloatArray:
@@ -141,26 +129,17 @@ def _equal_diagonals(diagonal: FloatArray) -> FloatArray:
     return scale
 
 
-def _dense_solver(matrix: FloatArray) -> Solve:
-    """Solver by Cholesky factorisation of a matrix with unit diagonal, shifted until it succeeds."""
+def _shifted_solver(band: FloatArray) -> Solve:
+    """Solver for a matrix with unit diagonal, shifted until it is positive definite."""
     shift = 0.0
     for _ in range(MAX_FACTORISATIONS):
-        factor, failed = scipy.linalg.lapack.dpotrf(matrix, lower=1)
-        if not failed:
-            return lambda right: np.asarray(scipy.linalg.lapack.dpotrs(factor, right, lower=1)[0])
+        solve = factorised(band)
+        if solve is not None:
+            return solve
         grown = max(ROUNDING_SHIFT_GROWTH * shift, ROUNDING_SHIFT)
-        matrix.flat[:: len(matrix) + 1] += grown - shift
+        band[:, 0] += grown - shift
         shift = grown
     return np.copy  # the unit diagonal alone still gives a descent direction
-
-
-def _sparse_solver(matrix: sp.csc_matrix) -> Solve:
-    """Solver by LU factorisation of a sparse matrix with unit diagonal; the shift avoids zero pivots."""
-    definite = matrix + ROUNDING_SHIFT * sp.identity(matrix.shape[0], format="csc")
-    factor = scipy.sparse.linalg.splu(
-        definite, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    return lambda right: np.asarray(factor.solve(right))
 
 
 def _inverse_2x2(blocks: FloatArray) -> FloatArray:

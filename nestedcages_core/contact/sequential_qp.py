@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..geometry.arrays import FloatArray
+from ..geometry.vectors import inner
 from ..parameters import check_count, check_positive
 from ..solver.quadratic_program import InteriorPoint
 from ..stages import Stage
@@ -140,7 +141,7 @@ class _Motion:
             kept = np.full(len(self.x), fraction)
             if fraction < LONG_FRACTION:
                 single = self.rule.fractions(*step)
-                covered = float(single[self.m :] @ (part * length)) / float((part * length).sum())
+                covered = inner(single[self.m :], part * length) / float((part * length).sum())
                 if covered > fraction or fraction <= REJECTED_FRACTION:  # a fraction as short as this may be infeasible
                     kept, fraction = single, covered
             may_reject = longest > MIN_REJECTED_STRIDE * self.unit and rejected < MAX_REJECTIONS

@@ -59,7 +59,7 @@ class Outline:
         here = self.vertices - self.vertices[0]
         there = here[self.successor]
         lengths = norm(there - here)
-        centre: FloatArray = self.vertices[0] + lengths @ (0.5 * (here + there)) / lengths.sum()
+        centre: FloatArray = self.vertices[0] + (lengths[:, None] * (0.5 * (here + there))).sum(axis=0) / lengths.sum()
         return centre
 
     @cached_property

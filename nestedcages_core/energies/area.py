@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.vectors import cross
 from .base import CageEnergy
 from .blocks import Blocks
 
@@ -59,4 +60,4 @@ def signed_area(vertices: FloatArray, successor: IntArray) -> float:
     """½ Σ x_a × x_b over the edges, a length². Taken about the first vertex, to lose no digits far from the origin."""
     centred = vertices - vertices[0]
     following = centred[successor]
-    return 0.5 * float(centred[:, 0] @ following[:, 1] - centred[:, 1] @ following[:, 0])
+    return 0.5 * float(cross(centred, following).sum())

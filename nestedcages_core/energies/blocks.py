@@ -59,16 +59,16 @@ class Blocks:
 
     def dense(self, count: int) -> FloatArray:
         """The (2 count, 2 count) matrix."""
-        values, (rows, columns) = self._entries()
+        values, (rows, columns) = self.entries()
         size = 2 * count
         entries: FloatArray = np.bincount(rows * size + columns, values, size * size).astype(np.float64, copy=False)
         return entries.reshape(size, size)
 
     def sparse(self, count: int) -> sp.csr_matrix:
         """The (2 count, 2 count) matrix in compressed rows."""
-        return sp.csr_matrix(self._entries(), shape=(2 * count, 2 * count))
+        return sp.csr_matrix(self.entries(), shape=(2 * count, 2 * count))
 
-    def _entries(self) -> tuple[FloatArray, tuple[IntArray, IntArray]]:
+    def entries(self) -> tuple[FloatArray, tuple[IntArray, IntArray]]:
         """All entries of both triangles: values, and their rows and columns."""
         axis = np.arange(2)
         rows = np.broadcast_to(2 * self.row[:, None, None] + axis[:, None], self.value.shape)

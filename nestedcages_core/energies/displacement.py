@@ -8,6 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
+from ..geometry.vectors import inner
 from .base import CageEnergy
 from .blocks import Blocks
 
@@ -58,7 +59,7 @@ class Displacement(CageEnergy):
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """Unit: length²."""
         away = vertices - self.origin
-        return 0.5 * float(self.weight @ (away * away).sum(axis=1))
+        return 0.5 * inner(self.weight, (away * away).sum(axis=1))
 
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..geometry.arrays import FloatArray
+from ..geometry.vectors import inner
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +20,7 @@ class Restoring:
     def value(self, fine: FloatArray) -> float:
         """R at the fine vertices (n, 2), a length³."""
         away = fine - self.target
-        return 0.5 * float(self.weight @ (away * away).sum(axis=1))
+        return 0.5 * inner(self.weight, (away * away).sum(axis=1))
 
     def gradient(self, fine: FloatArray) -> FloatArray:
         """(n, 2). The Hessian is diagonal, with ``weight`` for both coordinates of a vertex."""

@@ -18,6 +18,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.signed_distance import SignedDistance
+from ..geometry.vectors import inner
 from .loop_matching import Matching
 from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_margins
 
@@ -88,7 +89,7 @@ class PenetrationEnergy:
         edge, parameter, weight, depth, margin = (np.concatenate([part[k] for part in found]) for k in range(5))
         direction = np.concatenate([part.direction for part in found])
         return Penetration(
-            energy=0.5 * float(weight @ (depth * depth)),
+            energy=0.5 * inner(weight, depth * depth),
             overlap=float((depth - margin).max(initial=-np.inf)),
             comfortable=bool((depth <= (1.0 - COMFORTABLE_MARGIN) * margin).all()),
             edge=edge,

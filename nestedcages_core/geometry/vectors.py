@@ -19,6 +19,11 @@ def norm(v: FloatArray) -> FloatArray:
     return length
 
 
+def inner(u: FloatArray, v: FloatArray) -> float:
+    """Σ u v over all entries. The order of the sum depends on the shape alone: that of the BLAS depends on threads."""
+    return float((u * v).sum())
+
+
 def rotated_left(v: FloatArray) -> FloatArray:
     """(..., 2) vectors turned counter-clockwise by 90°: (-y, x)."""
     return np.stack([-v[..., 1], v[..., 0]], axis=-1)

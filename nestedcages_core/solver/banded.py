@@ -14,12 +14,12 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dpbtrf, dpbtrs
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
+from .definite import Solve, factorised
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +84,9 @@ class BandedSystem:
     perpendicular unit vectors: vertex, axis, component. Products with A use `bincount`, since building a sparse matrix
     costs more than the few products with it.
     """
+
+    solve: Solve
+    """Solution (2m,) of the system that was factorised last."""
 
     def __init__(self, order: BandOrder, hessian: Blocks, rows: Sequence[Rows], axes: FloatArray) -> None:
         size = 2 * len(order.position)
@@ -158,13 +161,10 @@ class BandedSystem:
     def factorise(self, shift: float) -> bool:
         """Factorise the matrix plus shift times the identity; False if that is not positive definite."""
         self._band[:, 0] = self._diagonal + shift
-        self._factor, failure = dpbtrf(self._band.T, lower=1)
-        return bool(failure == 0)
-
-    def solve(self, b: FloatArray) -> FloatArray:
-        """Solution (2m,) of the factorised system."""
-        x: FloatArray = dpbtrs(self._factor, b, lower=1)[0]
-        return x
+        solve = factorised(self._band)
+        if solve is not None:
+            self.solve = solve
+        return solve is not None
 
 
 _AXES = np.array([0, 1])

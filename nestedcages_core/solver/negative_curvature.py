@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.vectors import inner
 from .banded import BandedSystem, BandOrder
 from .quadratic_program import MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
 
@@ -61,13 +62,13 @@ def negative_curvature(program: QuadraticProgram, order: BandOrder, active: Bool
     v = np.cos(np.arange(size) ** 2)  # generic: not orthogonal to the eigenvectors of symmetric shapes
     growth = 1.0
     for _ in range(INVERSE_ITERATIONS):
-        v /= np.sqrt(v @ v)
+        v /= np.sqrt(inner(v, v))
         w = system.solve(v)
-        growth = float(v @ w)
+        growth = inner(v, w)
         v = w
     curvature = 1.0 / growth - shift
     if curvature > -SMALLEST_CURVATURE * scale:
         return None
     motion = system.of_vertices(v)
     longest = np.sqrt((motion**2).sum(axis=1).max())
-    return NegativeCurvature(motion / longest, curvature * float(v @ v) / float(longest) ** 2)
+    return NegativeCurvature(motion / longest, curvature * inner(v, v) / float(longest) ** 2)

@@ -21,6 +21,7 @@ import numpy as np
 from ..energies import Blocks
 from ..errors import NestedCagesError
 from ..geometry.arrays import TINY, FloatArray
+from ..geometry.vectors import inner
 from ..parameters import check_count, check_positive
 from .banded import BandedSystem, BandOrder, Rows
 
@@ -169,8 +170,8 @@ class _Iteration:
         method, K = self.method, self.K
         converged = False
         for iteration in range(method.iterations + 1):
-            complementarity = float(self.z @ self.s)
-            decrease = -0.5 * float(self.D @ (self.G + self.dual) + self.spread @ self.z)
+            complementarity = inner(self.z, self.s)
+            decrease = -0.5 * (inner(self.D, self.G + self.dual) + inner(self.spread, self.z))
             converged = (
                 complementarity <= method.complementarity * abs(decrease) + absolute
                 and float(np.abs(self.primal[:K]).max(initial=0.0)) <= method.primal * self.length
@@ -207,7 +208,7 @@ class _Iteration:
         s, z = self.s, self.z
         affine = -z * (s + self.primal)
         d, spread, ds, dz = self._direction(affine)
-        after = float((z + min(1.0, _reach(z, dz)) * dz) @ (s + min(1.0, _reach(s, ds)) * ds)) / len(s)
+        after = inner(z + min(1.0, _reach(z, dz)) * dz, s + min(1.0, _reach(s, ds)) * ds) / len(s)
         centring = min(max((after / mean) ** 3, SMALLEST_CENTRING), 1.0)
         d, spread, ds, dz = self._direction(affine + (centring * mean - ds * dz))
         step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)

@@ -103,14 +103,13 @@ def test_newton_directions_descend(squeezed: tuple[Bodies, np.ndarray, Increment
         assert np.isfinite(potential.value(x))
 
 
-def test_sparse_and_dense_systems_agree(
+def test_sparse_and_banded_systems_agree(
     squeezed: tuple[Bodies, np.ndarray, IncrementalPotential], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, x, potential = squeezed
-    dense = potential.newton(x).direction
-    monkeypatch.setattr("nestedcages_core.contact.condensation.DENSE_CAGE_VERTICES", 0)
-    monkeypatch.setattr("nestedcages_core.contact.condensation.DENSE_COUPLING_ENTRIES", 0)
-    assert potential.newton(x).direction == pytest.approx(dense, abs=1e-9 * np.abs(dense).max())
+    banded = potential.newton(x).direction
+    monkeypatch.setattr("nestedcages_core.solver.definite.WIDEST_BAND", 0)
+    assert potential.newton(x).direction == pytest.approx(banded, abs=1e-9 * np.abs(banded).max())
 
 
 def test_gaps_are_seen_across_the_outside_only() -> None:

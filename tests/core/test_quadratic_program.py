@@ -11,6 +11,7 @@ from scipy.optimize import linprog, minimize
 from nestedcages_core import NestedCagesError
 from nestedcages_core.energies import Blocks
 from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
+from nestedcages_core.solver.definite import WIDEST_BAND, factorised
 from nestedcages_core.solver.negative_curvature import negative_curvature
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
 
@@ -266,3 +267,31 @@ def test_matrices_that_no_damping_makes_definite_are_refused(monkeypatch: pytest
         InteriorPoint().solve(program)
     with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
         negative_curvature(program, BandOrder.of(7, np.arange(7), np.arange(7)), np.zeros(20, bool))
+
+
+@pytest.mark.parametrize("height", [1, 2, 5, WIDEST_BAND, WIDEST_BAND + 1, 150])
+def test_symmetric_systems_of_any_width(height: int) -> None:
+    """Solved where all eigenvalues are positive, refused where one is not."""
+    rng, size = np.random.default_rng(height), 160
+    band = rng.normal(size=(size, height))
+    band[np.add.outer(np.arange(size), np.arange(height)) >= size] = 0.0
+    full = np.zeros((size, size))
+    for below in range(height):
+        column = np.arange(size - below)
+        full[column + below, column] = full[column, column + below] = band[: size - below, below]
+    lowest = float(np.linalg.eigvalsh(full)[0])
+    right = rng.normal(size=size)
+
+    def shifted(by: float) -> np.ndarray:
+        moved = band.copy()
+        moved[:, 0] += by
+        return moved
+
+    solve = factorised(shifted(1.0 - lowest))
+    assert solve is not None
+    assert solve(right) == pytest.approx(np.linalg.solve(full + (1.0 - lowest) * np.eye(size), right), abs=1e-9)
+    assert factorised(shifted(-0.01 - lowest)) is None
+    assert factorised(np.zeros((size, height))) is None
+    damaged = shifted(1.0 - lowest)
+    damaged[size // 2, height // 2] = np.nan
+    assert factorised(damaged) is None
