@@ -77,6 +77,7 @@ from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
 from .geometry.triangulation import convex_pieces as convex_pieces
+from .hierarchy import Found as Found
 from .hierarchy import (
     Hierarchy,
     Level,
@@ -89,6 +90,8 @@ from .hierarchy import (
     nested_cages,
 )
 from .hierarchy import InnerCagesRun as InnerCagesRun
+from .hierarchy import Mirror as Mirror
+from .hierarchy import Rotation as Rotation
 from .motion import AnimatedCagesRun as AnimatedCagesRun
 from .motion import Key as Key
 from .motion import MotionReport as MotionReport

@@ -123,7 +123,7 @@ class ContactResponse:
             order=self.bodies.cage_order,
             scale=max(longest, SMALLEST_SCALE * gap),
         )
-        solution = self.solver.solve(program, ABSOLUTE_TOLERANCE * gap**2)
+        solution = self.bodies.solved(self.solver, program, ABSOLUTE_TOLERANCE * gap**2)
         if np.isfinite(solution.step).all():
             motion[:m] = solution.step
         return Response(motion, all_pairs, all_contacts, solution.iterations)

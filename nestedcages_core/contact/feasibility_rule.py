@@ -84,4 +84,6 @@ class FeasibilityRule:
                 cage = vertex[vertex < self.bodies.m]
                 vertex = np.concatenate([vertex, self.bodies.cage_successor[cage], self.bodies.cage_predecessor[cage]])
             kept[vertex] *= 0.5 if slowdown < STOP_FROM else 0.0
+            if self.bodies.tie is not None:
+                kept[: self.bodies.m] = self.bodies.tie.least(kept[: self.bodies.m])
         return np.zeros(len(x))

@@ -18,6 +18,8 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh
 from ..solver.banded import BandOrder
+from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
+from ..solver.tied import Tie
 
 MAX_EXCESS_REACH = 8.0
 """Ratio of the reach of a list to the reach asked for above which it is rebuilt, to save measuring its pairs."""
@@ -40,9 +42,11 @@ class Bodies:
     """(n,) boundary length of each fine vertex: half of its two edges, in the fine mesh itself."""
     cage_edge_length: float
     """Mean length of the coarse edges, the unit of motions of the cage."""
+    tie: Tie | None = None
+    """Ties the cage vertices of a symmetric cage; None: all are free."""
 
     @classmethod
-    def of(cls, coarse: Mesh, fine: Mesh) -> Bodies:
+    def of(cls, coarse: Mesh, fine: Mesh, tie: Tie | None = None) -> Bodies:
         lengths = fine.edge_lengths
         return cls(
             coarse,
@@ -50,6 +54,7 @@ class Bodies:
             fine.successor,
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
+            tie,
         )
 
     @property
@@ -61,6 +66,12 @@ class Bodies:
     def n(self) -> int:
         """Number of fine vertices."""
         return len(self.fine_successor)
+
+    def solved(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float) -> QPSolution:
+        """The solution of a program over the cage vertices that keeps their ties."""
+        if self.tie is None:
+            return solver.solve(program, absolute)
+        return self.tie.solve(solver, program, absolute)
 
     @cached_property
     def cage_order(self) -> BandOrder:

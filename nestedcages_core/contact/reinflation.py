@@ -15,6 +15,7 @@ from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..solver.tied import Tie
 from ..stages import Stage, mapped
 from .base import Contact
 from .pairs import Bodies
@@ -73,17 +74,23 @@ class Reinflation:
 
 
 def reinflate(
-    fine: Mesh, coarse: Mesh, flow_steps: FloatArray, *, contacts: Sequence[Contact], clearance: float
+    fine: Mesh,
+    coarse: Mesh,
+    flow_steps: FloatArray,
+    *,
+    contacts: Sequence[Contact],
+    clearance: float,
+    tie: Tie | None = None,
 ) -> Stage[float, Reinflation]:
     """Follow the flow's steps (J + 1, n, 2) back while the cage, starting as the coarse mesh, is pushed out.
 
-    contacts: ways to resolve contact; each starts over where the one before is blocked. A generator: yields the
-    fraction done and returns the steps.
+    contacts: ways to resolve contact; each starts over where the one before is blocked. tie: of the vertices of a
+    symmetric cage; only sequential QPs keep it. A generator: yields the fraction done and returns the steps.
 
     Raises ReinflationError when no contact succeeds, or when exact predicates find a contact in the result; its
     ``partial`` is the reinflation so far.
     """
-    bodies = Bodies.of(coarse, fine)
+    bodies = Bodies.of(coarse, fine, tie)
     containment = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
     start = np.concatenate([coarse.vertices, flow_steps[-1]])
     path = list(flow_steps[-2::-1])

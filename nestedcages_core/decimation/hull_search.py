@@ -8,10 +8,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import cycle
 from math import exp
+from typing import TypeAlias
 
 from ..stages import Stage, mapped
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
+
+Greedy: TypeAlias = Callable[[Outline, Weights, Sequence[int]], ProgressiveHull]
+"""Makes the state of a run from an outline, weights and the vertices that each loop keeps."""
 
 EVEN_WEIGHTS = Weights()
 """Equal cost per area: best on smooth shapes with few features."""
@@ -105,17 +109,18 @@ def search_hulls(
     restarts: int,
     seed: int,
     prepare: Callable[[Outline], Outline] = lambda outline: outline,
+    greedy: Greedy = ProgressiveHull,
 ) -> Stage[float, list[Outline]]:
     """Hulls of an outline with at most `count` vertices, least area first; the smallest first if none is small enough.
 
     A generator: yields the fraction done and returns the hulls.
 
     minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: applied to each outline to
-    restart from. Deterministic for a seed.
+    restart from. greedy: makes the state of a run. Deterministic for a seed.
     """
     both = len(outline.vertices) <= MAX_SIZE_OF_TWO_STAGES
     leading = (EVEN_WEIGHTS, ROUGH_WEIGHTS) if both else (ROUGH_WEIGHTS,)
-    stages = yield from mapped(_stages(outline, count, minimum, leading), lambda done: STAGE_SHARE * done)
+    stages = yield from mapped(_stages(outline, count, minimum, leading, greedy), lambda done: STAGE_SHARE * done)
     stages = [prepare(stage) for stage in stages]
     moves = max(1, len(stages[0].vertices) - count)
     further = EXTRA_RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
@@ -126,10 +131,10 @@ def search_hulls(
     weights += [RESTART_VARIATION.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
     hulls: list[Outline] = []
     for stage, chosen in zip(cycle(stages), weights, strict=False):
-        run = ProgressiveHull(stage, chosen, minimum).steps(count)
+        run = greedy(stage, chosen, minimum).steps(count)
         hulls.append((yield from mapped(run, partial(_fraction, len(hulls), len(weights)))))
     if all(len(hull.vertices) > count for hull in hulls):
-        hulls = yield from _rescues(outline, count, minimum, seed, prepare)
+        hulls = yield from _rescues(outline, count, minimum, seed, prepare, greedy)
     return sorted(hulls, key=lambda hull: (max(count, len(hull.vertices)), hull.area))
 
 
@@ -139,21 +144,26 @@ def _fraction(finished: int, runs: int, done: float) -> float:
 
 
 def _stages(
-    outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights]
+    outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights], greedy: Greedy
 ) -> Stage[float, list[Outline]]:
     """Outlines to restart from, made without pivots, which would cost area and a third of the time."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
     stages = []
     for chosen in weights:
-        stages.append((yield from ProgressiveHull(outline, replace(chosen, pivot=None), minimum).steps(size)))
+        stages.append((yield from greedy(outline, replace(chosen, pivot=None), minimum).steps(size)))
     return stages
 
 
 def _rescues(
-    outline: Outline, count: int, minimum: Sequence[int], seed: int, prepare: Callable[[Outline], Outline]
+    outline: Outline,
+    count: int,
+    minimum: Sequence[int],
+    seed: int,
+    prepare: Callable[[Outline], Outline],
+    greedy: Greedy,
 ) -> Stage[float, list[Outline]]:
     """Hulls from runs that do not depend on the count, so that a request for the smallest one found succeeds."""
-    stages = yield from _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,))
+    stages = yield from _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,), greedy)
     starts = [prepare(stage) for stage in stages]
     if len(outline.vertices) <= MAX_SIZE_OF_WHOLE_RESCUE:
         starts.append(prepare(outline))
@@ -163,7 +173,7 @@ def _rescues(
     hulls: list[Outline] = []
     for k in range(runs):
         chosen = RESCUE_VARIATION.draw(rng, len(outline.sizes))
-        hulls.append((yield from ProgressiveHull(starts[k % len(starts)], chosen, minimum).steps(count)))
+        hulls.append((yield from greedy(starts[k % len(starts)], chosen, minimum).steps(count)))
         if len(hulls[-1].vertices) <= count:
             break
     return hulls

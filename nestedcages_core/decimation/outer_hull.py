@@ -14,6 +14,7 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place as in_words
+from ..geometry.symmetry import Symmetry
 from ..parameters import check_count
 from ..stages import Stage, drain
 from .base import Count, Start
@@ -21,7 +22,9 @@ from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_de
 from .hull_search import search_hulls
 from .offset import strict_offset
 from .outline import Outline
+from .progressive_hull import ProgressiveHull, Weights
 from .request import Request
+from .symmetric_hull import AsymmetricError, SymmetricHull, padded_alike, symmetrised
 
 HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""
@@ -47,6 +50,8 @@ class OuterHull:
     """Number of runs with varied weights, at least 1; more for several loops, fewer for large vertex counts."""
     seed: int = 0
     """Seed of the random weights."""
+    symmetry: Symmetry | None = None
+    """Symmetry of the fine mesh that the hulls have too; None: the hulls need not be symmetric."""
 
     def __post_init__(self) -> None:
         check_count(self, "restarts")
@@ -87,7 +92,10 @@ class OuterHull:
         search = _Search(self, request, clearance)
         too_large: list[Outline] = []
         for hulls in (search.with_clearance, search.around_offset, search.without_small_details):
-            found = yield from hulls()
+            try:
+                found = yield from hulls()
+            except AsymmetricError:
+                continue
             if certified := list(islice(search.certified(found), most)):
                 return certified
             too_large += [hull for hull in found[:1] if len(hull.vertices) > search.target]
@@ -108,7 +116,8 @@ class _Search:
         self.fine = request.fine
         self.target = request.target
         self.clearance = clearance
-        self.start = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+        self.symmetry = method.symmetry
+        self.start = self._alike(without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter))
         self.distance = HULL_OFFSET * self.start.diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
@@ -135,10 +144,10 @@ class _Search:
             if len(hull.vertices) <= self.target and abs(hull.area - area) > SAME_AREA_TOLERANCE * abs(hull.area):
                 area = hull.area
                 try:
-                    mesh = self.request.coarse(hull)
-                except InvalidMeshError:
+                    mesh = self._coarse(hull)
+                except (InvalidMeshError, AsymmetricError):
                     continue
-                if CLEARANCE_RESERVE * self.clearance > self.distance:
+                if CLEARANCE_RESERVE * self.clearance > self.distance and self.symmetry is None:
                     mesh = self.request.with_room(mesh, self.clearance)
                 if self.request.nests(mesh):
                     yield mesh, hull
@@ -172,14 +181,29 @@ class _Search:
         if len(self.stuck):
             return []
         search = search_hulls(
-            start,
+            self._alike(start),
             self.target,
             self.request.minimum,
             restarts=self.method.restarts,
             seed=self.method.seed,
-            prepare=prepare,
+            prepare=lambda outline: self._alike(prepare(outline)),
+            greedy=self._greedy,
         )
         return (yield from search)
+
+    def _greedy(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:
+        if self.symmetry is None:
+            return ProgressiveHull(outline, weights, minimum)
+        return SymmetricHull(outline, weights, minimum, symmetry=self.symmetry)
+
+    def _alike(self, outline: Outline) -> Outline:
+        """The outline with the symmetry, if there is one. Raises AsymmetricError."""
+        return outline if self.symmetry is None else symmetrised(outline, self.symmetry)
+
+    def _coarse(self, hull: Outline) -> Mesh:
+        if self.symmetry is None:
+            return self.request.coarse(hull)
+        return self.request.mesh(padded_alike(hull, self.request.total, self.symmetry))
 
     def _cleared(self, outline: Outline) -> Outline:
         return cleared(outline, self.fine, self.clearance)

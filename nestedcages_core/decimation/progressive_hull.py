@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, hypot, inf
 
+from ..geometry.arrays import FloatArray
 from ..geometry.predicates import orientation_sign
 from ..stages import Stage, drain
 from .linked_loops import LinkedLoops
@@ -77,8 +78,10 @@ class Weights:
 class ProgressiveHull:
     """State of the greedy: the loops and a queue of moves, those of vertex v in slot 2 v, of its edge in 2 v + 1."""
 
-    def __init__(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> None:
-        """minimum: vertices that each loop keeps, at least 3."""
+    def __init__(
+        self, outline: Outline, weights: Weights, minimum: Sequence[int], importance: FloatArray | None = None
+    ) -> None:
+        """minimum: vertices that each loop keeps, at least 3; importance: (n,) factors on the cost per vertex."""
         self.weights = weights
         self.minimum = list(minimum)
         self.loops = loops = LinkedLoops(outline, weights.reach)
@@ -87,6 +90,8 @@ class ProgressiveHull:
         self.factor = [exp(weights.noise * draw(0.0, 1.0)) if weights.noise else 1.0 for _ in range(loops.total)]
         if weights.loops:
             self.factor = [f * weights.loops[k] for f, k in zip(self.factor, loops.loop_of, strict=True)]
+        if importance is not None:
+            self.factor = [f * w for f, w in zip(self.factor, importance.tolist(), strict=True)]
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
         self._blocked: set[tuple[float, ...]] = set()
         self._consider_all()

@@ -8,6 +8,7 @@
 - `signed_distance`: to the solid of a mesh, with gradient.
 - `smallest_gap`: the smallest distance between two boundaries.
 - `broad_phase`: the pairs of points and edges that are closer than a radius.
+- `symmetry`: mirrors and rotations, and the orbits of a mesh's vertices; `symmetry_search`: those of a drawing.
 - `quadrature`: sample points along edges.
 - `triangulation/`: triangles inside a mesh, with or without extra points.
 - `arrays`: array types of all signatures.

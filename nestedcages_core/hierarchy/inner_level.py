@@ -17,6 +17,7 @@ from ..errors import NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.symmetry_search import Found
 from ..stages import Stage
 from ..verification import Certificate, verify
 from ..verification.motion import certify_motion
@@ -24,6 +25,7 @@ from .early_stop import EarlyStop
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
+from .symmetric import Alike, made_alike, possible_count
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -40,6 +42,8 @@ class _Tightened:
     """Area between fine mesh and cage."""
     iterations: int
     systems: int
+    alike: Alike | None
+    """Its exact symmetry."""
 
 
 class InnerLevelBuilder:
@@ -51,6 +55,7 @@ class InnerLevelBuilder:
 
     def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
+        self.symmetry = settings.symmetry if not isinstance(settings.symmetry, Found) else None
         self.units = SolverUnits.of(fine)
         self.unit_fine = self.units.from_input(fine)
 
@@ -91,6 +96,9 @@ class InnerLevelBuilder:
             )
         else:
             count, notes = clamped(wanted, self.fine)
+            if self.symmetry is not None:
+                count, replaced = possible_count(count, self.fine, self.symmetry)
+                notes += replaced
         yield from self.progress.begin("decimation")
         search = inner_hulls(
             _hull(self.settings), self.fine, count, clearance=self.clearances[0], most=self.settings.starts
@@ -100,9 +108,11 @@ class InnerLevelBuilder:
     def _tightened(self, start: Start, clearance: float, best: float = np.inf) -> Stage[Progress, _Tightened | None]:
         """The cage of a start; None if it cannot lose less area than ``best``."""
         yield from self.progress.begin("tightening")
+        alike = None if self.symmetry is None else made_alike(start, self.symmetry, inside=True)
+        start = start if alike is None else alike.start
         coarse = self.units.from_input(start.coarse)
         bodies = replace(
-            Bodies.of(coarse, self.unit_fine),
+            Bodies.of(coarse, self.unit_fine, None if alike is None else alike.tie),
             cage_successor=coarse.predecessor,
             fine_successor=self.unit_fine.predecessor,
         )
@@ -127,7 +137,7 @@ class InnerLevelBuilder:
             yield from self.progress.show(1.0 - 1.0 / (1.0 + 0.1 * len(steps)), f"tightening, step {len(steps) - 1}")
         lost = around - signed_area(steps[-1], coarse.successor)
         logger.debug("inner start from %s: lost %.9g", start.source, lost)
-        return _Tightened(start, tuple(steps), lost, outcome.iterations, outcome.quadratic_programs)
+        return _Tightened(start, tuple(steps), lost, outcome.iterations, outcome.quadratic_programs, alike)
 
     def _certified(self, cage: _Tightened, notes: tuple[str, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance that can be certified. Raises NestingError."""
@@ -139,6 +149,8 @@ class InnerLevelBuilder:
                 cage = again
             yield from self.progress.begin("verification")
             steps = self.units.to_input(np.stack(cage.steps))
+            if cage.alike is not None:
+                steps = cage.alike.symmetrised(steps)
             steps[0] = coarse.vertices
             result = coarse.moved(steps[-1])
             certificate = verify(self.fine, result, clearance)

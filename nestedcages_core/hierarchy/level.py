@@ -18,6 +18,7 @@ from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.symmetry_search import Found
 from ..stages import Stage
 from ..verification import Certificate, verify
 from ..verification.certificate import loops_in_words
@@ -28,6 +29,7 @@ from .early_stop import EarlyStop
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
+from .symmetric import Alike, made_alike, possible_count
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -41,6 +43,7 @@ class LevelBuilder:
 
     def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
+        self.symmetry = settings.symmetry if not isinstance(settings.symmetry, Found) else None
         self.units = SolverUnits.of(fine)
         self.unit_fine = self.units.from_input(fine)
         self.starts: list[Start] = []
@@ -52,11 +55,16 @@ class LevelBuilder:
         clamping: tuple[str, ...] = ()
         if not isinstance(wanted, Mesh):
             wanted, clamping = clamped(wanted, self.fine)
+            if self.symmetry is not None:
+                wanted, replaced = possible_count(wanted, self.fine, self.symmetry)
+                clamping += replaced
         for attempt in attempts(self.settings, self.fine, wanted, self.clearances):
             try:
                 if attempt.tightened:
                     self.starts = []
                     self.starts = yield from self._coarse_meshes(attempt)
+                    if self.symmetry is not None:
+                        self.starts = [made_alike(start, self.symmetry).start for start in self.starts]
                 notes = clamping
                 if attempt.fallback and self.starts:
                     start = self.starts[0]
@@ -121,6 +129,8 @@ class LevelBuilder:
 
     def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, _Cage]:
         """Flow and reinflation from a coarse mesh."""
+        alike = None if self.symmetry is None else made_alike(start, self.symmetry)
+        start = start if alike is None else alike.start
         unit_coarse = self.units.from_input(start.coarse)
         yield from self.progress.begin("flow")
         try:
@@ -140,9 +150,11 @@ class LevelBuilder:
             flow.steps,
             contacts=attempt.contacts,
             clearance=self.units.clearance(attempt.clearances[0]),
+            tie=None if alike is None else alike.tie,
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
-        return _Cage(start, unit_coarse, flow, reinflation, reinflation, self.settings.energy.at(unit_coarse))
+        energy = self.settings.energy.at(unit_coarse)
+        return _Cage(start, unit_coarse, flow, reinflation, reinflation, energy, alike)
 
     def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
         """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
@@ -151,7 +163,7 @@ class LevelBuilder:
         start = cage.untightened.cage_steps[-1]
         steps: list[FloatArray] = []
         tightening = self.settings.tightening.run(
-            Bodies.of(cage.unit_coarse, self.unit_fine),
+            Bodies.of(cage.unit_coarse, self.unit_fine, None if cage.alike is None else cage.alike.tie),
             start,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),
@@ -270,6 +282,8 @@ class LevelBuilder:
         moving_steps[0] = flow_steps[-1]
         moving_steps[-1] = self.fine.vertices
         cage_steps = units.to_input(reinflation.cage_steps)
+        if cage.alike is not None:
+            cage_steps = cage.alike.symmetrised(cage_steps)
         cage_steps[0] = cage.start.coarse.vertices
         flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
         return flow, Reinflation(moving_steps, cage_steps, reinflation.iterations)
@@ -287,6 +301,8 @@ class _Cage:
     reinflation: Reinflation
     """Followed by the tightening."""
     energy: CageEnergy
+    alike: Alike | None = None
+    """Its exact symmetry."""
     rank: float = np.inf
     """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
     counts: Mapping[str, int] = field(default_factory=dict)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -20,6 +21,7 @@ from .on_grid import Builder, GridLevelBuilder
 from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
 from .settings import Settings
+from .symmetric import with_symmetry
 from .tolerance import Within, fewest
 
 logger = logging.getLogger(__name__)
@@ -110,6 +112,7 @@ def _hierarchy(
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
     fine, wanted = _checked(fine, levels)
+    settings, remarks = with_symmetry(settings, fine)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
@@ -126,7 +129,9 @@ def _hierarchy(
                 made = fewest(level, about, work, strictly=settings.clearance or 0.0)
             else:
                 made = work.build(level)
-            finished.append((yield from made))
+            done = yield from made
+            report = replace(done.report, notes=(*remarks, *done.report.notes))
+            finished.append(replace(done, report=report) if remarks else done)
         except NestedCagesError as error:
             error.partial = Hierarchy(fine, tuple(finished))
             raise

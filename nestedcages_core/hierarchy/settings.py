@@ -12,6 +12,8 @@ from ..decimation import Decimation, OnCurve, OuterHull
 from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
+from ..geometry.symmetry import Symmetry
+from ..geometry.symmetry_search import Found
 from ..tightening import Tightening
 
 DEFAULT_CLEARANCE = 1e-5
@@ -52,6 +54,8 @@ class Settings:
     grid: float | None = None
     """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
     for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
+    symmetry: Symmetry | Found | None = None
+    """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing."""
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not _is_length(self.clearance):
@@ -70,6 +74,14 @@ class Settings:
             if not _can(chosen, method) and not (chosen is None and name == "fallback"):
                 what = name.replace("_", " ")
                 raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
+        symmetry: object = self.symmetry
+        if not (symmetry is None or isinstance(symmetry, Found) or _can(symmetry, "image")):
+            raise NestedCagesError(
+                f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
+                f"not {symmetry!r}."
+            )
+        if symmetry is not None and self.grid is not None:
+            raise NestedCagesError("A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid.")
         contact: object = self.contact
         several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
         if contact is not None and not (several and all(_can(each, "reinflate") for each in several)):

@@ -24,19 +24,27 @@ from .definite import Solve, factorised
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """K constraint rows over w vertices each: row k times D is Σ_j weight[j, k] direction[:, k] · D[vertex[j, k]]."""
+    """K constraint rows over w vertices each: row k times D is Σ_j weight[j, k] direction[:, k] · D[vertex[j, k]].
+
+    With a direction (w, 2, K) for each vertex, it takes the place of the common one.
+    """
 
     vertex: IntArray
-    """(w, K) indices of vertices, distinct within a row."""
+    """(w, K) indices of vertices, distinct within a row unless all but the first of them have the direction 0."""
     weight: FloatArray
     """(w, K)."""
     direction: FloatArray
-    """(2, K)."""
+    """(2, K), or (w, 2, K)."""
 
     @property
     def count(self) -> int:
         """Number of rows."""
         return self.vertex.shape[1]
+
+    @property
+    def directions(self) -> FloatArray:
+        """(K, w, 2), or (K, 1, 2) for a common one."""
+        return np.moveaxis(self.direction if self.direction.ndim == 3 else self.direction[None], 2, 0)
 
     def coupled(self) -> tuple[IntArray, IntArray]:
         """Pairs of vertices in one row: the first with each of the others."""
@@ -111,7 +119,7 @@ class BandedSystem:
         for group in rows:
             number = numbers[first : first + group.count, None]
             first += group.count
-            along = np.matmul(axes.take(group.vertex.T, axis=0), group.direction.T[:, None, :, None])[..., 0]
+            along = np.matmul(axes.take(group.vertex.T, axis=0), group.directions[..., None])[..., 0]
             entry = (group.weight.T[:, :, None] * along).reshape(group.count, 2 * len(group.vertex))
             unknown = self._unknowns.take(group.vertex.T, axis=0).reshape(entry.shape)
             entries.append(_Entries.of(number, unknown, entry))

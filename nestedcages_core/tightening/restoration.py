@@ -61,6 +61,8 @@ def outward_correction(
     short = np.flatnonzero(missing[family] > 0.0)
     shift = np.zeros(m)
     np.maximum.at(shift, pairs.start[short], missing[short])
+    if bodies.tie is not None:
+        shift = bodies.tie.largest_of_edges(shift)
     correction = shift_edges(bodies, cage, shift)
     for family, share in ((pairs.cage_fine, 1.0), (pairs.cage_cage, 0.5)):
         short = np.flatnonzero(missing[family] > 0.0) + family.start
@@ -71,7 +73,7 @@ def outward_correction(
         if share < 1.0:
             np.subtract.at(correction, pairs.start[short], push)
             np.subtract.at(correction, pairs.end[short], push)
-    return correction
+    return correction if bodies.tie is None else bodies.tie.longest(correction)
 
 
 def shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:

@@ -146,7 +146,7 @@ class _Run:
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
             model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region, loads)
-            solution = settings.solver.solve(model.program, COMPLEMENTARITY * negligible)
+            solution = self.bodies.solved(settings.solver, model.program, COMPLEMENTARITY * negligible)
             self.systems += solution.iterations
             loads = model.loads(solution)
             trial = self._try(model, solution.step, value, solution.decrease)
@@ -192,13 +192,17 @@ class _Run:
         """
         multipliers = solution.multipliers
         active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)
-        softest = negative_curvature(model.program, self.bodies.cage_order, active)
+        program, order, tie = model.program, self.bodies.cage_order, self.bodies.tie
+        if tie is not None:
+            program, order = tie.program(program), tie.order
+        softest = negative_curvature(program, order, active)
         if softest is None:
             return None
+        direction = softest.direction if tie is None else tie.motion(softest.direction)
         length = ESCAPE_LENGTH * self.settings.first_radius * self.bodies.cage_edge_length
         decrease = -0.5 * softest.curvature * length**2
         model = model.measured_at(self.x)
-        trials = [self._try(model, sign * length * softest.direction, value, decrease) for sign in (1.0, -1.0)]
+        trials = [self._try(model, sign * length * direction, value, decrease) for sign in (1.0, -1.0)]
         best = min(trials, key=lambda trial: trial.value)
         return best if best.accepted else None
 

@@ -110,6 +110,8 @@ def find_trial(
                 np.concatenate([vertex, bodies.cage_successor[vertex], bodies.cage_predecessor[vertex]])
             )  # fmt: skip
         fraction[vertex] *= STEP_REDUCTION if attempt < FREEZE_FROM else 0.0
+        if bodies.tie is not None:
+            fraction = bodies.tie.least(fraction)
     return Trial(x, fraction, value, False)
 
 

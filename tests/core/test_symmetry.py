@@ -1,0 +1,255 @@
+"""Symmetric cages: symmetric to the last bit, certified, with as few vertices as asked."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import (
+    Area,
+    Found,
+    Level,
+    Mesh,
+    Mirror,
+    NestedCagesError,
+    OuterHull,
+    Rotation,
+    Settings,
+    inner_cages,
+    nested_cages,
+    verify,
+    verify_motion,
+)
+from nestedcages_core.energies import Blocks
+from nestedcages_core.geometry.symmetry import Orbits, Symmetry
+from nestedcages_core.solver.banded import Rows
+from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
+from nestedcages_core.solver.tied import Tie
+from shapes import letter_a, star
+
+AXES = (Mirror(), Mirror((0.25, 0.0)), Mirror((0.1, 3.0), (1.0, 0.0)), Mirror((0.3, -0.2), (1.0, 2.0)))
+COORDINATE = st.floats(-1e3, 1e3).filter(lambda value: value == 0.0 or abs(value) > 1e-9)
+
+
+def blob(seed: int, symmetry: Symmetry, count: int = 60) -> Mesh:
+    """A wavy disc that has the symmetry; its vertices are images of each other."""
+    rng = np.random.default_rng(seed)
+    turn = np.linspace(0.0, 2.0 * np.pi / symmetry.order, count // symmetry.order, endpoint=False)
+    turn = turn + 0.5 * turn[1]
+    radius = np.full(len(turn), 1.0)
+    for wave in range(1, 4):
+        shape = np.cos if symmetry.reverses else lambda x: np.cos(x + rng.uniform(0.0, 6.0))
+        radius += rng.uniform(-0.12, 0.12) * shape(symmetry.order * wave * turn / (2 if symmetry.reverses else 1))
+    part = radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    if isinstance(symmetry, Mirror):
+        along = np.array(symmetry.direction) / np.hypot(*symmetry.direction)
+        part = part @ np.stack([along, [-along[1], along[0]]]) + symmetry.point
+        return Mesh.from_loops([np.concatenate([part, symmetry.image(part)[::-1]])])
+    assert isinstance(symmetry, Rotation)
+    part = part + symmetry.centre
+    return Mesh.from_loops([np.concatenate([symmetry.image(part, k) for k in range(symmetry.order)])])
+
+
+def orbits(cage: Mesh, symmetry: Symmetry) -> Orbits:
+    """The orbits of a cage that is symmetric to the last bit."""
+    found = Orbits.of(cage.vertices, cage.successor, symmetry, 1e-9 * cage.diagonal)
+    assert found is not None
+    assert_symmetric(cage.vertices, found)
+    return found
+
+
+def assert_symmetric(vertices: np.ndarray, found: Orbits) -> None:
+    """To the last bit; a vertex on an axis that is not along a coordinate lies there up to rounding."""
+    again = found.symmetrised(vertices)
+    on_axis = found.on_axis[found.orbit]
+    assert np.array_equal(again[~on_axis], vertices[~on_axis])
+    symmetry = found.symmetry
+    exact = isinstance(symmetry, Mirror) and 0.0 in symmetry.direction
+    assert np.abs(again[on_axis] - vertices[on_axis]).max(initial=0.0) <= (
+        0.0 if exact else 1e-14 * np.abs(again).max()
+    )
+
+
+def check(level: Level, symmetry: Symmetry) -> None:
+    """Certified, and symmetric at every step."""
+    assert verify(level.cage, level.fine, level.report.wanted_clearance)
+    assert verify_motion(level.cage, level.fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
+    found = orbits(level.cage, symmetry)
+    for step in level.reinflation.cage_steps:
+        assert_symmetric(step, found)
+
+
+@pytest.mark.parametrize("count", [9, 16, 23])
+@pytest.mark.parametrize("symmetry", AXES)
+def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry: Mirror, count: int) -> None:
+    level = nested_cages(blob(3, symmetry), [count], Settings(symmetry=symmetry)).levels[0]
+    check(level, symmetry)
+    assert len(level.cage.vertices) == count
+    found = orbits(level.cage, symmetry)
+    assert found.on_axis.sum() % 2 == count % 2
+    if 0.0 in symmetry.direction:
+        across = 0 if symmetry.direction[0] == 0.0 else 1
+        cage, image = level.cage.vertices, level.cage.vertices[found.partner]
+        assert np.array_equal(symmetry.image(cage), image)
+        assert np.array_equal(cage[:, 1 - across], image[:, 1 - across])
+        on_axis = found.partner == np.arange(count)
+        assert (cage[on_axis, across] == symmetry.point[across]).all()
+
+
+@pytest.mark.parametrize("point", [0.0, 0.5, -3.0])
+def test_a_representable_mirror_is_exactly_in_the_middle(point: float) -> None:
+    mirror = Mirror((point, 0.0))
+    cage = nested_cages(blob(5, mirror), [14], Settings(symmetry=mirror)).cages[0]
+    partner = orbits(cage, mirror).partner
+    for x, image in zip(cage.vertices[:, 0], cage.vertices[partner, 0], strict=True):
+        assert Fraction(float(x)) + Fraction(float(image)) == 2 * Fraction(point)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4, 7])
+def test_rotations(order: int) -> None:
+    symmetry = Rotation((0.4, -1.3), order)
+    level = nested_cages(blob(order, symmetry, 12 * order), [3 * order], Settings(symmetry=symmetry)).levels[0]
+    check(level, symmetry)
+    assert len(level.cage.vertices) == 3 * order
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.integers(0, 10_000), st.sampled_from([*AXES, Rotation((0.0, 1.0), 3), Rotation((1.0, 0.0), 2)]),
+       st.integers(6, 24))  # fmt: skip
+def test_random_shapes(seed: int, symmetry: Symmetry, count: int) -> None:
+    level = nested_cages(blob(seed, symmetry), [count], Settings(symmetry=symmetry)).levels[0]
+    check(level, symmetry)
+    assert count - symmetry.order < len(level.cage.vertices) <= count
+
+
+@given(st.sampled_from(AXES[:3]), st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=5))
+def test_settled_points_are_the_image_of_their_image(symmetry: Mirror, points: list[tuple[float, float]]) -> None:
+    settled = symmetry.settled(np.array(points))
+    assert np.array_equal(symmetry.image(symmetry.image(settled)), settled)
+
+
+def test_holes_pairs_of_parts_and_several_levels() -> None:
+    eye = np.array([[0.5, 0.4], [0.9, 0.4], [0.9, 0.7], [0.7, 0.8], [0.5, 0.7]])
+    head = np.array([[-1.5, -1.0], [1.5, -1.0], [1.7, 0.5], [1.2, 1.4], [-1.2, 1.4], [-1.7, 0.5]])
+    ear = np.array([[2.0, 0.0], [2.6, 0.1], [2.4, 0.9]])
+    mirror = Mirror()
+    fine = Mesh.from_loops([head, eye, mirror.image(eye), ear, mirror.image(ear)])
+    hierarchy = nested_cages(fine, [21, 18], Settings(symmetry=mirror))
+    for level in hierarchy.levels:
+        check(level, mirror)
+        assert level.cage.has_loops_like(fine)
+
+
+def test_symmetric_costs_little_and_inner_cages_too() -> None:
+    fine = letter_a()
+    free = nested_cages(fine, [36]).levels[0].report.excess
+    alike = nested_cages(fine, [36], Settings(symmetry=Mirror())).levels[0].report.excess
+    assert alike < 1.1 * free
+    inner = inner_cages(fine, [30], Settings(symmetry=Mirror())).levels[0]
+    assert verify(inner.fine, inner.cage)
+    orbits(inner.cage, Mirror())
+
+
+def test_counts_that_cannot_be_had() -> None:
+    level = nested_cages(star(9), [20], Settings(symmetry=Rotation((0, 0), 9))).levels[0]
+    assert len(level.cage.vertices) == 18
+    assert any("the cage can have 18" in note for note in level.report.notes)
+    level = nested_cages(star(9), [4], Settings(symmetry=Rotation((0, 0), 9))).levels[0]
+    assert len(level.cage.vertices) == 9
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_a_mirror_is_found(turn: float) -> None:
+    c, s = np.cos(turn), np.sin(turn)
+    moved = letter_a().moved(letter_a().vertices @ np.array([[c, s], [-s, c]]) + [3.0, -1.0]).validated()
+    level = nested_cages(moved, [24], Settings(symmetry=Found())).levels[0]
+    found, difference = Found().of(moved)
+    assert isinstance(found, Mirror)
+    assert difference < 1e-6 * moved.diagonal
+    check(level, found)
+    assert "Found a mirror" in level.report.notes[0]
+    x, y = found.direction
+    assert abs(x * c + y * s) < 1e-6  # the axis of the letter is vertical before it is turned
+
+
+def test_rotations_are_found_and_nothing_is_said_to_be_nothing() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 150, endpoint=False)
+    radius = 1.0 + 0.2 * np.cos(5 * turn) + 0.1 * np.sin(10 * turn)
+    whirl = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)])
+    found, _ = Found().of(whirl)
+    assert isinstance(found, Rotation)
+    assert found.order == 5
+    crooked = Mesh.from_loops([[(0, 0), (4, 0), (4.3, 1), (1, 1.4), (0.5, 5)]])
+    level = nested_cages(crooked, [4], Settings(symmetry=Found())).levels[0]
+    assert "No symmetry was found" in level.report.notes[0]
+
+
+def test_bad_symmetries_are_rejected() -> None:
+    for wrong in (lambda: Mirror((0.0, np.nan)), lambda: Mirror((0, 0), (0, 0)), lambda: Mirror("up"),
+                  lambda: Rotation((0, 0), 1), lambda: Settings(symmetry="x"), lambda: Settings(symmetry=Mirror),
+                  lambda: Found(-1.0)):  # fmt: skip
+        with pytest.raises(NestedCagesError):
+            wrong()
+    coarse = Mesh.from_loops([[(-3, -3), (3, -3), (0, 6), (-3, 3)]])
+    with pytest.raises(NestedCagesError, match="does not have a mirror"):
+        nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)), fallback=None))
+    level = nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)))).levels[0]
+    check(level, Mirror((0, 0), (1, 0)))
+    assert "does not have a mirror" in level.report.notes[0]
+
+
+def test_a_symmetric_hull_is_symmetric() -> None:
+    hull = OuterHull(symmetry=Mirror()).decimate(letter_a(), 21)
+    orbits(hull, Mirror())
+    assert len(hull.vertices) == 21
+
+
+def test_a_tied_program_is_the_program_in_the_tied_unknowns() -> None:
+    square = Mesh.from_loops([[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 1.5), (-1.0, 1.0)]])
+    orbit = Orbits.of(square.vertices, square.successor, Mirror(), 1e-9)
+    assert orbit is not None
+    tie = Tie.of(orbit, square.successor)
+    rng = np.random.default_rng(0)
+    m = 5
+    blocks = Blocks(np.arange(m), square.successor, rng.normal(size=(m, 2, 2)))
+    blocks = Blocks.sum([(1.0, blocks), (9.0, Blocks(np.arange(m), np.arange(m), np.tile(np.eye(2), (m, 1, 1))))])
+    rows = Rows(np.stack([np.arange(m), square.successor]), rng.normal(size=(2, m)), rng.normal(size=(2, m)))
+    axes = np.tile(np.eye(2), (m, 1, 1))
+    program = QuadraticProgram(rng.normal(size=(m, 2)), blocks, [rows], np.full(m, 0.1), np.full(m, 0.5), axes)
+    tied = tie.program(program)
+    spread = np.zeros((2 * m, 2 * len(tie.first)))
+    for vertex in range(m):
+        spread[2 * vertex : 2 * vertex + 2, 2 * tie.orbit[vertex] : 2 * tie.orbit[vertex] + 2] = tie.linear[vertex]
+    assert np.allclose(spread.T @ blocks.dense(m) @ spread, tied.hessian.dense(len(tie.first)))
+    assert np.allclose(spread.T @ program.gradient.ravel(), tied.gradient.ravel())
+    dense = np.zeros((m, 2 * m))
+    for k in range(m):
+        for vertex, weight in zip(rows.vertex[:, k], rows.weight[:, k], strict=True):
+            dense[k, 2 * vertex : 2 * vertex + 2] += weight * rows.direction[:, k]
+    of_tied = np.zeros((m, 2 * len(tie.first)))
+    (group,) = tied.rows
+    for k in range(m):
+        for j, vertex in enumerate(group.vertex[:, k]):
+            of_tied[k, 2 * vertex : 2 * vertex + 2] += group.weight[j, k] * group.directions[k, j]
+    assert np.allclose(dense @ spread, of_tied)
+    step = tie.solve(InteriorPoint(), program, 0.0).step
+    assert np.allclose(step * [-1.0, 1.0], step[orbit.partner])
+    assert (np.full(m, 0.1) + dense @ step.ravel() > -1e-6).all()
+
+
+def test_an_energy_that_is_not_symmetric_gives_a_symmetric_cage() -> None:
+    class Leaning(Area):
+        """Pulls everything to the right."""
+
+        def value(self, vertices, successor):
+            return super().value(vertices, successor) - 0.05 * float(vertices[:, 0].sum())
+
+        def gradient(self, vertices, successor):
+            return super().gradient(vertices, successor) - [0.05, 0.0]
+
+    level = nested_cages(letter_a(), [24], Settings(symmetry=Mirror(), energy=Leaning())).levels[0]
+    check(level, Mirror())
