@@ -81,7 +81,9 @@ class Settings:
                 f"not {symmetry!r}."
             )
         if symmetry is not None and self.grid is not None:
-            raise NestedCagesError("A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid.")
+            raise NestedCagesError(
+                "A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid."
+            )
         contact: object = self.contact
         several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
         if contact is not None and not (several and all(_can(each, "reinflate") for each in several)):

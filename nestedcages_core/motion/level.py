@@ -37,6 +37,8 @@ class LevelMotion:
     """The wanted clearance, in input units; the default may be reduced where gaps are narrow."""
 
     def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
+        if settings.symmetry is not None:
+            raise NestingError("A cage that follows a motion has no symmetry; leave it out.")
         if settings.grid is not None:
             raise NestingError(
                 "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "
