@@ -1,0 +1,1 @@
+"""Tables about what cages are needed for, one module each; `needs.py` runs them."""

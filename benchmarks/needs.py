@@ -1,0 +1,59 @@
+"""What cages are needed for, measured on the drawn shapes: the tables of docs/needs.md.
+
+    python benchmarks/needs.py                                  # all tables
+    python benchmarks/needs.py grids --shapes glyph_g koch_4    # one table, some shapes
+    python benchmarks/needs.py --output docs/needs.md           # puts the tables where the page has a place for them
+
+A table goes between the two comments of the page that name it. Exit status 1 if a cage is not certified.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from data import shape, shape_names
+from needed import grids
+from needed.table import Table
+from nestedcages_core import Mesh
+
+TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
+    "grids": grids.table,
+}
+"""Each makes a table of shapes by their names."""
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"only these: {', '.join(TABLES)}")
+    parser.add_argument("--shapes", nargs="*", help="only these shapes")
+    parser.add_argument("--output", type=Path, help="page with places for the tables")
+    options = parser.parse_args()
+    unknown = [name for name in options.tables if name not in TABLES]
+    if unknown:
+        parser.error(f"there is no table {unknown[0]!r}; there are {', '.join(TABLES)}")
+    shapes = {name: shape(name) for name in shape_names(None, options.shapes)}
+    good = True
+    for name in options.tables or TABLES:
+        made = TABLES[name](shapes)
+        good = good and made.good
+        print(f"{name}\n{made}\n", flush=True)
+        if options.output is not None:
+            page = options.output.read_text(encoding="utf-8")
+            options.output.write_text(placed(page, name, made), encoding="utf-8")
+    return 0 if good else 1
+
+
+def placed(page: str, name: str, table: Table) -> str:
+    """The page with a table in its place. Exits with a sentence where it has none."""
+    place = re.compile(rf"(<!-- table {name} -->)\n.*?(<!-- end of table {name} -->)", re.DOTALL)
+    if not place.search(page):
+        sys.exit(f"The page has no place for the table: <!-- table {name} --> and <!-- end of table {name} -->.")
+    return place.sub(lambda found: f"{found[1]}\n\n{table}\n\n{found[2]}", page)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
