@@ -1,4 +1,4 @@
-"""The add-on: the only place that knows Blender."""
+"""The add-on: the only code that uses Blender."""
 
 from __future__ import annotations
 

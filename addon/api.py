@@ -1,4 +1,4 @@
-"""The add-on for scripts: objects in, cages out."""
+"""The add-on's function for scripts: cages around objects."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ Levels = str | int | float | Sequence[str | int | float | bpy.types.Object]
 def cages(
     objects: Sequence[bpy.types.Object], levels: Levels = "20%, 8%", **settings: Any
 ) -> list[list[bpy.types.Object]]:
-    """Makes cages around objects, each in its own, and returns the cages of each, innermost first.
+    """Makes cages around each object and returns them, innermost first.
 
     objects: curves, texts, Grease Pencil drawings, hair curves or flat meshes, in the current view layer.
     levels: vertex counts (int), fractions of the vertices (float below 1) or objects of your own, or a text such as
     "64, 24" or "20%, 8%".
     settings: properties of the operator `object.nested_cages_generate`, by the same names: clearance, decimation,
-    energy, together, close_open ... Those that are not given have the operator's defaults, whatever the panel says.
+    energy, together, close_open ... All others have the operator's defaults, whatever the panel shows.
 
-    An object that cannot be caged while others can has an empty list; with ``together=True`` there is one list, for
-    all. Earlier cages of the same objects are replaced. Selection, active object and current frame stay.
+    An object that cannot be caged has an empty list if others can be; with ``together=True`` there is one list for all
+    objects. Earlier cages of the same objects are replaced. Selection, active object and current frame stay.
 
     Raises: ValueError with the operator's message if nothing can be caged.
     """
@@ -42,7 +42,7 @@ def cages(
 def _cages(
     context: bpy.types.Context, chosen: Sequence[bpy.types.Object], levels: Levels, settings: dict[str, Any]
 ) -> list[list[bpy.types.Object]]:
-    """The same for visible objects, without taking care of what was hidden. Raises: ValueError."""
+    """`cages` for visible objects, without showing hidden ones first. Raises: ValueError."""
     operator: Any = bpy.ops.object.nested_cages_generate  # type: ignore[attr-defined]
     for obj in chosen:
         if not convert.readable(obj):
@@ -73,7 +73,7 @@ def _cages_of(context: bpy.types.Context, obj: bpy.types.Object) -> list[bpy.typ
 
 
 def _meshes(context: bpy.types.Context, obj: bpy.types.Object) -> list[int]:
-    """The numbers by which Blender knows the meshes of an object's cages: new cages have new ones."""
+    """The session IDs of the meshes of an object's cages: new cages have new ones."""
     return [cage.data.session_uid for cage in _cages_of(context, obj) if cage.data is not None]
 
 
@@ -87,7 +87,7 @@ def _levels(levels: Levels) -> tuple[str, list[str]]:
 
 
 def _word(level: str | float | bpy.types.Object) -> str:
-    """One level as the operator reads it. Raises: ValueError."""
+    """One level as text for the operator. Raises: ValueError."""
     if isinstance(level, bpy.types.Object):
         return "*"
     if isinstance(level, float):
@@ -99,7 +99,7 @@ def _word(level: str | float | bpy.types.Object) -> str:
 
 @contextmanager
 def _shown(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Drawings that make way for the animation of earlier cages are shown for a while."""
+    """Temporarily shows drawings that the animation of earlier cages hides."""
     outputs = [ownership.collection_of(scene_of(context), obj) for obj in objects]
     hiding = [found for found in outputs if found is not None and keys.has(found, keys.HIDES)]
     for collection in hiding:
@@ -114,7 +114,7 @@ def _shown(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> I
 
 @contextmanager
 def _selected(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Selects these objects alone for a while, in Object Mode, the first of them active."""
+    """Temporarily selects only these objects, in Object Mode, the first of them active."""
     layer = context.view_layer
     before, active = list(context.selected_objects), layer.objects.active
     if context.mode != "OBJECT":

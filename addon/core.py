@@ -1,5 +1,5 @@
 """The package ``nestedcages_core``, imported on first use: Blender starts faster, and without scipy the add-on still
-registers and says what is missing.
+registers and reports what is missing.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 else:
 
     class _LazyModule(ModuleType):
-        """Stands for the core or a room of it; each name is looked up there when it is asked for.
+        """Stands for the core or one of its modules; looks up names there on first use.
 
         Raises: UserError without scipy.
         """
 
         def __getattr__(self, name: str) -> object:
             if name.startswith("__"):
-                raise AttributeError(name)  # asked by tools that inspect modules, not by the add-on
+                raise AttributeError(name)  # used by tools that inspect modules, not by the add-on
             try:
                 from .. import nestedcages_core
             except ImportError as error:

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Fault:
-    """Where something is wrong: the number that Blender knows the object by in this session, and world coordinates."""
+    """The place of a fault: the object's session ID, and world coordinates."""
 
     identity: int
     places: tuple[tuple[float, float, float], ...]
 
 
 class UserError(Exception):
-    """Invalid input, setting or state. The message names the object and the remedy; operators report it as it is.
+    """Invalid input, setting or state. The message names the object and the remedy; operators report it unchanged.
 
-    `fault`: the place, if there is one to go to.
+    `fault`: the place of the fault, if there is one.
     """
 
     def __init__(self, message: str, fault: Fault | None = None) -> None:

@@ -1,7 +1,7 @@
 """Names of the custom properties and attributes that the add-on stores in files, and typed access to them.
 
-Files of earlier versions hold these names, so they never change. Files of strangers may hold anything under them: a
-value of another type counts as absent.
+Files of earlier versions contain these names, so they never change. Other files may have anything under them: a value
+of another type counts as absent.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import bpy
 # All custom properties begin with this.
 PREFIX = "nested_cages_"
 
-# Of an output collection: the object it was made from, the others that share its cages, the name that object had, the
+# Of an output collection: its source object, other objects that share its cages, the name that the source had, the
 # number of levels, the markers (JSON: pairs of name and frame), the method that it is bound by, the number of its
-# colours, the first frame of its animation, that of the result and the last one, and which originals it hides
-# meanwhile. Of earlier versions: the scene's last frame before and after.
+# colours, the frames of the start of its animation, of the result and of the end, and which originals it hides
+# meanwhile. In earlier versions: the scene's last frame before and after.
 SOURCE = "nested_cages_source"
 OTHERS = "nested_cages_others"
 NAME = "nested_cages_name"
@@ -38,7 +38,7 @@ RANGE = "nested_cages_range"
 # Whether the cages of a collection follow the drawing's own animation.
 MOVING = "nested_cages_moving"
 
-# Of its objects: the level, 0 for the fine mesh, and the number of vertices. Of cages: the certificate and report.
+# Of the objects of an output: the level, 0 for the fine mesh, and the number of vertices. Of cages: the report.
 LEVEL = "nested_cages_level"
 VERTICES = "nested_cages_vertices"
 CLEARANCE = "nested_cages_clearance"
@@ -64,7 +64,7 @@ STORED_STATE = "nested_cages_before"
 LINK = "nested_cages_link"
 # Of the original object: the collection that it follows.
 FOLLOWS = "nested_cages_follows"
-# Of hidden helper objects: what they show, and how high or thick.
+# Of hidden helper objects: what they show, and its height or thickness.
 HELPER = "nested_cages_helper"
 SURFACE_OF = "nested_cages_surface"
 PRISM_OF = "nested_cages_prism"
@@ -107,13 +107,13 @@ def number(owner: bpy.types.ID, key: str) -> float | None:
 
 
 def text(owner: bpy.types.ID, key: str) -> str:
-    """A text, empty if there is none."""
+    """A string, empty if there is none."""
     value = owner.get(key)
     return value if isinstance(value, str) else ""
 
 
 def numbers(owner: bpy.types.ID, key: str, count: int) -> tuple[float, ...] | None:
-    """So many finite numbers."""
+    """A given number of finite numbers."""
     value = owner.get(key)
     found = list(value) if hasattr(value, "__len__") and not isinstance(value, str | bytes) else []
     good = len(found) == count and all(isinstance(x, int | float) and math.isfinite(x) for x in found)

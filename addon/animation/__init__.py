@@ -1,6 +1,6 @@
 """Steps as shape keys and keyframes.
 
 `timeline`: frames of phases and steps, markers, the scene's last frame. `shape_keys`: steps as keys and F-curves.
-`visibility`: objects hidden before their time. `stage`: the moving copy in place of the
-originals. `bake`: all animation in one action, or none.
+`visibility`: objects hidden until a frame. `stage`: the moving copy in place of the originals.
+`bake`: all animation in one action, or none.
 """

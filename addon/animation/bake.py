@@ -1,4 +1,4 @@
-"""What can be done with the animation afterwards: all of it in one action, or none of it."""
+"""Bake the animation into one action, or remove it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..errors import UserError
 from ..scene import ownership
 from . import shape_keys, stage, timeline, visibility
 
-# What a keyframe consists of: names, numbers per keyframe and their type.
+# The properties of a keyframe: names, numbers per keyframe and their type.
 KEYFRAME = (
     ("co", 2, np.float32),
     ("handle_left", 2, np.float32),
@@ -26,7 +26,7 @@ KEYFRAME = (
     ("back", 1, np.float32),
     ("period", 1, np.float32),
 )
-# What a cage tells of its animation.
+# The custom properties of a cage about its animation.
 TIMES = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
 
 
@@ -84,7 +84,7 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
 
 
 def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
-    """Gives an F-curve without keyframes those of another one."""
+    """Copies the keyframes of an F-curve to an empty one."""
     count = len(source.keyframe_points)
     target.extrapolation = source.extrapolation
     target.keyframe_points.add(count)
@@ -96,7 +96,7 @@ def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
 
 
 def _owners(collection: bpy.types.Collection) -> Iterator[tuple[Any, str]]:
-    """The animated data-blocks of all levels with a name for each, which need an action."""
+    """The animated data-blocks of all levels, with a name for each slot."""
     for obj in ownership.members(collection):
         keys = obj.data.shape_keys if obj.type == "MESH" else None
         for owner, name in ((obj, obj.name), (keys, f"{obj.name} Steps")):

@@ -1,4 +1,4 @@
-"""Steps to shape keys and keyframes, with Blender's bulk calls.
+"""Steps as shape keys and keyframes, written with Blender's bulk calls.
 
 Relative shape keys over a Basis that is the result: each step is a key whose value goes 0 → 1 → 0 with linear
 interpolation, so the evaluated mesh is the step on its frame and the linear blend of two steps between their frames.
@@ -21,7 +21,7 @@ CONSTANT, LINEAR = 0, 1
 
 
 def add_basis(obj: bpy.types.Object) -> None:
-    """Makes the mesh as it is the Basis of the shape keys to come."""
+    """Makes the current mesh the Basis of the shape keys to be added."""
     if obj.data.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
 
@@ -37,9 +37,9 @@ def add_steps(
 ) -> None:
     """Adds and animates one shape key per step (S, n, 2) that differs from the object's mesh, at frames (S,).
 
-    Equal steps in a row share a key, which is held. Before the first and after the last frame, the first and the last
-    step stay; `from_rest`: the mesh itself is seen until one frame before the first. The steps play once more on the
-    frames `back` (S,), which go down and are later than all `frames`.
+    Consecutive equal steps share a key, which is held. The first step holds before the first frame, the last one after
+    the last; `from_rest`: the mesh itself shows until one frame before the first. The steps play once more on the
+    frames `back` (S,), which decrease and are later than all `frames`.
     """
     basis = np.empty((steps.shape[1], 3), np.float32)
     obj.data.vertices.foreach_get("co", basis.ravel())
@@ -65,19 +65,19 @@ def add_steps(
 
 
 def is_step(path: str) -> bool:
-    """Whether a data path is that of a step that `add_steps` made."""
+    """Whether a data path belongs to a step from `add_steps`."""
     found = STEP.search(path)
     return found is not None and path.startswith(f'key_blocks["{found[0]}"]')
 
 
 def is_step_shown(obj: bpy.types.Object) -> bool:
-    """Whether the object shows a step on this frame, and not its own shape."""
+    """Whether the object shows a step instead of its own shape on this frame."""
     shapes = obj.data.shape_keys
     return shapes is not None and any(key.value != 0.0 for key in shapes.key_blocks if STEP.fullmatch(key.name))
 
 
 def remove_steps(obj: bpy.types.Object) -> None:
-    """Removes the steps that `add_steps` made and their keyframes; the artist's keys stay, and the Basis with them."""
+    """Removes the steps from `add_steps` and their keyframes; the artist's keys stay, with the Basis."""
     shapes = obj.data.shape_keys
     if shapes is None:
         return
@@ -101,7 +101,7 @@ def remove_steps(obj: bpy.types.Object) -> None:
 
 
 def _rise_and_fall(frames: NDArray[np.float64], first: int, last: int, count: int) -> list[tuple[float, float]]:
-    """Frames and values of the key that is seen from one step to another, both included, out of so many steps."""
+    """Frames and values of the key that shows from one step to another, both included."""
     points = [(float(frames[first - 1]), 0.0)] if first > 0 else []
     points.append((float(frames[first]), 1.0))
     if last > first:
@@ -120,7 +120,7 @@ def animate(owner: Any, fcurves: Sequence[tuple[str, Sequence[float]]], interpol
         animation.action = bpy.data.actions.new(name)
     action = animation.action
     for path, keyframes in fcurves:
-        # Blender 4.4 brought slots to actions and 5.0 took the older way out.
+        # Blender 4.4 introduced slots in actions, and 5.0 removed the older interface.
         if hasattr(action, "fcurve_ensure_for_datablock"):
             fcurve = action.fcurve_ensure_for_datablock(owner, path)
         else:
@@ -133,7 +133,7 @@ def animate(owner: Any, fcurves: Sequence[tuple[str, Sequence[float]]], interpol
 
 
 def curves_of(owner: Any) -> Any:
-    """The F-curves of an animated data-block, as a collection that can take one away."""
+    """The F-curves of an animated data-block, as a collection that can remove one."""
     animation = owner.animation_data
     if not hasattr(animation, "action_slot"):
         return animation.action.fcurves

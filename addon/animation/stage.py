@@ -1,5 +1,5 @@
-"""While the animation plays, the originals make way for a copy of the drawing that moves with the fine mesh, filled
-with the drawing's own materials.
+"""While the animation plays, a moving copy of the drawing replaces the originals. It follows the fine mesh and is
+filled with the drawing's own materials.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from . import shape_keys, timeline, visibility
 
 
 def enter(collection: bpy.types.Collection) -> None:
-    """Hides the originals of an output before and after its result, and shows the moving copy in their place."""
+    """Hides the originals of an output before and after its result, and shows the moving copy instead."""
     leave(collection)
     frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
     if frames is None or fine is None or ownership.is_bound(collection):
         return
     first, result, last = frames
-    # Between the result and the way back, if there is one, the result stays as long as after it.
+    # Before the way back, if there is one, the result is held for a step.
     back = [] if last == result else [(result + 1 + (last - 2 * result + first), True), (last + 1, False)]
     playing = [(first - 1, False), (first, True), (result, False), *back]
     originals = ownership.originals(collection)

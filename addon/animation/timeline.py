@@ -19,9 +19,9 @@ Frames = TypeVar("Frames", float, NDArray[np.float64])
 
 @dataclass(frozen=True)
 class Timing:
-    """Frame of the first step, frames from one step to the next, and whether the flow is part of the animation.
+    """First frame, frames per step, and whether the flow is part of the animation.
 
-    `ease`: each phase begins and ends slowly, in the same frames. `loop_back`: after the result all plays back to the
+    `ease`: ease in and out of each phase, in the same frames. `loop_back`: after the result, play backwards to the
     start. `fit_length`: everything takes `length` frames, whatever the number of steps.
     """
 
@@ -35,8 +35,8 @@ class Timing:
 
 
 class Phases(Protocol):
-    """Where the phases of a level are in its steps: the last index of the flow, the first of the tightening, and the
-    last of all.
+    """The phases of a level as indices of its steps: the last of the flow, the first of the tightening, and the last of
+    all.
     """
 
     @property
@@ -59,7 +59,7 @@ class StoredPhases:
 
     @classmethod
     def of(cls, cage: bpy.types.Object) -> StoredPhases | None:
-        """The phases of an animated cage; None if it has none, or values that make no animation."""
+        """The phases of an animated cage; None if there are none, or invalid ones."""
         found = keys.numbers(cage, keys.PHASES, 3)
         if found is None or not 0 <= found[0] <= found[1] <= found[2]:
             return None
@@ -70,7 +70,7 @@ class StoredPhases:
 class Span:
     """The frames of one level: of the first flow step, reinflation step and tightening step, and of the result.
 
-    `flow` equals `reinflation` if there is no flow to see."""
+    `flow` equals `reinflation` if the flow is not shown."""
 
     flow: int
     reinflation: int
@@ -86,7 +86,7 @@ def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
         skipped = 0 if timing.show_flow else level.flow_end
         frames = [round(start)]
         for before, after in pairwise((skipped, level.flow_end, level.tightening, level.last)):
-            # A phase that has steps takes a frame at least.
+            # A phase with steps takes at least one frame.
             frames.append(max(round(start + (after - skipped) * per_step), frames[-1] + (after > before)))
         found.append(Span(*frames))
         start = max(start + (level.last - skipped + 1) * per_step, frames[-1] + 1.0)
@@ -94,7 +94,7 @@ def spans(levels: Sequence[Phases], timing: Timing) -> tuple[Span, ...]:
 
 
 def _frames_per_step(levels: Sequence[Phases], timing: Timing) -> float:
-    """Frames from one step to the next, not rounded where a length is to be met."""
+    """Frames from one step to the next; fractional if the animation is fitted to a length."""
     if not timing.fit_length:
         return float(timing.frames_per_step)
     frames = float(timing.length - 1)
@@ -105,21 +105,21 @@ def _frames_per_step(levels: Sequence[Phases], timing: Timing) -> float:
 
 
 def last_frame(played: Sequence[Span], timing: Timing) -> int:
-    """The last frame of the whole animation; without looping back it shows the result."""
+    """The last frame of the animation; it shows the result unless the animation loops back."""
     end = played[-1].end
     return round(mirrored(timing.start_frame, end, timing)) if timing.loop_back else end
 
 
 def mirrored(frame: Frames, end: int, timing: Timing) -> Frames:
-    """Frame on the way back that shows what `frame` shows on the way there; the result on `end` stays for a step."""
+    """Frame on the way back that shows the same as `frame`; the result on `end` is held for one step."""
     return 2 * end + timing.frames_per_step - frame
 
 
 def step_frames(level: Phases, span: Span, timing: Timing) -> NDArray[np.float64]:
     """Frames (S,) of the steps that are shown.
 
-    Easing moves the steps in time within their phase, so the way is the same and so is what is certified: between two
-    steps the motion stays linear, and the phases begin and end on the same frames.
+    Easing moves the steps in time within their phase. The path, and hence the certificate, stays the same: between two
+    steps the motion is linear, and the phases begin and end on the same frames.
     """
     first = 0 if timing.show_flow else level.flow_end
     indices = np.arange(first, level.last + 1)
@@ -134,7 +134,7 @@ def step_frames(level: Phases, span: Span, timing: Timing) -> NDArray[np.float64
 
 
 def _when(part: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Times in [0, 1] at which smoothstep, s = 3t² - 2t³, has come to `part`: t = 1/2 - sin(asin(1 - 2s) / 3)."""
+    """Times in [0, 1] at which smoothstep, s = 3t² - 2t³, equals `part`: t = 1/2 - sin(asin(1 - 2s) / 3)."""
     times: NDArray[np.float64] = 0.5 - np.sin(np.arcsin(1.0 - 2.0 * part) / 3.0)
     return times
 
@@ -146,7 +146,7 @@ def add_markers(scene: bpy.types.Scene, name: str, frame: int) -> list[tuple[str
 
 
 def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str, int]]) -> None:
-    """Removes one marker for each name and frame, where it is still there."""
+    """Removes one marker for each name and frame that still exists."""
     for name, frame in names_and_frames:
         marker = next((m for m in scene.timeline_markers if m.name == name and m.frame == frame), None)
         if marker is not None:
@@ -156,7 +156,8 @@ def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str,
 def extend_scene(
     scene: bpy.types.Scene, collection: bpy.types.Collection, played: Sequence[Span], timing: Timing
 ) -> None:
-    """Adds the marker of an output and lets the scene last as long; the collection stores both for `restore_scene`."""
+    """Adds the marker of an output and extends the scene's range to it; the collection stores both for
+    `restore_scene`."""
     name, result = keys.text(collection, keys.NAME) or collection.name, played[-1].end
     collection[keys.MARKERS] = json.dumps(add_markers(scene, name, result))
     collection[keys.FRAMES] = [played[0].flow, result, last_frame(played, timing)]
@@ -164,7 +165,7 @@ def extend_scene(
 
 
 def restore_scene(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
-    """Removes the marker of an output; the scene is as long as other outputs need, or as it was before all of them."""
+    """Removes the marker of an output and restores the scene's range, as far as other outputs do not need it."""
     remove_markers(scene, _stored_markers(collection))
     found = keys.numbers(collection, keys.FRAME_END, 2)
     if found is not None and found[0] > 0 and scene.frame_end == found[1]:
@@ -180,7 +181,7 @@ def frames_of(collection: bpy.types.Collection) -> tuple[int, int, int] | None:
 
 
 def _fit_range(scene: bpy.types.Scene) -> None:
-    """Makes the scene as long as the animations in it; each end that the user has changed since counts as theirs."""
+    """Fits the scene's range to the animations in it; ends that the user has changed since are kept."""
     now = (float(scene.frame_start), float(scene.frame_end))
     stored = keys.numbers(scene, keys.RANGE, 4) or (*now, *now)
     start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
@@ -196,7 +197,7 @@ def _fit_range(scene: bpy.types.Scene) -> None:
 
 
 def _stored_markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:
-    """Names and frames of an output's markers; what is not written that way is left out."""
+    """Names and frames of an output's markers; invalid entries are skipped."""
     try:
         found = json.loads(keys.text(collection, keys.MARKERS))
     except ValueError:

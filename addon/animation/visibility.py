@@ -1,4 +1,4 @@
-"""Objects that are not seen before their time: keyframes on what hides them, which can be taken back."""
+"""Objects hidden until a frame: keyframes on the properties that hide them, which can be removed again."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ def switch(obj: bpy.types.Object, frames: Sequence[tuple[int, bool]]) -> None:
     """Hides or shows the object, in the viewport and in renders, from each of some frames on."""
     keyframes = [float(number) for pair in frames for number in pair]
     shape_keys.animate(obj, [(path, keyframes) for path in VISIBILITY], shape_keys.CONSTANT, obj.name)
-    obj.update_tag(refresh={"TIME"})  # so that it is hidden or shown now, and not from the next frame on
+    obj.update_tag(refresh={"TIME"})  # takes effect now, not on the next frame change
 
 
 def is_free(obj: bpy.types.Object) -> bool:
-    """Whether an object is seen, and nothing of the user's own decides when."""
+    """Whether an object is visible without any animation of the user's that controls it."""
     if not obj.is_editable or obj.hide_viewport or obj.hide_render:
         return False
     data = obj.animation_data
@@ -42,7 +42,7 @@ def is_free(obj: bpy.types.Object) -> bool:
 
 
 def mute(obj: bpy.types.Object, muted: bool) -> None:
-    """Lets the keyframes of what hides the object have no effect, or have it again."""
+    """Mutes or unmutes the keyframes that hide the object."""
     if obj.animation_data is not None and obj.animation_data.action is not None:
         for curve in shape_keys.curves_of(obj):
             if curve.data_path in VISIBILITY:
@@ -51,8 +51,8 @@ def mute(obj: bpy.types.Object, muted: bool) -> None:
 
 @dataclass(frozen=True)
 class VisibilityAnimation:
-    """What `hide_until` had animated: the action and its slot, keyframes by data path, whether the object has kept the
-    action because of other curves in it, and whether the keyframes were muted.
+    """The animation that `hide_until` made: the action and its slot, keyframes by data path, whether the object has
+    kept the action for other curves in it, and whether the keyframes were muted.
     """
 
     action: bpy.types.Action | None
@@ -62,7 +62,7 @@ class VisibilityAnimation:
     muted: bool = False
 
     def restore(self, obj: bpy.types.Object) -> None:
-        """Animates the object as before."""
+        """Restores the animation."""
         if self.action is None:
             return
         data = obj.animation_data or obj.animation_data_create()
@@ -78,7 +78,7 @@ class VisibilityAnimation:
 
 
 def detach(obj: bpy.types.Object) -> VisibilityAnimation:
-    """Takes back what `hide_until` did, and keeps an action that is nothing else as it is; other animation stays."""
+    """Undoes `hide_until`. An action with nothing else in it is kept for `restore`; other animation stays."""
     data = obj.animation_data
     obj.hide_viewport = obj.hide_render = False
     if data is None or data.action is None:
@@ -99,7 +99,7 @@ def detach(obj: bpy.types.Object) -> VisibilityAnimation:
 
 
 def always_show(obj: bpy.types.Object) -> None:
-    """Takes back what `hide_until` did for good."""
+    """Undoes `hide_until` permanently."""
     found = detach(obj)
     if found.action is not None and found.action.users == 0:
         bpy.data.actions.remove(found.action)

@@ -1,7 +1,7 @@
-"""Cages that move what is in them: each level follows the next coarser one, and the drawing follows the first.
+"""Binding: each level follows the next coarser one, and the drawing follows the first.
 
-Bound objects show a mesh without the steps of their animation; the mesh that has these is kept and comes back when they
-are unbound. What artists make on either is carried over to the other.
+Bound objects show a mesh without the steps of their animation. The mesh with the steps is kept and restored when they
+are unbound. The artist's work on either mesh is transferred to the other.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ STAGE = "binding"
 
 @dataclass(frozen=True)
 class Binding:
-    """The links from the inside out, and how the original object follows, or a sentence why it does not."""
+    """The links from the inside out, and a sentence on how the original object follows, or why it does not."""
 
     links: tuple[Link, ...]
     original: str
 
 
 def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Work[Binding]:
-    """Makes every level of an output collection follow the next one. Raises: UserError, leaving all as it was."""
+    """Makes every level of an output collection follow the next one. Raises: UserError, with nothing changed."""
     levels = _levels(context, collection)
     yield Progress(0.0, STAGE)
     try:
@@ -57,10 +57,10 @@ def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: s
 
 
 def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method: str = "AUTO") -> Work[Binding]:
-    """Binds anew, cages and drawing as their vertices and transforms are now. Raises: UserError.
+    """Binds again, with the current vertices and transforms of cages and drawing. Raises: UserError.
 
-    What follows goes back to its own shape first. If the cages do not enclose what is in them like that, nothing is
-    changed. It can be cancelled up to the first change.
+    Bound objects return to their own shapes first. If the cages do not enclose these, nothing is changed. It can be
+    cancelled until the first change.
     """
     levels = _levels(context, collection)
     for done, (inner, cage) in enumerate(pairwise(levels)):
@@ -73,8 +73,8 @@ def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method:
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
-    """Takes everything back to what it was before it was bound, with what artists made on it since; poses of vertices
-    are lost. Returns sentences about what else is.
+    """Restores the state before binding and keeps the artist's later work, except for poses of vertices. Returns
+    sentences about anything else that is lost.
     """
     levels = ownership.members(collection)
     _disconnect(collection, levels)
@@ -85,8 +85,8 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
 
 
 def forget(collection: bpy.types.Collection) -> str:
-    """Removes what is left of a binding on output that has been written anew; returns the method it was bound by, or
-    nothing.
+    """Removes the remains of a binding from output that has been written again; returns the method it was bound by,
+    empty if it was not bound.
     """
     if not ownership.is_bound(collection):
         return ""
@@ -120,8 +120,8 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
 
 
 def _park(obj: bpy.types.Object) -> None:
-    """Gives an object a copy of its mesh without the steps of our animation, which is kept for later. Its own action
-    goes on, but does not hide it any more.
+    """Gives an object a copy of its mesh without the steps of our animation, and keeps the original mesh. Its own
+    action keeps playing, but no longer hides it.
     """
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
     obj[keys.STORED_STATE] = [*np.ravel(np.array(obj.matrix_basis)).tolist(), *map(float, hidden)]
@@ -137,9 +137,7 @@ def _park(obj: bpy.types.Object) -> None:
 
 
 def _unpark(obj: bpy.types.Object) -> list[str]:
-    """Gives an object the mesh back that it had before, with what was made on it meanwhile; returns what could not be
-    carried over.
-    """
+    """Gives an object its original mesh back, with the work done on it since; returns what could not be transferred."""
     mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
     if mesh is None:
         return []
@@ -147,7 +145,7 @@ def _unpark(obj: bpy.types.Object) -> list[str]:
     obj.data = mesh
     lost = rig.give(obj, same_vertices=True)
     remove_mesh(posed)
-    action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)  # earlier versions put the whole action aside
+    action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)  # earlier versions stored the whole action
     animation = obj.animation_data or obj.animation_data_create() if action is not None else None
     if animation is not None and animation.action is None:
         animation.action = action
@@ -160,7 +158,7 @@ def _unpark(obj: bpy.types.Object) -> list[str]:
 
 
 def _restore_state(obj: bpy.types.Object) -> None:
-    """The transform and what hid the object before it was bound; earlier versions stored `hide_render` alone."""
+    """Restores transform and visibility from before binding; earlier versions stored `hide_render` alone."""
     state = keys.numbers(obj, keys.STORED_STATE, 19) or keys.numbers(obj, keys.STORED_STATE, 17)
     if state is None:
         return
@@ -183,7 +181,7 @@ def _fill(levels: list[bpy.types.Object]) -> None:
         rig.give(cage, same_vertices=True)
         remove_mesh(old)
         cage.data.name = name
-        cage.hide_render = True  # as wires they were not seen in renders
+        cage.hide_render = True  # as wires they did not show in renders
 
 
 def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
@@ -213,7 +211,7 @@ def _connect(
     levels: list[bpy.types.Object],
     method: str,
 ) -> Work[Binding]:
-    """Links the levels from the inside out, so that each link is measured before its cage follows another."""
+    """Links the levels from the inside out: each link is measured before its cage follows another one."""
     collection[keys.BOUND] = method
     context.view_layer.update()
     for inner, cage in pairwise(levels):
@@ -235,7 +233,7 @@ def _finish(
     levels: list[bpy.types.Object],
     links: list[Link],
 ) -> str:
-    """Says how each level follows, takes lines out of the way, and lets the original follow; says how it does."""
+    """Stores how each level follows, moves thick lines to helpers, and binds the original; returns how it follows."""
     for obj, made in zip(levels, links, strict=False):
         obj[keys.LINK] = (
             f"{deform_modifiers.NAMES[made.method]}, error {made.rest:.1e} at rest, "
@@ -263,7 +261,7 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
 
 
 def _used(helper: bpy.types.Object) -> bool:
-    """Whether a modifier follows a helper, or it has lines to show."""
+    """Whether a modifier follows a helper, or the helper shows lines."""
     targets = [deform_modifiers.target_of(modifier) for obj in bpy.data.objects for modifier in obj.modifiers]
     return helper in targets or keys.has(helper, keys.LINES_OF)
 
@@ -278,7 +276,7 @@ def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
 
 
 def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:
-    """Lets another object show the thick lines, because those that follow an object need its plain shape in renders."""
+    """Moves thick lines to a helper object, because followers of an object need its plain shape in renders."""
     display.render_lines(obj, False)
     thickness = display.thickness_of(obj)
     if thickness <= 0.0:

@@ -1,4 +1,4 @@
-"""One mesh follows one cage by a modifier of Blender's own, chosen by what it is measured to do."""
+"""One mesh follows one cage by a modifier of Blender's own, chosen by measured errors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SURFACE: Final = "SURFACE_DEFORM"
 PRISM: Final = "MESH_DEFORM"
 SURFACE_MODIFIER, PRISM_MODIFIER = "Nested Cages Surface Deform", "Nested Cages Mesh Deform"
 OURS = (node_groups.REMEMBER, node_groups.COORDINATES, SURFACE_MODIFIER, PRISM_MODIFIER, node_groups.ADD_EDITS)
-# What users call the methods, in the order in which they are tried.
+# Names of the methods, in the order in which they are tried.
 NAMES = {
     weights.HARMONIC: "Harmonic Coordinates",
     weights.LINEAR: "Linear Coordinates",
@@ -30,15 +30,15 @@ NAMES = {
 }
 AUTOMATIC = (weights.HARMONIC, SURFACE, PRISM)
 
-# Largest distance from where a vertex belongs, as a part of the size, that counts as following: while nothing is posed
-# some roundings of float32; under affine poses what the grid of Mesh Deform is seen to lose, with room to spare.
+# Largest error of a vertex, as a fraction of the size, that counts as following: at rest some roundings of float32;
+# under affine poses the measured error of Mesh Deform's grid, with a margin.
 REST_ERROR, AFFINE_ERROR = 1e-5, 0.1
-# Up to this affine error nothing better is looked for.
+# Affine error up to which no other method is tried.
 EXACT = 1e-4
 # Blender's measure of how fine the grid of Mesh Deform is: its cells are 1/2^precision of the prism's size. Each step
 # takes eight times as long; 5 is Blender's own default.
 PRECISION = 5
-# The affine poses that are tried: a quarter turn, a stretch, and a shear with a shrink.
+# The affine poses for measurements: a quarter turn, a stretch, and a shear with shrinking.
 POSES = (((0.0, -1.0), (1.0, 0.0)), ((2.0, 0.0), (0.0, 1.0)), ((0.8, 0.5), (-0.2, 0.7)))
 
 Matrix = NDArray[np.float64]
@@ -46,7 +46,7 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Link:
-    """What follows what, by which modifier, and its measured errors as parts of the size."""
+    """Follower, cage and modifier of a link, and its measured errors as fractions of the size."""
 
     inner: str
     cage: str
@@ -88,7 +88,7 @@ def link(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
 
 
 def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object, method: str) -> bool:
-    """Adds the modifiers, before all others, and binds them; whether Blender could."""
+    """Adds the modifiers, before all others, and binds them; returns whether Blender succeeded."""
     mesh = filling.mesh_of(inner)
     filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
     modifier = bind_modifier(context, inner, cage, method)
@@ -100,7 +100,7 @@ def attach(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.
         inner.modifiers.move(inner.modifiers.find(name), place)
     bound = is_bound(modifier)
     if bound:
-        # What the modifier is off by while nothing is posed, in thin triangles for instance, counts as no edit.
+        # The modifier's error at rest, for instance in thin triangles, does not count as an edit.
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", evaluated_points(context, inner).astype(np.float32))
         mesh.update()
     return bound
@@ -117,7 +117,7 @@ def target_of(modifier: bpy.types.Modifier) -> bpy.types.Object | None:
 
 
 def is_bound(modifier: bpy.types.Modifier) -> bool:
-    """Whether Blender could bind a modifier; node groups always are."""
+    """Whether a modifier is bound; node groups always are."""
     return bool(getattr(modifier, "is_bound", True))
 
 
@@ -130,8 +130,8 @@ def bind_modifier(
     *,
     in_place: bool = False,
 ) -> bpy.types.Modifier:
-    """Adds and binds the modifier alone; `half_height`: how far the object reaches out of its plane; `in_place`: copies
-    of the object elsewhere follow too, where Blender can.
+    """Adds and binds the modifier alone; `half_height`: largest distance of the object from its plane; `in_place`: let
+    copies of the object elsewhere follow too, where Blender supports it.
     """
     if method in weights.KINDS:
         points = evaluated_points(context, obj)
@@ -150,7 +150,7 @@ def bind_modifier(
         modifier = prism
         operator = bpy.ops.object.meshdeform_bind
     context.view_layer.update()
-    # What Blender raises about faces and edges leaves the modifier unbound.
+    # After Blender's errors about faces and edges the modifier stays unbound.
     with context.temp_override(object=obj, active_object=obj), suppress(RuntimeError):
         operator(modifier=modifier.name)
     return modifier
@@ -159,7 +159,7 @@ def bind_modifier(
 def surface_of(follower: bpy.types.Object, cage: bpy.types.Object) -> bpy.types.Object:
     """The hidden object that shows a follower's cage in the follower's own space, made if there is none.
 
-    Surface Deform takes no notice of its target's transform; this way a cage that is moved as an object counts too.
+    Surface Deform ignores its target's transform; through this object, moving the cage as an object works too.
     """
     found = next((child for child in follower.children if child.get(keys.SURFACE_OF) == cage), None)
     return found or _helper(f"{cage.name} Surface", cage, follower, node_groups.WHOLE, {keys.SURFACE_OF: cage})
@@ -185,7 +185,7 @@ def _helper(
     properties: dict[str, object],
     data: bpy.types.Mesh | None = None,
 ) -> bpy.types.Object:
-    """A new hidden object that stands where its parent does and shows the cage through a node group."""
+    """A new hidden object at its parent's place that shows the cage through a node group."""
     helper = bpy.data.objects.new(name, data or bpy.data.meshes.new(name))
     helper[keys.HELPER] = True
     for key, value in properties.items():
@@ -200,7 +200,7 @@ def _helper(
 
 
 def release(inner: bpy.types.Object) -> None:
-    """Takes the modifiers away; the mesh is then as it is stored."""
+    """Removes the modifiers, which shows the stored mesh."""
     for name in OURS:
         modifier = inner.modifiers.get(name)
         if modifier is not None:
@@ -216,7 +216,7 @@ def _try(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Ob
 
 
 def measure(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types.Object) -> tuple[float, float]:
-    """Largest distances from where the vertices belong, by the size: unposed, and when `POSES` move the cage."""
+    """Largest errors of the vertices as fractions of the size: at rest, and when `POSES` move the cage."""
     points = filling.points_of(filling.mesh_of(inner))
     extent = size(points)
     rest = float(np.abs(evaluated_points(context, inner) - points).max()) / extent
@@ -243,7 +243,7 @@ def evaluated_points(context: bpy.types.Context, obj: bpy.types.Object) -> Matri
 
 @contextmanager
 def _moved(obj: bpy.types.Object, points: Matrix, back: Matrix) -> Iterator[None]:
-    """The vertices of a mesh object elsewhere for a moment."""
+    """Temporarily moves the vertices of a mesh object."""
     shapes = obj.data.shape_keys
 
     def put(place: Matrix) -> None:

@@ -1,4 +1,4 @@
-"""Handles: a bone, or an empty with a hook, per corner of a cage, which moves that corner alone."""
+"""Handles: one bone, or one empty with a hook, per corner of a cage; each moves its corner alone."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..scene.selection import select
 
 BONES: Final = "BONES"
 EMPTIES: Final = "EMPTIES"
-# Length of a bone and size of an empty as a part of the cage's size.
+# Length of a bone and size of an empty as a fraction of the cage's size.
 LENGTH = 0.05
 
 
@@ -59,7 +59,7 @@ def _outward(cage: bpy.types.Object) -> Points:
 def _bones(
     context: bpy.types.Context, cage: bpy.types.Object, corners: Points, outward: Points
 ) -> list[bpy.types.Object]:
-    """An armature with a bone per corner, in a bone collection of the cage's name, and its modifier on the cage."""
+    """An armature with a bone per corner, in a bone collection named after the cage, and its modifier on the cage."""
     armature = bpy.data.armatures.new(f"{cage.name} Handles")
     rig = bpy.data.objects.new(armature.name, armature)
     for collection in cage.users_collection:

@@ -1,4 +1,4 @@
-"""Node groups that a file keeps, so that what follows a cage does so without the add-on."""
+"""Node groups stored in the file, so that bound objects follow without the add-on."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..scene import display
 
 # Sums of the vertices of the cage: by weights, and by the slopes of the weights.
 SUMS = ("Place", "Along X", "Along Y")
-# Shorter edits, as a part of the size, are rounding, which need not be turned.
+# Shorter edits, as a fraction of the size, are rounding and are not rotated.
 SMALLEST_EDIT = 1e-5
 
 Tree = bpy.types.NodeTree
-# Their properties depend on their kinds.
+# Their properties depend on their types.
 Node = Any
 Socket = Any
 
@@ -51,7 +51,7 @@ def _attribute(tree: Tree, name: str, kind: str) -> Socket:
 
 
 def _remember(tree: Tree) -> None:
-    """Stores how far each vertex is from where it was bound."""
+    """Stores the offset of each vertex from its position when bound."""
     start, end = display.new_node(tree, "NodeGroupInput"), display.new_node(tree, "NodeGroupOutput")
     place, difference = (
         display.new_node(tree, "GeometryNodeInputPosition"),
@@ -70,7 +70,7 @@ def _remember(tree: Tree) -> None:
 
 
 def _add_edits(tree: Tree) -> None:
-    """Moves each vertex by what `_remember` stored."""
+    """Moves each vertex by the offset that `_remember` stored."""
     start, end = display.new_node(tree, "NodeGroupInput"), display.new_node(tree, "NodeGroupOutput")
     move = display.new_node(tree, "GeometryNodeSetPosition")
     tree.links.new(start.outputs[0], move.inputs["Geometry"])
@@ -112,7 +112,7 @@ def _walls(tree: Tree) -> None:
 
 
 def _whole(tree: Tree) -> None:
-    """Shows the object as it is, in the space of the one that has the modifier."""
+    """Shows the object unchanged, in the space of the object with the modifier."""
     _, end, source = _object(tree, "RELATIVE")
     tree.links.new(source.outputs["Geometry"], end.inputs[0])
 
@@ -120,15 +120,15 @@ def _whole(tree: Tree) -> None:
 def _coordinates(tree: Tree, space: str = "RELATIVE") -> None:
     """Moves each vertex to the weighted sum of the vertices of the object, plus its edit, rotated along.
 
-    The weights are summed vertex by vertex; the sums of their slopes show how the surroundings are turned. Without
-    edits nothing is to be turned, and two thirds of the sums are not evaluated.
+    The weights are summed vertex by vertex; the sums of their slopes give the local rotation. Without edits nothing is
+    rotated, and two thirds of the sums are not evaluated.
     """
     _, end, source = _object(tree, space)
     start = next(node for node in tree.nodes if node.bl_idname == "NodeGroupInput")
     edit = _attribute(tree, keys.EDIT, "FLOAT_VECTOR")
     (place,) = _sums(tree, source, SUMS[:1])
     plain = _placed(tree, start, _vector(tree, "ADD", place, edit))
-    # The turn nearest to the slopes: x + y × n for the normal n, and what is upright on it.
+    # The rotation nearest to the slopes: x + y × n for the normal n, and its perpendicular.
     where, x, y = _sums(tree, source, SUMS)
     normal = _vector(tree, "NORMALIZE", _vector(tree, "CROSS_PRODUCT", x, y))
     right = _vector(tree, "NORMALIZE", _vector(tree, "ADD", x, _vector(tree, "CROSS_PRODUCT", y, normal)))
@@ -154,7 +154,7 @@ def _placed(tree: Tree, start: Node, where: Socket) -> Socket:
 
 
 def _is_edited(tree: Tree, start: Node, edit: Socket) -> Socket:
-    """Whether the longest edit is more than rounding: more than `SMALLEST_EDIT` of the size."""
+    """Whether the longest edit exceeds `SMALLEST_EDIT` of the size, hence is not rounding."""
     longest = _statistic(tree, start, "FLOAT", _vector(tree, "LENGTH", edit), "Max")
     place = display.new_node(tree, "GeometryNodeInputPosition").outputs[0]
     extent = _vector(tree, "LENGTH", _statistic(tree, start, "FLOAT_VECTOR", place, "Range"))
@@ -180,7 +180,7 @@ def _statistic(tree: Tree, start: Node, kind: str, values: Socket, name: str) ->
 
 
 def _sums(tree: Tree, source: Node, names: tuple[str, ...]) -> tuple[Socket, ...]:
-    """Sums over the vertices of an object: of the places of all by weight, and by the weight's slopes, if named."""
+    """Sums of the positions of an object's vertices, multiplied by the weights, and by their slopes if named."""
     count = display.new_node(tree, "GeometryNodeAttributeDomainSize")
     first, last = display.new_node(tree, "GeometryNodeRepeatInput"), display.new_node(tree, "GeometryNodeRepeatOutput")
     first.pair_with_output(last)
@@ -229,7 +229,7 @@ def _vector(tree: Tree, operation: str, *values: Socket) -> Socket:
 
 
 def _strokes(tree: Tree) -> None:
-    """Puts each point of a stroke where the vertex of the object that it follows is."""
+    """Moves each point of a stroke to the object's vertex that it follows."""
     start, end, source = _object(tree, "ORIGINAL")
     place, pick = display.new_node(tree, "GeometryNodeInputPosition"), display.new_node(tree, "GeometryNodeSampleIndex")
     before, move = display.new_node(tree, "ShaderNodeMath"), display.new_node(tree, "GeometryNodeSetPosition")
@@ -291,7 +291,7 @@ def _area(tree: Tree) -> None:
 
 REMEMBER, ADD_EDITS, WALLS = "Nested Cages Remember Edits", "Nested Cages Add Edits", "Nested Cages Prism"
 WHOLE, COORDINATES = "Nested Cages Surface", "Nested Cages Coordinates"
-# The same for what is in the object's own space, wherever either object is.
+# The same in the object's own space, independent of both transforms.
 COORDINATES_IN_PLACE = "Nested Cages Coordinates in Place"
 CURVES, EDGES, AREA = "Nested Cages Follow as Curves", "Nested Cages Follow as Edges", "Nested Cages Follow Filled"
 STROKES = "Nested Cages Follow as Strokes"

@@ -1,4 +1,4 @@
-"""The object that a drawing was read from follows its cages too, where Blender allows it."""
+"""The original object of a drawing follows its cages too, where Blender allows it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ORIGINAL_MODIFIER = "Nested Cages Follow"
 
 @contextmanager
 def unposed(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Originals that follow their cages show their own shape for a moment."""
+    """Temporarily shows the own shapes of originals that follow their cages."""
     found = [m for obj in objects for m in obj.modifiers if m.name == ORIGINAL_MODIFIER and m.show_viewport]
     for modifier in found:
         modifier.show_viewport = False
@@ -35,7 +35,8 @@ def follow(
     levels: list[bpy.types.Object],
     method: str,
 ) -> str:
-    """Makes the original of a bound collection follow, a mesh by `method`; says how it does, or why it does not."""
+    """Makes the original of a bound collection follow, a mesh by `method`; returns how it follows, or why it does
+    not."""
     fine = levels[0]
     source = ownership.source_of(collection)
     if source is None or source == fine:
@@ -72,7 +73,7 @@ def follow(
 def _follows(
     modifier: bpy.types.Modifier, source: bpy.types.Object, collection: bpy.types.Collection, fine: bpy.types.Object
 ) -> str:
-    """Marks an original that shows what the fine mesh does."""
+    """Marks an original that follows the fine mesh."""
     modifier.name = ORIGINAL_MODIFIER
     source[keys.FOLLOWS] = collection
     return f"'{source.name}' shows what '{fine.name}' does"
@@ -81,10 +82,10 @@ def _follows(
 def _bind_shape(
     context: bpy.types.Context, source: bpy.types.Object, cage: bpy.types.Object, method: str
 ) -> str | None:
-    """Binds an object with faces or thickness itself; the method that did it, if any could."""
+    """Binds an object with faces or thickness directly; returns the method that succeeded, if any."""
     methods = [method]
     if method in weights.KINDS:
-        # Modifiers that make vertices, and shapes that are not flat, have no weights: Surface Deform takes them.
+        # Objects with generated vertices or that are not flat have no weights; Surface Deform handles them.
         plain = len(deform_modifiers.evaluated_points(context, source)) == len(source.data.vertices)
         methods = (
             [method, deform_modifiers.SURFACE] if plain and weights.fits(source, cage) else [deform_modifiers.SURFACE]
@@ -101,7 +102,7 @@ def _bind_shape(
 
 
 def release(collection: bpy.types.Collection) -> None:
-    """Lets the objects that follow a collection show their own shape again."""
+    """Restores the own shapes of the objects that follow a collection."""
     for obj in bpy.data.objects:
         modifier = obj.modifiers.get(ORIGINAL_MODIFIER)
         if modifier is not None and obj.get(keys.FOLLOWS) == collection:

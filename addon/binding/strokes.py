@@ -19,7 +19,7 @@ UNMOVED = 1e-6
 
 
 def why_not(source: bpy.types.Object) -> str:
-    """Why the strokes of an object cannot follow; empty if they can."""
+    """Reason why the strokes of an object cannot follow; empty if they can."""
     data: Any = source.data
     for layer in data.layers:
         if np.abs(np.array(layer.matrix_local) - np.eye(4)).max() > UNMOVED:
@@ -31,7 +31,7 @@ def add(source: bpy.types.Object, fine: bpy.types.Object, shown: bpy.types.Objec
     """Makes each point of the strokes on this frame follow the nearest vertex of the fine mesh, which `shown` shows in
     the space of the strokes.
 
-    Points that are drawn later stay where they are drawn until they are bound again.
+    Points drawn later do not follow until the drawing is bound again.
     """
     there = np.linalg.inv(np.array(source.matrix_world)) @ np.array(fine.matrix_world)
     corners = transform(there, filling.points_of(filling.mesh_of(fine)))
@@ -50,7 +50,7 @@ def add(source: bpy.types.Object, fine: bpy.types.Object, shown: bpy.types.Objec
 
 
 def clear(source: bpy.types.Object) -> None:
-    """Takes off the strokes of all frames what `add` stored."""
+    """Removes the attributes of `add` from the strokes of all frames."""
     data: Any = source.data
     for drawing in (frame.drawing for layer in data.layers for frame in layer.frames):
         for name in (keys.FOLLOWED, keys.OFFSET):

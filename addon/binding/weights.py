@@ -1,4 +1,4 @@
-"""One mesh follows one cage by cage coordinates: weights as attributes, summed by a node group that the file keeps."""
+"""One mesh follows one cage by cage coordinates: weights as attributes, summed by a node group stored in the file."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ KINDS: dict[str, Callable[[], Any]] = {
     HARMONIC: lambda: core.Harmonic(),
     LINEAR: lambda: core.PiecewiseLinear(),
 }
-# Maximum number of vertices times vertices of the cage: Blender sums this many weights in a few hundredths of a second,
-# on every frame.
+# Maximum product of the vertex counts of mesh and cage: Blender sums this many weights in a few hundredths of a
+# second per frame.
 MAX_WEIGHTS = 1_000_000
 
 
 def fits(obj: bpy.types.Object, cage: bpy.types.Object) -> bool:
-    """Whether the weights are few enough to be summed while the cage is moved."""
+    """Whether the weights are few enough for interactive use."""
     return len(obj.data.vertices) * len(cage.data.vertices) <= MAX_WEIGHTS
 
 
@@ -40,7 +40,7 @@ def add(
 ) -> bpy.types.Modifier:
     """Stores the weights of an object's vertices at `points` (n, 3), in its own space, and adds the modifier.
 
-    surface: the object that shows the cage in the space of `obj`, to follow in its place: copies then do so too.
+    surface: an object that shows the cage in the space of `obj`, to follow instead: copies then follow too.
 
     Raises: UserError if the points are not in the plane and the inside of the cage.
     """
@@ -65,7 +65,7 @@ def add(
 
 
 def clear(obj: bpy.types.Object) -> None:
-    """Takes the weights off a mesh object."""
+    """Removes the weights from a mesh object."""
     attributes = obj.data.attributes
     for name in [attribute.name for attribute in attributes if attribute.name.startswith(keys.WEIGHT)]:
         attributes.remove(attributes[name])

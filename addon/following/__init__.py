@@ -1,5 +1,5 @@
-"""Cages that follow a drawing: its animation, frame by frame, or its edits as they are made.
+"""Cages that follow a drawing: its animation, or its edits.
 
-`poses`: an animated drawing to its poses. `moving`: poses to certified cages, in the numbers that Blender stores.
-`writing`: these to keyed shape keys. `editing`: a drawing as it is being edited. `live`: following edits.
+`poses`: the poses of an animated drawing. `moving`: from poses to certified cages as Blender stores them.
+`writing`: cages as keyed shape keys. `editing`: a drawing while it is edited. `live`: following edits.
 """

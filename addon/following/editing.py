@@ -1,4 +1,4 @@
-"""A drawing as it is while it is being edited, and what its cages enclose: both sides of a step."""
+"""A drawing while it is edited."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .poses import in_own_space
 def drawing_now(
     context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions, frame: Frame | None = None
 ) -> Drawing:
-    """The whole drawing as it is now, in any mode, in its object's space. Raises: UserError.
+    """The current drawing, in any mode, in its object's space. Raises: UserError.
 
-    frame: where it lay before; it is kept if the drawing does not lie flat in its object.
+    frame: its previous plane; used if the drawing is not flat in its object.
     """
     outline = in_own_space(_outline(context, obj, options))
     drawing = fine_drawing(outline, options)
@@ -32,7 +32,7 @@ def _outline(context: bpy.types.Context, obj: bpy.types.Object, options: Reading
     obj.update_from_editmode()
     if obj.type != "MESH":
         return read(context, obj, options)
-    # Of a mesh in Edit Mode only the selection is read; of a copy of it, everything.
+    # Of a mesh in Edit Mode only the selection would be read; a copy is read completely.
     copy, data = obj.copy(), mesh_of(obj).copy()
     try:
         copy.data = data

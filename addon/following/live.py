@@ -1,8 +1,8 @@
 """Live: while it is on, the cages of a drawing follow its edits.
 
-A handler notes that the drawing was changed; a timer does the work. Where the topology is the same, one step leads from
-the cages to the drawing of now; otherwise cages are made anew in slices. What the cages enclose is in the scene, so
-undo, which changes both, needs no care.
+A handler notes changes of the drawing; a timer does the work. If the topology is unchanged, one step moves the cages to
+the current drawing; otherwise they are made again in slices. The fine mesh is an object in the scene, so undo, which
+changes it together with the cages, needs no special handling.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from ..scene.selection import found_object
 from . import writing
 from .editing import drawing_now
 
-# Seconds between looks at whether there is something to do, and of work per look while cages are made anew.
+# Seconds between checks for something to do, and of work per check while cages are made again.
 LOOK_INTERVAL, REMAKE_SLICE = 0.02, 0.03
-# Seconds that a drawing must rest before its cages are made anew. A step needs no rest: it only waits as long as the
-# last one took, so that at least half of the time is Blender's.
+# Seconds that a drawing must rest before its cages are made again. A step needs no rest: it only waits as long as the
+# last one took, which leaves at least half of the time to Blender.
 REST = 0.3
 
 
 class Live:
-    """Follows the edits of one drawing. ``behind``: whether the cages are out of date, ``problem``: why they cannot
-    follow, ``seconds``: what the last step took.
+    """Follows the edits of one drawing. ``behind``: whether the cages are out of date; ``problem``: why they cannot
+    follow; ``seconds``: time of the last step.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Live:
         self._job: Job[list[Result]] | None = None
 
     def mark(self) -> None:
-        """The drawing may have been changed, so its cages may be behind."""
+        """Note that the drawing may have changed, so its cages may be out of date."""
         self._dirty, self._marked = True, time.perf_counter()
         if not self.behind:
             self.behind = True
@@ -66,7 +66,7 @@ class Live:
             self._job = None
 
     def tick(self, context: bpy.types.Context) -> bool:
-        """Does what is to be done now; False when following has come to its end."""
+        """Does the pending work; returns False when following has ended."""
         scene, source = bpy.data.scenes.get(self.scene), found_object(self.identity)
         collection = ownership.collection_of(scene, source) if scene is not None and source is not None else None
         if scene is None or source is None or collection is None or why_not(collection) or bake.is_animated(collection):
@@ -84,7 +84,7 @@ class Live:
         return True
 
     def stop(self) -> None:
-        """Drops a job under way."""
+        """Cancels a running job."""
         if self._job is not None:
             self._job.stop()
             self._job = None
@@ -92,7 +92,7 @@ class Live:
     def _follow(
         self, context: bpy.types.Context, source: bpy.types.Object, collection: bpy.types.Collection, now: float
     ) -> None:
-        """Brings the cages up to date, or begins to make them anew."""
+        """Updates the cages, or starts to make them again."""
         try:
             drawing = drawing_now(context, source, self.reading)
             after = drawing.mesh()
@@ -110,7 +110,7 @@ class Live:
             self._begin(collection, drawing)
 
     def _step(self, collection: bpy.types.Collection, drawing: Drawing, after: core.Mesh) -> bool:
-        """Whether the cages enclose the drawing of now, moved by one step if need be."""
+        """Moves the cages by one step if necessary; returns whether they enclose the current drawing."""
         objects = ownership.members(collection)
         if len(objects) < 2 or any(obj.mode != "OBJECT" for obj in objects):
             return False
@@ -148,7 +148,7 @@ class Live:
         return AUTOMATIC_CLEARANCES[0] * fine.diagonal
 
     def _begin(self, collection: bpy.types.Collection, drawing: Drawing) -> None:
-        """Begins to make cages with as many vertices as they have, as far as the drawing has so many."""
+        """Starts to make cages again, with the same vertex counts as far as the drawing has as many vertices."""
         total = sum(map(len, drawing.loops))
         levels = tuple(min(total, len(filling.mesh_of(obj).vertices)) for obj in ownership.members(collection)[1:])
         clearance = self._clearance(drawing, drawing.mesh()) if self.options.clearance > 0.0 else 0.0
@@ -162,7 +162,7 @@ class Live:
         self._job.start()
 
     def _go_on(self, scene: bpy.types.Scene) -> None:
-        """Works on new cages, and writes them when they are done."""
+        """Continues work on new cages, and writes them when done."""
         job = self._job
         assert job is not None
         if job.cancelled:
@@ -202,7 +202,7 @@ _current: list[Live] = []
 
 
 def current() -> Live | None:
-    """What is followed now, if Live is on."""
+    """The drawing that is followed, if Live is on."""
     return _current[0] if _current else None
 
 
@@ -216,7 +216,7 @@ def start(live: Live) -> None:
 
 
 def stop() -> None:
-    """Switches Live off; no handler or timer stays."""
+    """Switches Live off and removes its handlers and timer."""
     for live in _current:
         live.stop()
     _current.clear()
@@ -238,7 +238,7 @@ def _handlers() -> tuple[tuple[Any, Callable[..., None]], ...]:
 
 
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Notes that the shape of the drawing was changed: its object, or its data, which is tagged alone in Edit Mode."""
+    """Notes changes to the shape of the drawing: to its object, or to its data, which alone is tagged in Edit Mode."""
     live = current()
     source = found_object(live.identity) if live is not None else None
     if live is None or source is None:
@@ -261,7 +261,7 @@ def _on_load(*_: object) -> None:
 
 
 def _on_timer() -> float | None:
-    """Seconds until the next look; None when Live is off."""
+    """Seconds until the next check; None when Live is off."""
     live = current()
     if live is None:
         return None

@@ -1,4 +1,4 @@
-"""Poses to certified cages in the numbers that Blender stores; nothing here touches the scene."""
+"""From poses to certified cages as Blender stores them. Does not touch the scene."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class MovingCage:
 
 @dataclass(frozen=True)
 class Moving:
-    """A drawing that moves, on frames (T,) and points (T, n, 2), and its cages, each around the one before it."""
+    """A moving drawing, on frames (T,) and points (T, n, 2), and its cages, each around the one before."""
 
     poses: Poses
     edges: NDArray[np.int64]
@@ -73,8 +73,8 @@ def wanted_cages(levels: Sequence[Level], poses: Poses) -> tuple[Wanted, ...]:
 def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Moving]:
     """Cages of constant topology that follow the poses. Raises: UserError, with the frame.
 
-    options: its clearance is in the drawing's units. cyclic: a last pose is added that is the first one again, unless
-    it is there, and the last cage is the first one.
+    options: its clearance is in the drawing's units. cyclic: the last cage equals the first; a last pose equal to the
+    first is added if necessary.
     """
     fine, wanted = poses.drawing.mesh(), wanted_cages(options.levels, poses)
     if cyclic and not np.array_equal(poses.points[0], poses.points[-1]):
@@ -133,7 +133,7 @@ def _level(
 
 
 def _with_frames(sentence: str, frames: NDArray[np.float64]) -> str:
-    """The core's sentence, which names poses by number, with frames instead."""
+    """A message of the core with pose numbers replaced by frames."""
 
     def frame(match: re.Match[str]) -> str:
         word = "Frame" if match[1] == "P" else "frame"
@@ -143,7 +143,7 @@ def _with_frames(sentence: str, frames: NDArray[np.float64]) -> str:
 
 
 def _stored(inner: core.Mesh, level: core.MovingLevel, clearance: float) -> Work[MovingCage | str]:
-    """The core's level in float32, certified as such, or why it cannot be."""
+    """The core's level in float32 with its certificate, or why that fails."""
     steps = level.cage_steps.astype(np.float32)
     cages, fines, cage = steps.astype(np.float64), level.fine_steps, level.cage
     certificates: list[core.Certificate] = []

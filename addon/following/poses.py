@@ -1,4 +1,4 @@
-"""An animated drawing to its poses: its evaluated outline on some frames, in the space of its object."""
+"""The poses of an animated drawing: its evaluated outline on some frames, in the space of its object."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from ..scene.selection import scene_of
 
 @dataclass(frozen=True)
 class Poses:
-    """What an object looks like on frames (T,): points (T, n, 2), float32 given as float64, in the plane of
-    ``drawing``, which is the first pose.
+    """The outline of an object on frames (T,): points (T, n, 2), float32 values as float64, in the plane of
+    ``drawing``, the first pose.
 
-    The frame of the drawing is in the object's space, so that the object's own transform is no part of the motion.
+    The frame of the drawing is in the object's space, so the object's own transform is not part of the motion.
     ``scale`` is the world length of its unit on the first frame.
     """
 
@@ -34,10 +34,10 @@ class Poses:
 def read_poses(
     context: bpy.types.Context, obj: bpy.types.Object, frames: Sequence[int], options: ReadingOptions
 ) -> Work[Poses]:
-    """Reads an object on frames, which must increase; then the scene is on its frame again. Raises: UserError, with
-    the frame.
+    """Reads an object on increasing frames; afterwards the scene is on its frame again. Raises: UserError, with the
+    frame.
 
-    All frames from the first to the last are visited, as simulations need it.
+    All frames from the first to the last are visited, as simulations require.
     """
     scene, wanted = scene_of(context), set(frames)
     found: list[Drawing] = []
@@ -76,7 +76,7 @@ def _first(outline: Outline, options: ReadingOptions) -> Drawing:
 
 
 def _posed(first: Drawing, outline: Outline, options: ReadingOptions) -> Drawing:
-    """A later pose in the plane of the first one. Raises: UserError if its topology is another."""
+    """A later pose in the plane of the first one. Raises: UserError if its topology differs."""
     drawing = drawing_in(first.frame, outline, options)
     if not same_loops(first, drawing):
         before, now = (f"{len(d.loops)} loops of {sum(map(len, d.loops))} vertices" for d in (first, drawing))

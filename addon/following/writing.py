@@ -1,4 +1,4 @@
-"""Cages that follow, and the drawing that they follow, to keyed shape keys on children of its object."""
+"""Writes cages that follow, and the drawing they follow, as keyed shape keys on children of its object."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from .moving import Moving, MovingCage
 
 
 def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0) -> list[str]:
-    """Writes the output of each drawing in place of earlier output; returns sentences about what of an artist's work
-    on that is not on the new one. Raises: UserError, before anything is changed.
+    """Writes the output of each drawing in place of earlier output; returns sentences about the artist's work on that
+    which could not be transferred. Raises: UserError, before anything is changed.
     """
     for result in results:
         source = result.poses.drawing.source
@@ -43,7 +43,7 @@ def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 
 
 
 def _standing(result: Moving) -> Result:
-    """The first pose with its cages, as if they had been made for it alone."""
+    """The first pose with its cages as a result for one frame."""
     inner, edges = result.poses.points[:1].astype(np.float32), result.edges
     levels = []
     for cage in result.cages:
@@ -53,7 +53,7 @@ def _standing(result: Moving) -> Result:
 
 
 def _in_world(drawing: Drawing, scale: float) -> Drawing:
-    """A drawing in its object's space as one of the scene; scale: the world length of its unit."""
+    """A drawing in its object's space converted to scene space; scale: the world length of its unit."""
     source, frame = drawing.source, drawing.frame
     assert source is not None
     world = np.array(source.matrix_world, dtype=np.float64)
@@ -88,7 +88,7 @@ def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Movi
 
 
 def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
-    """Takes away what plays how cages come about, of an output without steps."""
+    """Removes the animation of how the cages form from output without steps."""
     stage.leave(collection)
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
@@ -97,7 +97,7 @@ def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> 
 
 
 def write_still(scene: bpy.types.Scene, result: Result) -> None:
-    """Writes the finished cages of a drawing in its object's space, without how they came about. Raises: UserError."""
+    """Writes the finished cages of a drawing in its object's space, without animation. Raises: UserError."""
     source = result.drawing.source
     if source is None:
         raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were dropped")
@@ -119,7 +119,7 @@ def scale_of(obj: bpy.types.Object) -> float:
 
 
 def still_facts(certificate: core.Certificate, number: int, scale: float) -> dict[str, Any]:
-    """What can be read from a cage that was moved by a step; lengths are those of the scene."""
+    """Custom properties of a cage that was moved by a step; lengths in scene units."""
     clearance, excess = float(certificate.clearance) * scale, float(certificate.excess)
     sentence = (
         f"Certified as stored: simple, strictly encloses level {number - 1}; clearance {clearance:.3g}, "
@@ -129,7 +129,7 @@ def still_facts(certificate: core.Certificate, number: int, scale: float) -> dic
 
 
 def _facts(frames: NDArray[np.float64], cage: MovingCage, number: int, scale: float) -> dict[str, Any]:
-    """What the panel and other programs can read from a cage; lengths are those of the scene."""
+    """Custom properties of a cage, for the panel and other programs; lengths in scene units."""
     first, last = round(float(frames[0])), round(float(frames[-1]))
     clearance, excess = cage.clearance * scale, cage.excess
     sentence = (

@@ -1,4 +1,4 @@
-"""What a user is told besides the result: whether there is room for a clearance, and why a cage is loose."""
+"""Advice to users: whether gaps allow a clearance, and why a cage is loose."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ..scene.convert import Drawing
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
-# Each count that is tried is larger than the one before by this factor; drawings above so many vertices are not tried.
+# Factor from one tested vertex count to the next; drawings with more vertices than this are not tested.
 COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
 
 
 def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing) -> None:
-    """Raises: UserError if holes and gaps have no room for so many cages at a clearance, in the drawing's units.
+    """Raises: UserError if holes or gaps are too narrow for the cages at a clearance, in the drawing's units.
 
-    Each level keeps its own clearance, so that the last one is as many clearances away from the drawing.
+    Each level keeps its own clearance, so the last one is as many clearances away from the drawing.
     """
     bound = core.hierarchy.tightest_place(fine)
     if bound is None or bound.clearance > levels * clearance:
@@ -33,13 +33,13 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
 
 
 def smallest_found(message: str) -> int | None:
-    """The smallest number of vertices that a refusal of the core says it found."""
+    """The smallest possible number of vertices according to an error message of the core."""
     found = re.search(r"ask for at least (\d+)", message)
     return int(found[1]) if found else None
 
 
 def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: int | core.Mesh, clearance: float) -> tuple[str, ...]:
-    """Why a cage is much larger than the drawing, and what number of vertices would do; nothing if it is not."""
+    """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
     excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
     if excess <= LOOSE or not isinstance(wanted, int):
         return ()
@@ -51,7 +51,7 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: int | core.Mesh, clear
 
 
 def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:
-    """A count whose outer hull, before any tightening, is close enough; None if there is none."""
+    """A vertex count whose outer hull, without tightening, is close enough; None if there is none."""
     total = len(fine.vertices)
     while count < total <= LARGEST_TRIED:
         count = min(ceil(COUNT_GROWTH * count), total)

@@ -1,4 +1,4 @@
-"""Cages as they are now, perhaps edited: whether they still hold, and which vertices are at fault."""
+"""Verification of cages that may have been edited, and the vertices at fault."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .job import Progress, Work
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found of one cage and the mesh in it from the first to the last of `frames`: a sentence, the least
-    clearance, a length of the scene, and the points at fault, (k, 3) in each object's space, on the last frame.
+    """The finding for one cage and the mesh in it from the first to the last of `frames`: a sentence, the smallest
+    clearance in scene units, and the points at fault, (k, 3) in each object's space, on the last frame.
     """
 
     cage: str
@@ -36,8 +36,8 @@ class Finding:
 def check(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], originals: Sequence[bpy.types.Object] = ()
 ) -> list[Finding]:
-    """Checks each object against the one before it, as evaluated on the current frame, and the second one also against
-    the drawings that the first one is a copy of: these findings come first. Raises: UserError.
+    """Checks each object against the one before it, evaluated on the current frame, and the second one also against the
+    originals of the first one; these findings come first. Raises: UserError.
     """
     outlines = [read(context, obj) for obj in objects]
     frame = fine_drawing(outlines[0]).frame
@@ -51,8 +51,8 @@ def check(
 def check_animation(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], originals: Sequence[bpy.types.Object] = ()
 ) -> Work[list[Finding]]:
-    """Checks the same on the scene's frames from its first to its last, up to the first with a fault, which then is the
-    current one. Raises: UserError, with the frame.
+    """Checks all frames of the scene's range, up to the first with a fault, which becomes the current one. Raises:
+    UserError, with the frame.
     """
     scene = context.scene
     first, last = scene.frame_start, scene.frame_end
@@ -71,13 +71,13 @@ def check_animation(
 
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:
-    """The finding of the first frame with a fault, told with that frame."""
+    """The finding of the first frame with a fault; its sentence names the frame."""
     sentence = f"Frame {frame}: {finding.sentence}"
     return replace(finding, frames=(first, frame), sentence=sentence)
 
 
 def _enclosing(finding: Finding, first: int, last: int) -> Finding:
-    """The finding of least clearance, told of all frames."""
+    """The finding of smallest clearance; its sentence is about all frames."""
     sentence = (
         f"'{finding.cage}' encloses '{finding.fine}' on all frames from {first} to {last}: "
         f"clearance {finding.clearance:.3g} at least"
@@ -87,7 +87,7 @@ def _enclosing(finding: Finding, first: int, last: int) -> Finding:
 
 @contextmanager
 def same_frame(scene: bpy.types.Scene) -> Iterator[None]:
-    """Comes back to the frame that is current now."""
+    """Returns to the current frame at the end."""
     frame, subframe = scene.frame_current, scene.frame_subframe
     try:
         yield
@@ -123,7 +123,7 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
 
 
 def _faults(cage: Drawing, fine: Drawing) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which points of both drawings are on edges that cross, or are outside of the cage or inside of a hole of it."""
+    """Points of both drawings that are on crossing edges, outside of the cage, or inside one of its holes."""
     (points, ends), (fine_points, fine_ends) = (_edges(drawing) for drawing in (cage, fine))
     at_fault, fine_at_fault = np.zeros(len(points), np.bool_), np.zeros(len(fine_points), np.bool_)
     tree, fine_tree = predicates.BoxTree(points, points[ends]), predicates.BoxTree(fine_points, fine_points[fine_ends])
@@ -135,12 +135,12 @@ def _faults(cage: Drawing, fine: Drawing) -> tuple[NDArray[np.bool_], NDArray[np
     i, j = i[apart], j[apart]
     at_fault[np.concatenate([i, ends[i], j, ends[j]])] = True
     winding = predicates.winding_number(fine_points, points, points[ends])
-    # Without the sense of the loops, a point is inside where it is surrounded an odd number of times.
+    # The loops have no consistent sense, so the even-odd rule decides what is inside.
     return at_fault, fine_at_fault | (winding % 2 == 0) | (winding == predicates.ON_BOUNDARY)
 
 
 def _edges(drawing: Drawing) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """All points (n, 2) of a drawing and for each the index (n,) of the next one along its loop."""
+    """All points (n, 2) of a drawing and the index (n,) of the next one along its loop for each."""
     sizes = [len(loop) for loop in drawing.loops]
     starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     onward = [start + (np.arange(size) + 1) % size for start, size in zip(starts, sizes, strict=True)]

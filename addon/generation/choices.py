@@ -1,6 +1,6 @@
-"""The methods to choose from: name, purpose, and the object of the core.
+"""The available methods: name, description, and the object of the core.
 
-Nothing else in the add-on knows their keys.
+Their keys appear nowhere else in the add-on.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Items = tuple[tuple[str, str, str], ...]
 
 
 class Chosen(Protocol):
-    """All chosen methods, of which a method may need parts."""
+    """All chosen methods, for methods that need others as parts."""
 
     @property
     def repairs(self) -> frozenset[str]: ...
@@ -28,13 +28,13 @@ class Chosen(Protocol):
         """The core's energy of the cage while the drawing grows back."""
 
 
-# Makes the core's object, from the other chosen methods if it needs any.
+# Makes the core's object; may use the other chosen methods.
 Make = Callable[[Chosen], Any]
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One method. `uses`: settings that apply to it. `partners`: what automatic settings become with it."""
+    """One method. `uses`: settings that apply to it. `partners`: values of automatic settings with it."""
 
     name: str
     description: str
@@ -45,8 +45,8 @@ class Choice:
 
 @dataclass(frozen=True)
 class Setting:
-    """What can be chosen for one thing. `automatic`: the key that automatic stands for where no partner is named, and
-    a description of it; none if it is never automatic.
+    """The choices of one setting. `automatic`: the key that automatic means if no partner is named, and a description;
+    None if it is never automatic.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Setting:
 
     @property
     def default(self) -> str:
-        """The key to begin with."""
+        """The default key."""
         return next(iter(self.choices)) if self.automatic is None else AUTOMATIC
 
     @property
@@ -74,7 +74,7 @@ DECIMATIONS = {
     ),
     "OUTER_HULL": Choice(
         "Outer Hull",
-        "Coarse meshes start outside the drawing, which does not have to shrink: the tightest cages",
+        "Coarse meshes start outside the drawing, which need not shrink: the tightest cages",
         lambda _: core.OuterHull(),
     ),
     "ARC_LENGTH": Choice(
@@ -110,7 +110,7 @@ DECIMATIONS = {
     ),
 }
 
-# Those by which holes may close and parts may merge.
+# Decimations that may close holes and merge parts.
 MERGING = ("LEVEL_SET_MERGING",)
 
 ENERGIES = {
@@ -332,4 +332,4 @@ SETTINGS = {
         ("CELLS", "A uniform grid, or all pairs with the paper's contact"),
     ),
 }
-"""All that has choices, by the names that properties have."""
+"""All settings with choices, by property name."""

@@ -1,4 +1,4 @@
-"""Drawings to certified cages in the numbers that Blender stores; nothing here touches the scene."""
+"""From drawings to certified cages as Blender stores them. Does not touch the scene."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .levels import Level, Wanted, wanted_levels
 from .memory import Memory, key_of
 from .methods import Methods
 
-# Automatic clearances as parts of the drawing's diagonal: the core's default, and one for drawings whose gaps leave no
-# room for it. Less than that cannot be told from nothing in float32.
+# Automatic clearances as fractions of the drawing's diagonal: the core's default, and one for drawings whose gaps are
+# too narrow for it. Smaller ones are lost in float32.
 AUTOMATIC_CLEARANCES = (1e-5, 1e-6)
-# Rounding to float32 moves a coordinate by at most this part of it; of a point by sqrt(2) times that.
+# Largest relative error of a coordinate rounded to float32; of a point, sqrt(2) times that.
 FLOAT32_ROUNDING = float(np.finfo(np.float32).eps) / 2.0
-# What is added to the wanted clearance, in roundings of the largest coordinate: twice what one rounded mesh can lose,
-# as the cage reaches further out than the drawing that the coordinate is taken from.
+# Added to the wanted clearance, in roundings of the drawing's largest coordinate: twice the largest loss of one rounded
+# mesh, as the cage is larger than the drawing.
 MARGIN = 2.0 * np.sqrt(2.0)
-# How many of these margins to try: rounding can also close a gap that the cage has with itself.
+# Multiples of this margin to try: rounding can also close gaps between parts of the cage.
 MARGINS = (1.0, 64.0)
 
-# What the stages of the core are called for users.
+# Names of the core's stages for users.
 STAGES = {
     "decimation": "making a coarse mesh",
     "flow": "shrinking",
@@ -53,7 +53,7 @@ class Options:
 @dataclass(frozen=True)
 class Request:
     """A drawing, and the user's own coarse drawings for it, finest first: one for each `OWN` in `Options.levels`, or
-    all levels if there are none in it.
+    all levels if there is no `OWN`.
     """
 
     fine: Drawing
@@ -62,8 +62,8 @@ class Request:
 
 @dataclass(frozen=True)
 class CageLevel:
-    """One level as Blender stores it: `fine_steps` (S, n, 2) and `cage_steps` (S, m, 2), float32, go through flow (up
-    to index `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result.
+    """One level as Blender stores it: `fine_steps` (S, n, 2) and `cage_steps` (S, m, 2), float32, of flow (up to index
+    `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result.
     """
 
     fine_edges: NDArray[np.int64]
@@ -96,15 +96,15 @@ class Result:
 
 
 known_levels: Memory[tuple[CageLevel, ...]] = Memory()
-"""Levels that were computed in this session: what is asked for again is not computed again."""
+"""Levels computed in this session, for reuse."""
 
 
 class Generation:
     """Cages for several drawings as an iterator of `Progress`; ``results`` is complete when it ends. Dropping it
     cancels.
 
-    Of several drawings, those that cannot be caged are left out: ``problems`` says why. Everything that can be known
-    without computing is known to the constructor. Raises: UserError if no drawing is left.
+    Of several drawings, those that cannot be caged are skipped: ``problems`` says why. The constructor checks
+    everything that needs no computation. Raises: UserError if no drawing is left.
     """
 
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
@@ -121,7 +121,7 @@ class Generation:
         self._check_some(self._plans)
 
     def _plan(self, request: Request) -> tuple[Request, core.Mesh, tuple[Wanted, ...]]:
-        """What is to be made for a drawing. Raises: UserError."""
+        """The plan for a drawing. Raises: UserError."""
         fine, options = request.fine.mesh(), self.options
         own = tuple(drawing.mesh() for drawing in request.coarse)
         if not own and not options.levels:
@@ -146,7 +146,7 @@ class Generation:
                 finished: list[CageLevel] = []
                 try:
                     for progress in self._levels(request, fine, levels, finished):
-                        # A level that starts anew, from another coarse mesh, goes back; what is shown does not.
+                        # A level that starts over goes back; the displayed progress does not.
                         reached = max(reached, (done + progress.fraction) / total)
                         yield Progress(reached, progress.message)
                 except UserError as error:
@@ -168,7 +168,7 @@ class Generation:
         clearances, inner = self._clearances(request, fine), fine
         for number, wanted in enumerate(levels, 1):
             name = f"{request.fine.name}, level {number}"
-            yield Progress(number - 1.0, name)  # before anything is computed, so that it can be shown
+            yield Progress(number - 1.0, name)  # shown before anything is computed
             for step in self._level(name, inner, wanted.level, clearances):
                 if isinstance(step, CageLevel):
                     cage = core.Mesh(step.cage.astype(np.float64), step.cage_edges)
@@ -181,7 +181,7 @@ class Generation:
             yield Progress(float(number), name)
 
     def _clearances(self, request: Request, fine: core.Mesh) -> tuple[float, ...]:
-        """The wanted clearance in the drawing's units, or the automatic ones, to be tried in turn."""
+        """The wanted clearance in the drawing's units, or the automatic ones to try in turn."""
         if self.options.clearance > 0.0:
             return (self.options.clearance / request.fine.frame.scale,)
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
@@ -189,7 +189,7 @@ class Generation:
     def _level(
         self, name: str, fine: core.Mesh, wanted: int | core.Mesh, clearances: Sequence[float]
     ) -> Iterator[core.Progress | CageLevel]:
-        """The core's progress of one level, and at the end its `CageLevel`. Raises: UserError."""
+        """Yields the core's progress of one level, and returns its `CageLevel`. Raises: UserError."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
         settings = self.options.methods.settings()
@@ -222,8 +222,8 @@ class Generation:
         raise UserError(f"'{name}': {problem}")
 
     def _stored(self, fine: core.Mesh, level: core.Level, clearance: float) -> CageLevel:
-        """The core's level in float32, certified as such: the flow, during which the coarse mesh stands still, and the
-        reinflation in one sequence.
+        """The core's level in float32 with its certificate: flow, during which the coarse mesh rests, and reinflation
+        in one sequence.
         """
         flow, reinflation = level.flow.steps, level.reinflation
         standing = np.broadcast_to(level.coarse.vertices, (len(flow) - 1, *level.coarse.vertices.shape))
@@ -244,9 +244,9 @@ class Generation:
         )
 
     def _inside_from(self, cage: core.Mesh, fine: core.Mesh, cage_steps: Steps, fine_steps: Steps, first: int) -> int:
-        """The step from which on the motion is certified to be free of collisions in float32 too.
+        """The step from which on the motion is certified collision-free in float32 too.
 
-        This is the last step of the flow, unless rounding closed a gap later: then what comes before counts as flow.
+        This is the last step of the flow, unless rounding closed a gap later: then all earlier steps count as flow.
         """
         while True:
             cages, fines = (steps[first:].astype(np.float64) for steps in (cage_steps, fine_steps))
@@ -257,5 +257,5 @@ class Generation:
 
 
 def _noted(level: CageLevel, note: str) -> CageLevel:
-    """The level with one more note."""
+    """The level with an additional note."""
     return replace(level, report=replace(level.report, notes=(note, *level.report.notes)))

@@ -1,7 +1,7 @@
-"""Work that goes on in slices while Blender stays usable; the panel shows the job that ``running()`` returns.
+"""Work in slices while Blender stays usable; the panel shows the job that ``running()`` returns.
 
-Work is a generator of `Progress` that returns its result. It computes first and writes last; what it must take back
-when it is cancelled is in a ``finally``.
+Work is a generator of `Progress` that returns its result. It computes first and writes last; a ``finally`` undoes what
+a cancelled job must undo.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any, Generic, TypeVar
 
 import bpy
 
-# Seconds of work per tick of the timer, and seconds between ticks: some ten redraws a second, with most of the time
-# spent working.
+# Seconds of work per tick of the timer, and seconds between ticks: about ten redraws per second, with most of the time
+# spent on work.
 SLICE = 0.08
 TICK = 0.01
 
@@ -24,7 +24,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Progress:
-    """How much of everything is done, in [0, 1], and what is being done."""
+    """Fraction of the whole job that is done, and what is being done."""
 
     fraction: float
     message: str
@@ -34,8 +34,8 @@ Work = Generator[Progress, None, Result]
 
 
 class Job(Generic[Result]):
-    """Work under way: ``fraction`` and ``message`` for display, ``cancelled`` for anybody to set, and ``end``, which
-    stops it with all that its operator has set up, given the context. ``result`` is there when it is done.
+    """A running job: ``fraction`` and ``message`` for display, ``cancelled`` to request cancelling, and ``end``, which
+    stops it together with its operator, given the context. ``result`` is set when it is done.
     """
 
     result: Result
@@ -50,7 +50,7 @@ class Job(Generic[Result]):
     def advance(self, seconds: float = SLICE) -> bool:
         """Works for about `seconds`; True when everything is done. Raises: UserError.
 
-        A stage that begins ends the slice: some report nothing while they work, and what is shown is what is done.
+        The start of a stage ends the slice, so that the panel shows it before it runs.
         """
         until = time.perf_counter() + seconds
         while True:
@@ -71,14 +71,14 @@ class Job(Generic[Result]):
         _current.append(self)
 
     def stop(self) -> None:
-        """Drops the work; `running` returns None again."""
+        """Cancels the work; `running` returns None again."""
         _current.clear()
-        with suppress(ReferenceError):  # another file was opened: what was to be taken back is gone
+        with suppress(ReferenceError):  # another file was opened: there is nothing left to undo
             self._work.close()
 
 
 def completed(work: Work[Result]) -> Result:
-    """Works to the end at once. Raises: UserError."""
+    """Runs work to its end at once and returns its result. Raises: UserError."""
     while True:
         try:
             next(work)
@@ -91,5 +91,5 @@ _current: list[Job[Any]] = []
 
 
 def running() -> Job[Any] | None:
-    """The job under way, if there is one."""
+    """The running job, if there is one."""
     return _current[0] if _current else None

@@ -1,4 +1,4 @@
-"""Results of this session, so that what is asked for again, or only timed anew, is not computed again."""
+"""Results of this session, for reuse when the same is asked for again or only the timing has changed."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .levels import Wanted
 
 Value = TypeVar("Value")
 
-# Bytes of results that are kept; the last one is kept whatever its size.
+# Maximum size in bytes of the results kept; the last one is kept whatever its size.
 MOST_BYTES = 256 * 2**20
 
 
 class Memory(Generic[Value]):
-    """Values by key; those used longest ago are forgotten when they take too much room."""
+    """Values by key, with a limit of memory; the least recently used are forgotten first."""
 
     def __init__(self) -> None:
         self._values: OrderedDict[str, tuple[Value, int]] = OrderedDict()
@@ -32,7 +32,7 @@ class Memory(Generic[Value]):
         return self._values[key][0]
 
     def put(self, key: str, value: Value, size: int) -> None:
-        """Keeps a value of so many bytes."""
+        """Stores a value of a size in bytes."""
         self._values[key] = (value, size)
         while len(self._values) > 1 and sum(held for _, held in self._values.values()) > MOST_BYTES:
             self._values.popitem(last=False)
@@ -43,7 +43,7 @@ class Memory(Generic[Value]):
 
 
 def key_of(fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], methods: object) -> str:
-    """What a result depends on, to the last bit."""
+    """Everything that a result depends on, exactly."""
     chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in vars(methods).items()]
     found = hashlib.sha256(repr((tuple(clearances), chosen)).encode())
     for part in (fine, *(wanted.level for wanted in levels)):

@@ -1,7 +1,7 @@
-"""One choice for everything that can be chosen, and the settings of the core that it comes to.
+"""The chosen methods, and the settings of the core that they make.
 
-What is `AUTOMATIC` becomes the partner that the chosen contact was made for; what is set although no chosen method has
-a use for it is refused.
+Settings that are `AUTOMATIC` become what the chosen contact was designed for. Settings that do not apply to any chosen
+method are rejected.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from .choices import AUTOMATIC, CONTACTS, MERGING, REPAIRS, SETTINGS, Choice
 class Methods:
     """A choice for each of `SETTINGS`, by key, and what else makes a method.
 
-    `repairs`: keys of `REPAIRS`. `tighten`: whether the cage is optimised once the drawing is back. `starts`:
-    from how many coarse meshes. `fall_back`: whether to start from the outer hull when a coarse mesh does not work.
+    `repairs`: keys of `REPAIRS`. `tighten`: whether the cage is optimised once the drawing is back. `starts`: number
+    of coarse meshes to start from. `fall_back`: whether to start from the outer hull if a coarse mesh fails.
     """
 
     decimation: str = "ON_CURVE"
@@ -37,7 +37,7 @@ class Methods:
     fall_back: bool = True
 
     def with_partners(self) -> Methods:
-        """The same with what the contact was made for in place of what is automatic."""
+        """The same with automatic settings replaced by what the contact was designed for."""
         partners = CONTACTS[self.contact].partners
         chosen: dict[str, Any] = {
             name: partners.get(name, setting.automatic[0])
@@ -47,7 +47,7 @@ class Methods:
         return replace(self, **chosen)
 
     def check(self) -> None:
-        """Raises: UserError for what is set although no chosen method has a use for it."""
+        """Raises: UserError for a setting that does not apply to the chosen methods."""
         for name, setting in SETTINGS.items():
             if setting.automatic is not None and getattr(self, name) != AUTOMATIC and not self.has_use_for(name):
                 raise UserError(
@@ -89,14 +89,14 @@ class Methods:
 USED_BY_METHODS = frozenset(
     name for setting in SETTINGS.values() for choice in setting.choices.values() for name in choice.uses
 )
-"""Settings that only some methods have a use for."""
+"""Settings that apply to some methods only."""
 
 OF_THE_CORE = ("decimation", "energy", "contact", "flow")
-"""Settings that are fields of the core's ``Settings``; the others are parts of these."""
+"""Settings that are fields of the core's ``Settings``; all others are parts of these."""
 
 
 def _users(name: str) -> list[str]:
-    """Names of the methods that have a use for a setting, with what they are."""
+    """Names of the methods that a setting applies to, with their kinds."""
     return [
         f"{setting.name} › {choice.name}"
         for setting in SETTINGS.values()

@@ -1,5 +1,5 @@
-"""Results to objects: one collection per drawing with its fine mesh and one object per cage, replacing what was there
-from before.
+"""Results as objects: one collection per drawing with its fine mesh and one object per cage, in place of earlier
+output.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .rollback import Rollback
 
 
 def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
-    """Frames that the steps of an output would play with other timing, or None if it has none."""
+    """Frames that the steps of an output would take with other timing; None if it has no steps."""
     stored = [StoredPhases.of(cage) for cage in members(collection)[1:]]
     phases = [found for found in stored if found is not None]
     if not stored or len(phases) < len(stored):
@@ -34,8 +34,8 @@ def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
 def write(
     scene: bpy.types.Scene, results: Sequence[Result], timing: Timing, thickness: float = 0.0
 ) -> tuple[list[bpy.types.Collection], list[str]]:
-    """Writes the output of each drawing; returns the collections, and sentences about what of an artist's work on
-    earlier output is not on the new one. Raises: UserError, before anything is changed, if earlier output cannot be
+    """Writes the output of each drawing; returns the collections, and sentences about the artist's work on earlier
+    output that could not be transferred. Raises: UserError, before anything is changed, if earlier output cannot be
     replaced.
     """
     earlier = [earlier_output(scene, result) for result in results]
@@ -64,7 +64,8 @@ def write(
 
 
 def _home(scene: bpy.types.Scene, results: Sequence[Result]) -> bpy.types.Collection:
-    """Where the new outputs of a run go: the collection of the first drawing; several in one of their own there."""
+    """The collection for the new outputs of a run: that of the first drawing, or for several outputs a new one in
+    it."""
     source = results[0].drawing.source if results else None
     own = ownership.home_of(scene, source)
     if len(results) < 2:
@@ -83,8 +84,8 @@ def _new_collection(home: bpy.types.Collection, result: Result) -> bpy.types.Col
 
 
 def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: float) -> None:
-    """Gives the lines of an output a thickness, a length of the scene, in renders; if it is 0, the cages alone, in
-    proportion to the drawing.
+    """Gives the lines of an output a thickness in renders, in scene units; 0: only the cages, in proportion to the
+    drawing.
     """
     automatic = display.AUTOMATIC_PART * float(np.linalg.norm(np.ptp(result.levels[0].fine_steps[-1], axis=0)))
     for obj in members(collection):
@@ -172,7 +173,7 @@ def _play(
     *,
     from_rest: bool = False,
 ) -> None:
-    """Animates the steps of the level of that number on one object."""
+    """Animates the steps of a level, given by its number, on one object."""
     shown = steps if timing.show_flow else steps[level.flow_end :]
     frames = timeline.step_frames(level, played[number - 1], timing)
     back = timeline.mirrored(frames, played[-1].end, timing) if timing.loop_back else None
@@ -188,8 +189,8 @@ def _member_with_mesh(
     result: Result,
     rollback: Rollback,
 ) -> bpy.types.Object:
-    """The collection's object of a level with a new mesh that lies where the drawing does; the object is kept if there
-    is one, with what an artist made on its mesh.
+    """The collection's object of a level with a new mesh, at the drawing's place. An existing object is kept, with the
+    artist's work on its mesh.
     """
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(vertices))
@@ -212,7 +213,7 @@ def _member_with_mesh(
 
 
 def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:
-    """What the panel and other programs can read from a cage; lengths are those of the scene."""
+    """Custom properties of a cage, for the panel and other programs; lengths in scene units."""
     certificate, report = level.certificate, level.report
     clearance = certificate.clearance * result.drawing.frame.scale
     loops = "all loops kept" if certificate.loops_kept else "with loops of its own"
@@ -238,7 +239,7 @@ def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[st
 
 
 def _rename(collection: bpy.types.Collection, name: str) -> None:
-    """Names an output after its drawing again if that was renamed; names that the user gave stay."""
+    """Renames an output if its drawing was renamed; names given by the user stay."""
     before = keys.text(collection, keys.NAME)
     if before in ("", name):
         return

@@ -1,4 +1,4 @@
-"""Output that takes the place of earlier output: what was there comes back if the new one cannot be finished."""
+"""Rollback: earlier output is restored if new output cannot be finished."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..scene.ownership import members
 
 
 class Rollback:
-    """The scene's frames and the output collections as they are now, to be restored or to be finished with."""
+    """The current state of the scene's range and the output collections, to be restored or discarded."""
 
     def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
         found = list(collections)
@@ -36,7 +36,7 @@ class Rollback:
         self._lost: list[str] = []
 
     def set_aside(self, obj: bpy.types.Object) -> None:
-        """Takes what we gave an object's animation away, and the names of its mesh, which is about to be replaced."""
+        """Removes our animation from an object, and frees the names of its mesh, which is about to be replaced."""
         for mesh in (obj.data, keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)):
             shapes = mesh.shape_keys if mesh is not None else None
             for block in (mesh, shapes, _action(shapes) if has_steps(shapes) else None):
@@ -47,19 +47,19 @@ class Rollback:
         next(member for member in self._members if member.obj == obj).visibility = visibility
 
     def drop(self, obj: bpy.types.Object) -> None:
-        """This object is not needed any more once all is done."""
+        """Marks an object to be removed at the end."""
         self._surplus.append(obj)
 
     def keep(self, obj: bpy.types.Object) -> None:
-        """This object is no part of the output any more, but stays once all is done."""
+        """Marks an object that leaves the output but stays in the scene."""
         self._kept.append(obj)
 
     def lose(self, obj: bpy.types.Object, what: Iterable[str]) -> None:
-        """What of this object's could not be carried over to its new mesh."""
+        """Notes what could not be transferred to the new mesh of an object."""
         self._lost += [f"'{obj.name}': {part} could not be kept" for part in what]
 
     def finish(self) -> list[str]:
-        """The new output is complete: removes what it has replaced. Returns sentences about what was lost."""
+        """The new output is complete: removes what it replaces. Returns sentences about what was lost."""
         kept = [value for obj in (*self._surplus, *self._kept) for value in _properties(obj).values()]
         for obj in self._kept:
             shape_keys.remove_steps(obj)
@@ -80,7 +80,7 @@ class Rollback:
         return self._lost
 
     def restore(self) -> None:
-        """The new output failed: everything is as it was again."""
+        """The new output failed: restores everything."""
         for member in self._members:
             member.restore()
         bpy.data.batch_remove([block for block in _everything() if block not in self._known])
@@ -148,7 +148,7 @@ class _Member:
 
 
 def _everything() -> Iterator[bpy.types.ID]:
-    """All data-blocks of the kinds that are written."""
+    """All data-blocks of the types that are written."""
     data = bpy.data
     for kind in (data.collections, data.objects, data.meshes, data.actions, data.node_groups, data.materials):
         yield from kind
@@ -170,7 +170,7 @@ def _set_properties(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """A copy of arrays, which would change with what they belong to."""
+    """A value; arrays, which would change with their owner, as copies."""
     if hasattr(value, "to_dict"):
         return dict(value)
     return value if isinstance(value, str | bpy.types.ID) or not hasattr(value, "__len__") else list(value)

@@ -1,1 +1,1 @@
-"""Files and images to drawings, and cages to files and other objects: `importers`, `exporters`, `image_outline`."""
+"""Import of files and images, export of cages: `importers`, `exporters`, `image_outline`, `cutout`, `silhouette`."""

@@ -19,9 +19,9 @@ from ..scene.plane import PLANARITY, Frame
 
 Points = NDArray[np.float64]
 
-# Points inside the outline, so that the picture bends smoothly: cells along the longer side.
+# Cells along the longer side, for points inside the outline that let the picture bend smoothly.
 CELLS = 24
-# Inner points keep this part of a cell away from the outline.
+# Distance of inner points from the outline, as a fraction of a cell.
 OUTLINE_DISTANCE = 0.5
 
 
@@ -44,14 +44,14 @@ class Canvas:
         return Frame(matrix=matrix, height=0.0, scale=1.0, own=True)
 
     def placed(self, parts: Points) -> Points:
-        """Points (n, 2), in parts of the picture's width and height, in the frame, as float32 has them."""
+        """Points (n, 2), as fractions of the picture's width and height, in the frame, rounded to float32."""
         sides = np.array([np.linalg.norm(self.width), np.linalg.norm(self.height)])
         points: Points = ((parts - 0.5) * sides).astype(np.float32).astype(np.float64)
         return points
 
 
 def load(path: Path) -> bpy.types.Image:
-    """The image of a file, an earlier one if it has been loaded. Raises: UserError."""
+    """The image of a file, reused if it is already loaded. Raises: UserError."""
     try:
         return bpy.data.images.load(str(path), check_existing=True)
     except RuntimeError as error:
@@ -72,7 +72,8 @@ def image_on(obj: bpy.types.Object | None) -> bpy.types.Image | None:
 
 
 def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:
-    """Where an object shows a picture of that size in pixels; without one, around the origin, its longer side 1 long.
+    """The place where an object shows a picture of that size in pixels; without an object, around the origin, 1 unit
+    long.
 
     Raises: UserError.
     """
@@ -155,13 +156,13 @@ def _distances(points: Points, starts: Points, ends: Points) -> Points:
 
 
 def material_of(image: bpy.types.Image) -> bpy.types.Material:
-    """A material that shows an image as it is, without light, transparent where the image is; the file has one."""
+    """A material that shows an image without lighting, with its transparency; one per file."""
     name = f"{image.name} Cutout"
     material = bpy.data.materials.get(name)
     if material is not None and _shows(material, image):
         return material
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # Blender 5.0 always has one
+    if material.node_tree is None:  # always there since Blender 5.0
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
@@ -176,7 +177,7 @@ def material_of(image: bpy.types.Image) -> bpy.types.Material:
         )
     )
     picture.image, picture.extension = image, "CLIP"
-    tree.nodes.active = picture  # what solid views show as the texture
+    tree.nodes.active = picture  # the texture of solid views
     for source, target in (
         (picture.outputs["Color"], glow.inputs["Color"]),
         (picture.outputs["Alpha"], mix.inputs[0]),

@@ -1,4 +1,4 @@
-"""Cages for others: as curves, faces and prisms in the scene, and as files."""
+"""Cages as curves, faces and prisms in the scene, and as files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..errors import UserError
 from ..scene import convert, display, filling, ownership, strokes
 from ..scene.plane import PLANARITY, size
 
-# Radius of strokes, as a part of the size.
+# Radius of strokes, as a fraction of the size.
 STROKE_RADIUS = 0.004
 
 
@@ -75,7 +75,7 @@ def make(
 
 
 def _standing(obj: bpy.types.Object) -> bpy.types.Object | None:
-    """The object whose transform alone places this one: itself, or a parent in whose space it is; None if more does."""
+    """The one object whose transform places this one: itself, or a parent in whose space it is; None if several do."""
     while not obj.constraints and obj.parent is not None and obj.parent_type == "OBJECT":
         if obj.matrix_parent_inverse != Matrix() or obj.matrix_basis != Matrix():
             return None
@@ -86,9 +86,9 @@ def _standing(obj: bpy.types.Object) -> bpy.types.Object | None:
 def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
     """A copy of each animated level, with its shape keys, its action, and triangles between its vertices.
 
-    Alembic keeps only the points of a mesh without faces; glTF carries either, lone edges as lines if asked for them.
-    The triangles fill the result, and only follow on the way to it. The copies are seen on all frames, because
-    exporters leave out what is hidden on their first. Raises: UserError.
+    Alembic keeps only the points of a mesh without faces; glTF keeps both, loose edges as lines on request. The
+    triangles fill the result and deform on the way to it. The copies are visible on all frames, because exporters
+    leave out objects that are hidden on their first. Raises: UserError.
     """
     for obj in objects:
         if ownership.level_of(obj) is None or obj.data.shape_keys is None:
@@ -112,7 +112,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
 
 
 def _own_action(obj: bpy.types.Object) -> None:
-    """Gives an object a copy of its action, which plays in the same slot."""
+    """Gives an object its own copy of its action, with the same slot."""
     slot = getattr(obj.animation_data, "action_slot", None)
     obj.animation_data.action = obj.animation_data.action.copy()
     if slot is not None:
@@ -128,8 +128,8 @@ def meshes(
 ) -> dict[str, core.Mesh]:
     """The core's ``Mesh`` of each object by its name, times `scale`. Raises: UserError.
 
-    In the plane and coordinates of the first; or, with `world`, in those of the world as seen from the top, the front
-    or the right, whichever the drawing faces.
+    In the plane and coordinates of the first; or, with `world`, in world coordinates seen from the top, the front or
+    the right, whichever the drawing faces.
     """
     outlines = [convert.read(context, obj) for obj in objects]
     first = convert.fine_drawing(outlines[0])
@@ -146,7 +146,7 @@ def meshes(
 
 
 def _seen(drawing: convert.Drawing) -> list[int]:
-    """The two axes of the world in which a drawing is seen. Raises: UserError if it is tilted against all of them."""
+    """The two world axes of the plane that a drawing faces. Raises: UserError if it is tilted."""
     normal = np.abs(np.cross(drawing.frame.matrix[:3, 0], drawing.frame.matrix[:3, 1]))
     away = int(normal.argmax())
     if np.delete(normal, away).max() > PLANARITY * normal[away]:
@@ -178,7 +178,7 @@ def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tu
 
 
 def _engine(shapes: dict[str, core.Mesh], flip_y: bool, triangles: bool) -> tuple[str, int]:
-    """Of the last mesh alone, the outermost."""
+    """The last mesh only, the outermost."""
     outermost = list(shapes.values())[-1]
     return core.exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles), 1
 

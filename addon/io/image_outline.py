@@ -1,4 +1,4 @@
-"""The alpha channel of an image to collision outlines in the scene."""
+"""Collision outlines in the scene from the alpha channel of an image."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class Picture:
 
     @classmethod
     def of(cls, image: bpy.types.Image) -> Picture:
-        """The opacity of an image of Blender's. Raises: UserError if it has none."""
+        """The opacity of a Blender image. Raises: UserError if it has none."""
         width, height = image.size
         if not width or not height:
             raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
         if image.channels not in (2, 4):
             raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
         pixels = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # the stubs take it for a number
+        image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # a number in the stubs
         return cls(image.name, pixels.reshape(height, width, image.channels)[::-1, :, -1])
 
     @property
@@ -64,7 +64,7 @@ class Picture:
 def place(
     context: bpy.types.Context, picture: Picture, mesh: core.Mesh, target: bpy.types.Object | None = None
 ) -> bpy.types.Object:
-    """A new object with the outline, a wire over the image as an image empty of size 1 shows it, or as `target` does.
+    """A new object with the outline as a wire over the image, as shown by an image empty of size 1 or by `target`.
 
     The longer side of the picture is one unit, and its middle is the object's origin.
     """
@@ -87,7 +87,7 @@ def place(
 
 
 def image_of(context: bpy.types.Context) -> bpy.types.Image | None:
-    """The image that the user works with: of the active image empty, or in an image editor."""
+    """The image of the active image empty, or of an image editor."""
     obj = context.view_layer.objects.active
     if obj is not None and obj.type == "EMPTY" and isinstance(obj.data, bpy.types.Image):
         return obj.data

@@ -1,4 +1,4 @@
-"""Files to drawings in the scene: the same kinds that cages are written to."""
+"""Drawings in the scene from files: the same formats that cages are written in."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ..scene.plane import size
 SVG, MAPS = (".svg",), (".geojson", ".json")
 
 
-# Metres per unit of drawings, whose unit is a pixel; what was exported from Blender comes back as large as it was.
+# Metres per unit: of drawings, whose unit is a pixel, and of files exported from Blender, which keep their size.
 PIXEL, EXPORTED = 0.01, 1.0
-# What written cages say of themselves in SVG, and the elements that are outlines in any SVG.
+# The mark of exported cages in SVG, and the elements with outlines in any SVG.
 OUR_SVG = re.compile(r"<svg\b[^>]*\bdata-outlines=")
 SHAPES = re.compile(r"<(path|rect|circle|ellipse|polygon|polyline)\b(?P<rest>[^>]*)")
 ID = re.compile(r"\sid\s*=\s*[\"']([^\"']*)[\"']")
@@ -83,7 +83,7 @@ def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
             try:
                 found.append(Shape(name, exchange.from_svg(numbered, element=name), True, scale))
             except core.NestedCagesError:
-                continue  # nothing of it is painted; if nothing is at all, the whole file says why
+                continue  # nothing of it is painted; if nothing is painted at all, reading the whole file says why
     return found or [Shape(path.stem, exchange.from_svg(content), True, scale)]
 
 
@@ -102,10 +102,10 @@ def _with_ids(text: str) -> tuple[str, list[str]]:
 def place(
     context: bpy.types.Context, shapes: list[Shape], *, y_down: bool | None, scale: float
 ) -> Work[list[bpy.types.Object]]:
-    """New objects of edges, each around its own middle, so that places far away keep their digits. Raises: UserError.
+    """New objects of edges, each around its own centre, so that distant places keep their precision. Raises: UserError.
 
-    y_down: whether the y axis points down, None for what is usual in the file; scale: metres per unit of the file, 0
-    for what is usual.
+    y_down: whether the y axis points down, None for the default of the file format; scale: metres per unit of the file,
+    0 for the default.
     """
     made: list[tuple[str, core.Mesh, NDArray[np.float64]]] = []
     for shape in shapes:
@@ -131,9 +131,9 @@ def _object(context: bpy.types.Context, name: str, mesh: core.Mesh, middle: NDAr
 
 
 def _stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
-    """The core's ``Mesh`` of loops (k, 2) in the numbers that Blender stores. Raises: UserError.
+    """The core's ``Mesh`` of loops (k, 2) in float32 precision. Raises: UserError.
 
-    Points that float32 cannot tell apart become one, and loops that touch because of it are joined.
+    Points that coincide in float32 are merged, and loops that touch because of it are joined.
     """
     extent = size(np.concatenate(loops))
     try:
@@ -148,5 +148,5 @@ def _stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
 
 
 def _rounded(loop: NDArray[np.float64], extent: float) -> NDArray[np.float64]:
-    """A loop (k, 2) as float32, without points that lie on the one before."""
+    """A loop (k, 2) as float32, without repeated points."""
     return without_doubles(loop.astype(np.float32), extent).astype(np.float64)

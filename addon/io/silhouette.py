@@ -1,4 +1,4 @@
-"""Several objects and layers as one filled outline in a plane: what they paint, projected and united."""
+"""Several objects and layers as one filled outline in a plane: their painted areas, projected and united."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ..scene.plane import Frame, fitted_frame, own_frame
 from ..scene.reading import READERS, lines_of
 from ..scene.uniting import united
 
-# Directions of the x and y axes of a plane that is seen along an axis of the world.
+# Directions of the x and y axes of planes facing a world axis.
 AXES = {
     "TOP": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     "FRONT": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
     "RIGHT": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
 }
-# Faces that are seen from the side: their area is at most this part of their size squared.
+# Largest area of faces seen edge-on, as a fraction of their size squared.
 EDGE_ON = 1e-12
 
 
@@ -117,7 +117,7 @@ def _has_room(loop: NDArray[np.float64]) -> bool:
 def place(
     context: bpy.types.Context, active: bpy.types.Object, frame: Frame, loops: Sequence[NDArray[np.float64]]
 ) -> bpy.types.Object:
-    """A new flat mesh with the loops as its border, beside the active object, with its material."""
+    """A new flat mesh with the loops as its border, in the collection of the active object and with its material."""
     mesh = core.Mesh.from_loops(loops)
     name = f"{active.name} Silhouette"
     obj = bpy.data.objects.new(name, filling.filled(name, frame.points(mesh.vertices), mesh))

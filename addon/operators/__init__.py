@@ -53,6 +53,6 @@ def unregister() -> None:
     following_live.stop()
     job = running()
     if job is not None:
-        job.end(bpy.context)  # Blender forgets a running operator whose class goes, without a word to it
+        job.end(bpy.context)  # Blender drops a running operator whose class is unregistered, without calling cancel
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

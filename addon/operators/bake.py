@@ -12,7 +12,7 @@ from .base import OnOutput, Outcome
 
 
 class OnAnimation(OnOutput):
-    """What both operators share: they work on the animated cages of the active object."""
+    """Base of both operators, which work on the animated cages of the active object."""
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
@@ -22,7 +22,7 @@ class OnAnimation(OnOutput):
 
 
 class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
-    """Makes one action of many."""
+    """Bakes the animation into one action."""
 
     bl_idname = "object.nested_cages_bake_action"
     bl_label = "Bake to One Action"
@@ -43,7 +43,7 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
-    """Leaves the result alone."""
+    """Removes the animation and keeps the result."""
 
     bl_idname = "object.nested_cages_remove_animation"
     bl_label = "Remove Animation, Keep Cages"

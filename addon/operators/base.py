@@ -1,4 +1,4 @@
-"""What operators share: work in slices that can be cancelled, and why an operator is not available."""
+"""Bases of operators: work in slices that can be cancelled, and reasons why an operator is not available."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from ..scene.selection import collection_of_active
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
 
-# The place that the last message was about, which Select Fault goes to.
+# The place named by the last message, for Select Fault.
 _fault: list[Fault] = []
 
 
 def last_fault() -> Fault | None:
-    """The place that the last message was about, if there is one."""
+    """The place named by the last message, if there is one."""
     return _fault[0] if _fault else None
 
 
 def remember_fault(fault: Fault | None) -> None:
-    """Makes this the place that the last message was about."""
+    """Stores the place named by the last message."""
     _fault[:] = [] if fault is None else [fault]
 
 
-# Blender reads properties only of bases that it does not know itself.
+# Blender only reads properties of bases that are not registered.
 if TYPE_CHECKING:
     Mixin = bpy.types.Operator
 else:
@@ -50,7 +50,7 @@ class Reporting(Mixin):
         return "" if context.mode == "OBJECT" else "Switch to Object Mode"
 
     def fail(self, error: UserError) -> Outcome:
-        """Reports the error; the operator has changed nothing. The panel then offers to go to the place."""
+        """Reports the error and stores its place; the operator has changed nothing."""
         remember_fault(error.fault)
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
@@ -75,15 +75,15 @@ class OnOutput(Reporting):
 
 
 class JobOperator(Reporting):
-    """An operator whose work is a generator: executed at once, or in slices with progress when it is invoked.
+    """An operator whose work is a generator: run at once when executed, in slices with progress when invoked.
 
     Scripts, redo and Blender in the background execute it at once.
     """
 
-    # Whether the work changes the scene before it is done, so that nothing else may meanwhile.
+    # Whether the work changes the scene before it is done, which blocks all other changes.
     exclusive = False
 
-    # Blender evaluates annotations of classes; on generic ones, version 4.2 crashes when it ends.
+    # Blender evaluates annotations of classes; with generic ones, version 4.2 crashes on exit.
     _job = None  # type: Job[Outcome] | None
     _timer: Any = None
 
@@ -101,7 +101,7 @@ class JobOperator(Reporting):
         return self.execute(context) if bpy.app.background or context.window is None else self.start(context)
 
     def start(self, context: bpy.types.Context) -> Outcome:
-        """Begins the work and goes on in `modal`."""
+        """Starts the work and continues in `modal`."""
         job = Job(self.work(context))
         try:
             if job.advance(0.0):
@@ -141,10 +141,10 @@ class JobOperator(Reporting):
         return job.result
 
     def show_result_in(self, context: bpy.types.Context) -> None:
-        """What is done in the window where the work has ended."""
+        """Changes the views of the window in which the work has ended."""
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Stops the work; Blender calls this too when it ends or opens another file."""
+        """Stops the work; also called by Blender when it exits or opens another file."""
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None
@@ -155,7 +155,7 @@ class JobOperator(Reporting):
         redraw(context)
 
     def _show(self, context: bpy.types.Context) -> None:
-        """Progress in the status bar, and in the panel by drawing it again."""
+        """Shows progress in the status bar, and redraws the panel."""
         assert self._job is not None
         context.workspace.status_text_set(
             f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc over the 3D view: cancel"
@@ -164,8 +164,8 @@ class JobOperator(Reporting):
 
 
 class DialogJobOperator(JobOperator):
-    """A job that asks for its options first. Blender executes an operator after a dialog and cannot let it go on in
-    slices, so it is then invoked once more, without a dialog.
+    """A job that asks for its options first. After a dialog, Blender executes an operator and cannot continue it in
+    slices, so the operator is invoked again without a dialog.
     """
 
     answered: BoolProperty(
@@ -194,11 +194,11 @@ class DialogJobOperator(JobOperator):
             if isinstance(value, bpy.types.bpy_prop_collection):
                 options[key] = [{"name": item.name} for item in value]
         again("INVOKE_DEFAULT", **{**options, "answered": True})
-        return {"CANCELLED"}  # this one has changed nothing: the other is undone and repeated
+        return {"CANCELLED"}  # this operator has changed nothing: undo and redo are for the invoked one
 
 
 def _asks_to_cancel(context: bpy.types.Context, event: bpy.types.Event) -> bool:
-    """Whether Escape was pressed over a 3D view or its panels; elsewhere, and while text is typed, it means others."""
+    """Whether Escape was pressed over a 3D view or its panels; elsewhere, and while typing, it has other meanings."""
     if event.type != "ESC" or event.value != "PRESS" or context.mode == "EDIT_TEXT":
         return False
     areas = [area for area in context.window.screen.areas if area.type == "VIEW_3D"]
@@ -207,7 +207,7 @@ def _asks_to_cancel(context: bpy.types.Context, event: bpy.types.Event) -> bool:
 
 
 def redraw(context: bpy.types.Context) -> None:
-    """Draws the 3D views again."""
+    """Redraws the 3D views."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":

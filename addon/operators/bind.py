@@ -1,4 +1,4 @@
-"""Bind to Cages: move, key, sculpt or rig a cage, and what is in it follows."""
+"""Bind to Cages: move, key, sculpt or rig a cage, and its contents follow."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ..scene.selection import output_of_active, select
 from .base import JobOperator, OnOutput, Outcome
 
 METHOD_ITEMS = (
-    ("AUTO", "Automatic", "The first method that is measured to be exact at rest and under affine poses"),
+    ("AUTO", "Automatic", "The first method that proves exact at rest and under affine poses"),
     (HARMONIC, NAMES[HARMONIC], "By weights in a node group: exact and smooth, also in concave cages and around holes"),
     (
         LINEAR,
         NAMES[LINEAR],
-        "By weights, linear on the triangles of the cage: nothing leaves the cage while no triangle turns over",
+        "By weights, linear on the triangles of the cage: nothing leaves the cage unless a triangle flips",
     ),
     (SURFACE, NAMES[SURFACE], "By the triangles inside the cage: exact, and quick for the largest drawings"),
     (PRISM, NAMES[PRISM], "By a closed prism over the cage: smooth across the whole cage, exact to a few per cent"),
 )
 
-# Of wires in a 3D view: all edges are shown, as Blender begins, or those where faces meet at an angle and borders.
+# Wire threshold of a 3D view: all edges, Blender's default; or only borders and edges between faces at an angle.
 ALL_EDGES, OUTLINES = 1.0, 0.5
 
 
@@ -44,7 +44,7 @@ class OnBinding(OnOutput):
 
 
 class BindingOperator(OnBinding, JobOperator):
-    """Binding, for the first time or anew."""
+    """Base of Bind and Rebind."""
 
     exclusive = True
 
@@ -56,7 +56,7 @@ class BindingOperator(OnBinding, JobOperator):
     )
 
     def show_result_in(self, context: bpy.types.Context) -> None:
-        """Lets the 3D view leave out edges between coplanar triangles, unless that was chosen: outlines are handles."""
+        """Hides edges between coplanar triangles in the 3D view, unless the user has changed that setting."""
         space = context.space_data
         if isinstance(space, bpy.types.SpaceView3D) and space.overlay.wireframe_threshold == ALL_EDGES:
             space.overlay.wireframe_threshold = OUTLINES
@@ -95,7 +95,7 @@ class OBJECT_OT_nested_cages_rebind(BindingOperator, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
-    """Takes it all back."""
+    """Restores cages and drawing."""
 
     bl_idname = "object.nested_cages_unbind"
     bl_label = "Unbind"

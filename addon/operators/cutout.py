@@ -31,7 +31,7 @@ from ..scene.filling import mesh_of
 from ..scene.selection import found_object, scene_of, select
 from .base import DialogJobOperator, Outcome
 
-# Properties that the core takes by the same names.
+# Properties with the same names in the core.
 OPTIONS = ("padding", "threshold", "holes")
 
 
@@ -50,8 +50,8 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
     bl_idname = "object.nested_cages_cutout"
     bl_label = "Cutout"
     bl_description = (
-        "Cut pictures out along their opaque pixels, as meshes that show them and follow a cage: of files, or of the "
-        "selected image planes and image empties"
+        "Cut out image files, or the selected image planes and image empties, along their opaque pixels, as textured "
+        "meshes that follow a cage"
     )
     bl_options = {"REGISTER", "UNDO"}
     exclusive = True
@@ -97,7 +97,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
     )
     bind: BoolProperty(name="Bind", description="Make the pictures follow their cages", default=True)
     handles: BoolProperty(
-        name="Handles", description="Add a bone per corner of each bound cage, which moves that corner", default=True
+        name="Handles", description="Add a bone per corner of each bound cage to move that corner", default=True
     )
 
     def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
@@ -148,7 +148,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
         return {"FINISHED"}
 
     def show_result_in(self, context: bpy.types.Context) -> None:
-        """Lets a solid view show the pictures, unless its colour was chosen."""
+        """Shows textures in solid views, unless the user has changed their colour."""
         space = context.space_data
         if isinstance(space, bpy.types.SpaceView3D) and space.shading.color_type == "MATERIAL":
             space.shading.color_type = "TEXTURE"
@@ -179,7 +179,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
         self.report({"INFO"}, f"{counted(len(made), 'picture')} cut out: move {how} to pose it")
 
     def _parts(self, context: bpy.types.Context) -> list[Part]:
-        """The pictures that are asked for. Raises: UserError."""
+        """The requested pictures. Raises: UserError."""
         if self.filepath or self.files:
             folder = Path(bpy.path.abspath(self.directory))
             several = [folder / item.name for item in self.files if item.name]
@@ -211,7 +211,7 @@ def _size(image: bpy.types.Image) -> tuple[int, int]:
 
 
 def _stem(image: bpy.types.Image) -> str:
-    """The name of an image without the ending of its file."""
+    """The name of an image without file extension."""
     return Path(image.name).stem or image.name
 
 

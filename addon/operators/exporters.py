@@ -45,11 +45,11 @@ class OnOutlines(Reporting):
 
 
 class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
-    """Makes curves, faces or prisms of cages."""
+    """Makes curves, faces or prisms from cages."""
 
     bl_idname = "object.nested_cages_to_objects"
     bl_label = "Cages to Objects"
-    bl_description = "Make new objects of the selected cages: as on this frame, or as faces that play the animation"
+    bl_description = "Make new objects from the selected cages: as on this frame, or as faces that play the animation"
     bl_options = {"REGISTER", "UNDO"}
 
     shape: EnumProperty(name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED")
@@ -118,7 +118,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
     @property
     def filename_ext(self) -> str:
-        """The ending that Blender's helper gives the file."""
+        """The file extension that Blender's helper adds."""
         return SUFFIXES[self.kind]
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:  # type: ignore[override]
@@ -142,7 +142,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected outlines from the inside out; of a single drawing that has cages, the drawing and all of these."""
+    """The selected outlines from the inside out; for a single drawing with cages, the drawing and all its cages."""
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(selected) == 1 and not ownership.level_of(selected[0]):
         collection = ownership.collection_about(scene_of(context), selected[0])

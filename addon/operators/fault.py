@@ -1,4 +1,4 @@
-"""Select Fault: to the spot that the last message was about."""
+"""Select Fault: go to the place that the last message names."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .base import Outcome, Reporting, last_fault
 
 
 class OBJECT_OT_nested_cages_select_fault(Reporting, bpy.types.Operator):
-    """Goes where something is wrong."""
+    """Goes to the place of the last fault."""
 
     bl_idname = "object.nested_cages_select_fault"
     bl_label = "Select Fault"
-    bl_description = "Go into Edit Mode with the points selected that the last message was about, and look at them"
+    bl_description = "Enter Edit Mode with the points selected that the last message is about, and zoom to them"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

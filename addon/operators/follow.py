@@ -17,7 +17,7 @@ from ..scene.selection import scene_of
 from .base import DialogJobOperator, Outcome
 from .generate import sources, why_nothing
 
-# Part of the work that reading the frames is taken to be.
+# Approximate fraction of the work for reading the frames.
 READING_PART = 0.2
 
 
@@ -27,8 +27,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
     bl_idname = "object.nested_cages_follow"
     bl_label = "Follow Animation"
     bl_description = (
-        "Wrap the selected drawings, however they are animated, in cages that move with them and strictly enclose "
-        "them at every instant"
+        "Wrap the selected animated drawings in cages that move with them and strictly enclose them at every instant"
     )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
@@ -37,12 +36,12 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
     frame_step: IntProperty(name="Step", description="Frames from one pose to the next", default=1, min=1, soft_max=12)
     cyclic: BoolProperty(
         name="Cyclic",
-        description="Let the last cage be the first one again; where the drawing is not back by then, a frame is added",
+        description="End with the first cage; if the last pose differs from the first, a frame is added",
         default=False,
     )
     still: BoolProperty(
         name="One Cage for All Frames",
-        description="Make still cages around all that the drawing sweeps from the first to the last frame",
+        description="Make still cages around the whole area that the drawing sweeps from the first to the last frame",
         default=False,
     )
 
@@ -83,7 +82,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
                 f"From frame {self.frame_start} to {self.frame_end} in steps of {self.frame_step} there is no motion: "
                 "give at least two frames"
             )
-        self.exclusive = True  # the frame changes while they are read
+        self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
         for number, obj in enumerate(objects):
             found = yield from _part(poses.read_poses(context, obj, frames, reading), number, len(objects), 0.0)
@@ -119,7 +118,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
 
 
 def _part(work: Work[Any], number: int, count: int, begin: float) -> Work[Any]:
-    """Work on one of several drawings, with its progress as a part of that of all."""
+    """Work on one of several drawings, with its progress scaled to that of all."""
     length = READING_PART if begin == 0.0 else 1.0 - READING_PART
     try:
         while True:

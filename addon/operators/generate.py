@@ -75,7 +75,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
             )
 
     def show_result_in(self, context: bpy.types.Context) -> None:
-        """Lets the 3D view show wires in the colours of their objects, unless that was chosen."""
+        """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
         space = context.space_data
         if isinstance(space, bpy.types.SpaceView3D) and space.shading.wireframe_color_type == "THEME":
             space.shading.wireframe_color_type = "OBJECT"
@@ -86,7 +86,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if gone is not None:
             raise UserError(f"'{gone}' was deleted meanwhile, so its cages were dropped")
         if bpy.context.mode == "EDIT_MESH":
-            # Undo in Edit Mode knows of that mesh only.
+            # Undo in Edit Mode only covers the edited mesh.
             bpy.ops.object.mode_set(mode="OBJECT")
         earlier = [found for result in results if (found := output.earlier_output(scene, result)) is not None]
         poses = {found: _poses(found) for found in earlier}
@@ -110,7 +110,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:
-        """Binds what was bound before, by the same method; where it cannot be, the cages stay and the user is told."""
+        """Binds again what was bound before, by the same method; if that fails, the cages stay and the user is told."""
         if method:
             try:
                 with unmoved(ownership.members(collection)):
@@ -144,8 +144,8 @@ class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
 def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode.
 
-    Output of a drawing that is selected itself is about to be replaced, not to be caged. With nothing selected, the
-    active object counts if it has cages: an original that made way for its animation is not selected any more.
+    Output of a selected drawing is about to be replaced, not to be caged. With nothing selected, the active object
+    counts if it has cages: an original hidden for its animation is no longer selected.
     """
     if context.mode == "EDIT_MESH":
         return list(context.objects_in_mode_unique_data)
@@ -157,7 +157,7 @@ def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def why_nothing(context: bpy.types.Context) -> str:
-    """Why there is nothing to cage: nothing is selected, it is hidden, or it has no outline."""
+    """Why there is nothing to cage: nothing is selected, or it is hidden or has no outline."""
     wanted = "a closed curve, a text, a Grease Pencil or a mesh made of edge loops"
     active = context.view_layer.objects.active
     if context.selected_objects:
@@ -175,7 +175,7 @@ def _has_cages(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
 
 
 def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
-    """How the objects of an output stand, by level."""
+    """The poses of the objects of an output, by level."""
     source = ownership.source_of(collection)
     return {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(collection)}
 
@@ -190,8 +190,8 @@ def _is_output_of(obj: bpy.types.Object, drawings: Sequence[bpy.types.Object]) -
 
 
 def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[list[Request], list[UserError]]:
-    """What the selection asks for: each drawing with its own cages, all in common ones, or the active one with the
-    others as its levels; and of several drawings, why some cannot be caged. Raises: UserError if none can.
+    """The requests of the selection: each drawing with its own cages, all in common ones, or the active one with the
+    others as its levels; and for several drawings, why some cannot be caged. Raises: UserError if none can.
     """
     selected, active = sources(context), context.view_layer.objects.active
     if values.use_selected_as_levels:

@@ -11,16 +11,16 @@ from ..io import image_outline
 from ..scene.selection import found_object, select
 from .base import DialogJobOperator, Outcome
 
-# Properties that the core takes by the same names.
+# Properties with the same names in the core.
 OPTIONS = ("padding", "threshold", "holes")
 
 
 class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
-    """Wraps what is opaque in an image."""
+    """Makes an outline around the opaque pixels of an image."""
 
     bl_idname = "object.nested_cages_from_image"
     bl_label = "Outline of Image"
-    bl_description = "Make a collision outline of few vertices that leaves no opaque pixel of an image outside"
+    bl_description = "Make a collision outline of few vertices around all opaque pixels of an image"
     bl_options = {"REGISTER", "UNDO"}
 
     image: StringProperty(

@@ -22,7 +22,7 @@ Y_ITEMS = (
     ("UP", "Up", "The y axis of the file points up, as in maps"),
 )
 OUTLINE_ITEMS = (
-    ("AUTO", "Automatic", "As many outlines as there are in cages that were exported; one of other files"),
+    ("AUTO", "Automatic", "Several outlines from exported cages, one from other files"),
     ("ONE", "One Outline", "The filled area of everything, with overlaps united"),
     ("SEVERAL", "Several Outlines", "An outline of each shape"),
 )
@@ -62,14 +62,14 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
     y: EnumProperty(name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO")
     scale: FloatProperty(
         name="Scale",
-        description="Length in Blender of one unit of the file; 0 takes cages that were exported as they are, and a "
-        "hundredth of other SVG",
+        description="Length in Blender of one unit of the file; 0 keeps the size of exported cages, and scales "
+        "other SVG to a hundredth",
         default=0.0,
         min=0.0,
         soft_max=100.0,
     )
     outlines: EnumProperty(
-        name="SVG As", description="What becomes of the shapes in an SVG", items=OUTLINE_ITEMS, default="AUTO"
+        name="SVG As", description="Number of outlines to make from an SVG", items=OUTLINE_ITEMS, default="AUTO"
     )
 
     def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:

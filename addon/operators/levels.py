@@ -11,7 +11,7 @@ from .base import Mixin, Outcome
 
 
 class OnLevels(Mixin):
-    """What these operators share: they need a list with something in it."""
+    """Base of operators that need a list with entries."""
 
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
@@ -29,7 +29,7 @@ class SCENE_OT_nested_cages_level_add(bpy.types.Operator):
 
     bl_idname = "scene.nested_cages_level_add"
     bl_label = "Add Level"
-    bl_description = "Add a coarser level, and list the levels one by one"
+    bl_description = "Add a coarser level, and show the levels as a list"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     def execute(self, context: bpy.types.Context) -> Outcome:
@@ -42,7 +42,7 @@ class SCENE_OT_nested_cages_level_remove(OnLevels, bpy.types.Operator):
 
     bl_idname = "scene.nested_cages_level_remove"
     bl_label = "Remove Level"
-    bl_description = "Take the chosen level out of the list; one is always left"
+    bl_description = "Remove the chosen level; at least one stays"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -1,4 +1,4 @@
-"""Live: a switch that lets cages follow the edits of their drawing."""
+"""Live: a switch to let cages follow the edits of their drawing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .base import Outcome, Reporting, redraw
 
 
 class OBJECT_OT_nested_cages_live(Reporting, bpy.types.Operator):
-    """Switches following on and off."""
+    """Switches Live on and off."""
 
     bl_idname = "object.nested_cages_live"
     bl_label = "Live"

@@ -1,4 +1,4 @@
-"""Write Report: every number that is known of the cages, as a text."""
+"""Write Report: all stored numbers of the cages, as a text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..scene.selection import output_of_active
 from .base import OnOutput, Outcome
 
 NAME = "Nested Cages Report"
-# What a report says of a cage, by what is stored on it.
+# Lines of a report about a cage, by custom property.
 NUMBERS = (
     ("vertices", keys.VERTICES),
     ("excess", keys.EXCESS),
@@ -31,7 +31,7 @@ class OBJECT_OT_nested_cages_report(OnOutput, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_report"
     bl_label = "Write Report"
-    bl_description = "Write all that is known of these cages into a text: certificates, errors of binding, times, notes"
+    bl_description = "Write a text with all facts about these cages: certificates, binding errors, times, notes"
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> Outcome:
@@ -43,7 +43,7 @@ class OBJECT_OT_nested_cages_report(OnOutput, bpy.types.Operator):
 
 
 def lines(collection: bpy.types.Collection) -> Iterator[str]:
-    """What is known of an output, level by level."""
+    """The lines of the report, level by level."""
     yield collection.name
     for obj in ownership.members(collection):
         yield ""

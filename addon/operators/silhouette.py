@@ -22,12 +22,12 @@ PLANE_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
-    """Unites what the selected objects paint."""
+    """Unites the areas of the selected objects."""
 
     bl_idname = "object.nested_cages_silhouette"
     bl_label = "Silhouette"
     bl_description = (
-        "Unite the selected objects, layers and strokes into one flat outline, also where they overlap or lie in "
+        "Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at "
         "different depths"
     )
     bl_options = {"REGISTER", "UNDO"}

@@ -1,4 +1,4 @@
-"""Verify Cages: what was true when they were made may not be after editing."""
+"""Verify Cages: check cages again after editing."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     bl_idname = "object.nested_cages_verify"
     bl_label = "Verify Cages"
     bl_description = (
-        "Check whether cages are simple and strictly enclose what is in them on this frame, and select the vertices "
+        "Check whether cages are simple and strictly enclose their contents on this frame, and select the vertices "
         "at fault"
     )
     bl_options = {"REGISTER", "UNDO"}
@@ -58,7 +58,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         else:
             findings = check(context, objects, originals)
             at_fault = _select_faults(context, checked, findings)
-        # The status bar shows, and the cage keeps, the last one: what does not hold.
+        # Failures last: the status bar shows, and the cage keeps, the last finding.
         findings.sort(key=lambda finding: not finding.holds)
         for finding in findings:
             cage = next(obj for obj in objects if obj.name == finding.cage)
@@ -74,8 +74,8 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
 
 def _originals(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
-    """The drawings whose copy is the first of the objects, if they are seen too: not while the animation plays on the
-    copy alone, nor where they cannot follow exactly.
+    """The originals of the first object, if they are visible too: not while the animation plays on a copy, nor if they
+    cannot follow exactly.
     """
     fine = objects[0]
     collection = ownership.collection_about(scene_of(context), fine) if ownership.level_of(fine) == 0 else None
@@ -101,12 +101,12 @@ def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
 
 
 def _is_in_prism(obj: bpy.types.Object) -> bool:
-    """Whether an object follows its cage to a few per cent only."""
+    """Whether an object follows its cage only to a few per cent."""
     return any(modifier.type == "MESH_DEFORM" for modifier in obj.modifiers)
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
-    """Raises: UserError if cages play how they came about, in which what is inside comes through them on purpose."""
+    """Raises: UserError if the cages play how they form, when the drawing crosses them on purpose."""
     for obj in objects:
         collection = ownership.collection_about(scene, obj) if ownership.level_of(obj) is not None else None
         if collection is None or ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
@@ -133,7 +133,7 @@ def _select_faults(
 
 
 def _verdict(finding: Finding) -> str:
-    """What the panel says."""
+    """The verdict for the panel."""
     first, last = finding.frames
     if not finding.holds:
         return f"Broken on frame {last}"
@@ -143,8 +143,8 @@ def _verdict(finding: Finding) -> str:
 
 
 def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.Object]:
-    """The objects to check, from the inside out: the selected ones, or those of the active one's cages, without those
-    that are hidden on this frame unless `hidden`.
+    """The objects to check, from the inside out: the selected ones, or the output of the active one; without objects
+    hidden on this frame unless `hidden`.
     """
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:

@@ -1,4 +1,4 @@
-"""Settings by name, in the header of the panel: those that come with the add-on and those that the user stores."""
+"""Presets in the header of the panel: those of the add-on and those that the user stores."""
 
 from __future__ import annotations
 

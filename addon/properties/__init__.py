@@ -1,5 +1,5 @@
-"""What the user can set.
+"""The user's settings.
 
-`settings`: the properties, of the scene and of the operator. `level_list`: the levels one by one. `groups`: what is
-shown together. `conversion`: settings to what other rooms take.
+`settings`: the properties, of the scene and of the operator. `level_list`: the levels as a list. `groups`: settings
+shown together. `conversion`: from settings to the parameters of other modules.
 """

@@ -1,4 +1,4 @@
-"""Settings to what the other rooms take."""
+"""From settings to the parameters of other modules."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ Filled = TypeVar("Filled", ReadingOptions, Timing, Methods)
 
 
 def reading_options(values: GenerationProperties) -> ReadingOptions:
-    """How objects are read."""
+    """Options for reading objects."""
     return _filled(ReadingOptions, values)
 
 
 def options(values: GenerationProperties) -> Options:
-    """What is computed. Raises: UserError if the levels cannot be read."""
+    """Levels and clearance. Raises: UserError if the levels cannot be read."""
     levels = () if values.use_selected_as_levels else parse_levels(values.levels)
     return Options(levels=levels, clearance=values.clearance, methods=methods(values))
 
 
 def methods(values: GenerationProperties) -> Methods:
-    """How it is computed."""
+    """The methods of the computation."""
     return _filled(Methods, values)
 
 
 def timing(values: GenerationProperties) -> Timing:
-    """How the result is animated."""
+    """The timing of the animation."""
     return _filled(Timing, values)
 
 
@@ -43,7 +43,7 @@ def own_names(values: GenerationProperties) -> list[str]:
 
 
 def _filled(kind: type[Filled], values: GenerationProperties) -> Filled:
-    """A dataclass whose fields are called as the settings are."""
+    """An instance of a dataclass whose fields have the names of settings."""
     found: dict[str, Any] = {field.name: getattr(values, field.name) for field in fields(kind)}
     found |= {name: frozenset(value) for name, value in found.items() if isinstance(value, set)}
     return kind(**found)

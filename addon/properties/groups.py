@@ -23,7 +23,7 @@ ADVANCED: tuple[str, ...] = (
 )
 
 
-# Settings that count only if the animation is fitted to a length, or only if it is not.
+# Settings that only apply if the animation is fitted to a length (True), or only if it is not (False).
 ALTERNATIVES = {"length": True, "frames_per_step": False}
 
 
@@ -41,13 +41,13 @@ PACKAGE = __package__.removesuffix(".addon.properties")
 
 
 def preferences() -> Any:
-    """The add-on's preferences, which are there while Blender has it enabled; else None."""
+    """The add-on's preferences; None while it is not enabled."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     return addon.preferences if addon is not None else None
 
 
 def shows_research() -> bool:
-    """Whether the panels show what only those who compare methods need."""
+    """Whether the panels show settings for comparing methods."""
     found = preferences()
     return found is not None and found.research
 

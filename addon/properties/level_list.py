@@ -15,12 +15,12 @@ KIND_ITEMS = (
     ("PERCENT", "Percent", "A fraction of the drawing's vertex count"),
     ("OBJECT", "Object", "A coarse mesh of your own"),
 )
-# Longest number that a percentage is written with; float32 has no more digits.
+# Significant digits of a percentage; float32 has no more.
 DIGITS = 6
 
 
 class LevelSettings(Protocol):
-    """The scene's settings as far as they are about levels."""
+    """The scene's settings for levels."""
 
     levels: str
     level_objects: str
@@ -28,7 +28,7 @@ class LevelSettings(Protocol):
     level_index: int
 
 
-# Settings that are being written, so that one side does not answer the other.
+# Settings that are being written, to break the cycle between text and list.
 _busy: list[LevelSettings] = []
 
 
@@ -71,7 +71,7 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
 
 
 def names_of(levels: str, objects: str) -> list[str]:
-    """Names of the own objects, one for each place in the text of the levels that is for one, as far as they go."""
+    """Names of own objects, one for each * in the text of the levels; shorter if there are fewer names."""
     return [name for name in objects.split("\n") if name][: levels.count(OWN)]
 
 
@@ -94,7 +94,7 @@ def write(settings: LevelSettings) -> None:
 
 
 def fill(settings: LevelSettings) -> None:
-    """Fills the list from the text; a text that is not understood leaves it as it is."""
+    """Fills the list from the text; an invalid text leaves it unchanged."""
     if _busy:
         return
     try:
@@ -119,7 +119,7 @@ def fill(settings: LevelSettings) -> None:
 
 
 def add(settings: LevelSettings) -> None:
-    """Adds a level half as fine as the last one; first of all, shows the levels of the text."""
+    """Adds a level with half the vertices of the last one; first fills an empty list from the text."""
     if not len(settings.level_list):
         fill(settings)
     last = settings.level_list[-1] if len(settings.level_list) else None
@@ -135,7 +135,7 @@ def add(settings: LevelSettings) -> None:
 
 
 def remove(settings: LevelSettings) -> None:
-    """Takes the chosen level away."""
+    """Removes the chosen level."""
     settings.level_list.remove(settings.level_index)
     settings.level_index = max(0, min(settings.level_index, len(settings.level_list) - 1))
     write(settings)

@@ -1,4 +1,4 @@
-"""What the user can set: once as the scene's settings, which the panel shows, and once as the operator's properties."""
+"""The settings: once as the scene's settings, which the panel shows, and once as the operator's properties."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..generation.choices import REPAIRS, SETTINGS
 from ..generation.methods import Methods
 from . import level_list
 
-# Parts, because any drawing has them; of a text or an imported icon they are some 60 and 24 vertices.
+# Percentages suit every drawing; for a text or an imported icon these are about 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
 
 
@@ -32,13 +32,13 @@ def _choice(name: str) -> Any:
 
 
 def _fill_list(self: object, _context: bpy.types.Context) -> None:
-    """Shows the levels' text in the list, which only the scene's settings have."""
+    """Updates the list from the levels' text; only the scene's settings have a list."""
     if isinstance(self, NestedCagesSettings):
         level_list.fill(self)
 
 
 class GenerationProperties:
-    """The settings, for a class of Blender to inherit."""
+    """The settings, as a mixin for Blender's classes."""
 
     levels: StringProperty(
         name="Levels",
@@ -172,7 +172,7 @@ class GenerationProperties:
     quadrature: _choice("quadrature")
     starts: IntProperty(
         name="Starts",
-        description="Number of coarse meshes to start from, where there are several; the tightest cage is kept",
+        description="Maximum number of coarse meshes to start from; the tightest cage is kept",
         default=Methods.starts,
         min=1,
         soft_max=12,
@@ -214,11 +214,11 @@ def settings_of(context: bpy.types.Context) -> NestedCagesSettings:
 
 
 def copy_values(source: GenerationProperties, target: GenerationProperties | bpy.types.OperatorProperties) -> None:
-    """Sets all settings of `target` to those of `source`."""
+    """Copies all settings from `source` to `target`."""
     for name in NAMES:
         setattr(target, name, getattr(source, name))
     if isinstance(source, NestedCagesSettings) and len(source.level_list):
-        # The list knows its objects even if they were renamed.
+        # The list refers to objects, which survive renaming.
         target.level_objects = level_list.own_objects(source)
 
 

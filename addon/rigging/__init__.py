@@ -1,5 +1,5 @@
-"""What artists made on output outlives new output and binding.
+"""The artist's work on output survives new output and binding.
 
-`outline_map`: where the vertices of a new outline lie along an old one. `rig`: what is on an object's mesh, given to
-the mesh that replaces it. `pose`: how bound objects were posed, and how to bind while nothing is.
+`outline_map`: positions of the vertices of a new outline along an old one. `rig`: the artist's work on a mesh,
+transferred to the mesh that replaces it. `pose`: poses of bound objects, and evaluation at rest.
 """

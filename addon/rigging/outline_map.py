@@ -1,4 +1,4 @@
-"""Where the vertices of a new outline lie along an old one. numpy only, besides the core."""
+"""Positions of the vertices of a new outline along an old one. Uses numpy and the core only."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ..core import core
 Points = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Least part of their common range that the boxes of two loops share on each axis to be compared in place; otherwise the
-# new loop is first scaled into the box of the old one.
+# Smallest overlap of the boxes of two loops on each axis, as a fraction of their common range, to compare them in
+# place; otherwise the new loop is first scaled into the box of the old one.
 SHARED_RANGE = 0.5
 # Distances that are computed at once.
 CHUNK = 2_000_000
@@ -22,7 +22,7 @@ CHUNK = 2_000_000
 
 @dataclass(frozen=True)
 class OutlineMap:
-    """For each new vertex, the ends (m,) of the edge of the old outline that it lies on, and how far along it is."""
+    """For each new vertex, the ends (m,) of the edge of the old outline that it lies on, and its parameter there."""
 
     first: Indices
     second: Indices
@@ -30,7 +30,7 @@ class OutlineMap:
 
     @classmethod
     def identity(cls, count: int) -> OutlineMap:
-        """Every vertex stays."""
+        """The identity."""
         return cls(np.arange(count), np.arange(count), np.zeros(count))
 
     def of(self, values: NDArray[Any]) -> Points:
@@ -40,7 +40,7 @@ class OutlineMap:
         return found
 
     def nearest(self, points: Points, old: int) -> int:
-        """The new vertex that lies nearest to an old one, of the old vertices (n, 3), on the old outline."""
+        """The new vertex nearest to an old one along the old outline with vertices (n, 3)."""
         return int(np.argmin(np.linalg.norm(self.of(points) - points[old], axis=1)))
 
 
@@ -74,7 +74,7 @@ class Outline:
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
     def turns_left(self, loop: int) -> bool:
-        """Whether the loop goes around an area, not a hole."""
+        """Whether the loop bounds an area, not a hole."""
         own = self.edges[self.loop[self.edges[:, 0]] == loop]
         start, end = self.points[own[:, 0], :2], self.points[own[:, 1], :2]
         return float((start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]).sum()) > 0.0
@@ -114,7 +114,7 @@ def outline_map(old: Outline, new: Outline) -> OutlineMap:
 
 
 def _matched(old: Outline, new: Outline) -> list[int | None]:
-    """The old loop of each new one: the nearest box among loops that turn the same way, each used once."""
+    """The old loop for each new one: the nearest box among unused loops of the same direction."""
     count = int(new.loop.max()) + 1
     if count != int(old.loop.max()) + 1:
         return [None] * count
@@ -138,7 +138,7 @@ def _matched(old: Outline, new: Outline) -> list[int | None]:
 
 
 def _into(points: Points, box: Points, other: Points) -> Points:
-    """Points (k, 2) of a box (2, 2), scaled into another one if the two have little in common."""
+    """Points (k, 2) of a box (2, 2), scaled into another one if these overlap little."""
     common = np.minimum(box[1], other[1]) - np.maximum(box[0], other[0])
     whole = np.maximum(box[1], other[1]) - np.minimum(box[0], other[0])
     if (common >= SHARED_RANGE * whole).all():
@@ -149,7 +149,7 @@ def _into(points: Points, box: Points, other: Points) -> Points:
 
 
 def _nearest(old: Outline, among: NDArray[np.bool_], points: Points, tangents: Points | None) -> OutlineMap:
-    """The nearest points on some edges, of those that go the way of the tangents (k, 2) if there are any."""
+    """The nearest points on some edges, on those in the direction of the tangents (k, 2) if there are any."""
     edges, directions = old.edges[among], old.directions[among]
     start = old.points[edges[:, 0], :2]
     along = old.points[edges[:, 1], :2] - start

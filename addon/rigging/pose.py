@@ -1,4 +1,4 @@
-"""How output objects stand and are posed, and how to see them unposed for a moment."""
+"""Placements and poses of output objects, and temporary removal of poses."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ..scene.plane import size
 from .outline_map import Outline, outline_map
 from .rig import rest_points
 
-# What parenting consists of, in the order in which it is set.
+# The properties of parenting, in the order in which they are set.
 PARENTING = ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse")
-# Smaller offsets of vertices, as a part of the size, are rounding and no pose.
+# Smaller offsets of vertices, as a fraction of the size, are rounding, not a pose.
 SMALLEST_POSE = 1e-5
 
 
@@ -42,7 +42,7 @@ class Placement:
         return found
 
     def give(self, obj: bpy.types.Object, names: Iterable[str] = (*PARENTING, *ownership.TRANSFORM)) -> None:
-        """Puts an object where this was."""
+        """Applies the placement to an object."""
         for name in names:
             if getattr(obj, name) != self.values[name]:
                 setattr(obj, name, self.values[name])
@@ -50,8 +50,8 @@ class Placement:
 
 @dataclass(frozen=True)
 class Pose:
-    """How an output object stood; if it was bound, its transform when it was, and how far its vertices (n, 3) are from
-    where they were.
+    """The placement of an output object; if it was bound, its transform when bound, and the offsets (n, 3) of its
+    vertices since.
     """
 
     placement: Placement
@@ -81,7 +81,7 @@ class Pose:
         return self.rest is not None and bool(np.abs(self.offsets).max() > SMALLEST_POSE * size(self.outline.points))
 
     def give(self, obj: bpy.types.Object, *, bound: bool) -> None:
-        """Poses an object that has been made anew, at rest, in the same way; vertices only if it is bound again."""
+        """Applies the pose to an object that was made again; vertices only if it is bound again."""
         if self.own_parent:
             self.placement.give(obj)
             if bound and self.rest is not None:
@@ -110,7 +110,7 @@ def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:
 
 @contextmanager
 def unshaped(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Objects show their own meshes for a moment, without their modifiers and shape keys."""
+    """Temporarily disables the modifiers and shape keys of objects."""
     with ExitStack() as stack:
         for obj in objects:
             for modifier in obj.modifiers:
@@ -123,7 +123,7 @@ def unshaped(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 @contextmanager
 def unmoved(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Objects stand where their parents and transforms put them for a moment, without constraints and animation."""
+    """Temporarily disables the constraints and animation of objects."""
     with ExitStack() as stack:
         for obj in objects:
             for constraint in obj.constraints:
@@ -148,7 +148,7 @@ def _set(stack: ExitStack, owner: Any, name: str, value: object) -> None:
 
 
 def _copied(value: Any) -> Any:
-    """A value that does not change with the object."""
+    """A copy of a value, independent of the object."""
     return value.copy() if hasattr(value, "copy") and not isinstance(value, bpy.types.ID) else _plain(value)
 
 

@@ -1,8 +1,8 @@
-"""What an artist made on an object's mesh, read before the mesh is replaced and given to the new one.
+"""The artist's work on an object's mesh, read before the mesh is replaced and transferred to the new one.
 
-The object itself stays, and with it modifiers, parents, constraints, drivers, animation and custom properties. What
-Blender keeps in the mesh is carried over: vertex groups and weights, shape keys with drivers and animation, point
-attributes, materials, custom properties; and what counts vertices: hooks and vertex parents.
+The object itself stays, with its modifiers, parents, constraints, drivers, animation and custom properties. The data in
+the mesh is transferred: vertex groups and weights, shape keys with drivers and animation, point attributes, materials,
+custom properties; and so are vertex indices in hooks and vertex parents.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from .outline_map import Outline, OutlineMap, outline_map
 
 Points = NDArray[np.float64]
 
-# Point attributes that can be interpolated: their type in Blender, and how many numbers each value has.
+# Point attributes that can be interpolated: Blender's type, and numbers per value.
 WIDTHS = {"FLOAT": 1, "FLOAT2": 2, "FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "BYTE_COLOR": 4}
 PROPERTY_OF = {"FLOAT": "value", "FLOAT2": "vector", "FLOAT_VECTOR": "vector"}
 # Blender's own attributes, which the new mesh has too.
 BUILT_IN = ("position", "material_index", "sharp_face", "sharp_edge", "shade_smooth")
-# What a shape key consists of besides its points.
+# The properties of a shape key besides its points.
 KEY_VALUES = ("slider_min", "slider_max", "value", "mute", "vertex_group", "interpolation", "lock_shape")
 
 
@@ -55,7 +55,7 @@ class ShapeKey:
 
 @dataclass(frozen=True)
 class Rig:
-    """What an artist made on the mesh of an object, and the unposed outline that it belongs to."""
+    """The artist's work on the mesh of an object, and the unposed outline that it refers to."""
 
     outline: Outline
     groups: tuple[Group, ...]
@@ -70,7 +70,7 @@ class Rig:
 
     @classmethod
     def of(cls, obj: bpy.types.Object) -> Rig:
-        """What is on an object's mesh."""
+        """The work on an object's mesh."""
         mesh = mesh_of(obj)
         attributes, left_behind = _attributes(mesh)
         block = mesh.shape_keys
@@ -94,7 +94,8 @@ class Rig:
         )
 
     def give(self, obj: bpy.types.Object, *, same_vertices: bool = False) -> list[str]:
-        """Puts all on the object's new mesh, in place of what is there; returns what could not be carried over.
+        """Transfers everything to the object's new mesh, replacing what is there; returns what could not be
+        transferred.
 
         same_vertices: vertices keep their numbers if there are as many as before, wherever they are.
         """
@@ -121,7 +122,7 @@ class Rig:
 
     @property
     def blank(self) -> bool:
-        """Whether an artist made nothing on the mesh."""
+        """Whether there is no work of an artist on the mesh."""
         return not (self.groups or self.keys or self.attributes or self.left_behind)
 
     def _give_groups(self, obj: bpy.types.Object, places: OutlineMap) -> None:
@@ -175,7 +176,7 @@ class Rig:
         obj.active_shape_key_index = max(index, 0)
 
     def _renumber(self, obj: bpy.types.Object, places: OutlineMap) -> None:
-        """Lets hooks and children that name vertices by their numbers name the nearest new ones."""
+        """Changes vertex indices in hooks and vertex parents to the nearest new vertices."""
         points, count = self.outline.points, len(self.outline.points)
         for hook in hooks_of(obj):
             old = [index for index in hook.vertex_indices if index < count]
@@ -187,7 +188,7 @@ class Rig:
 
 
 def is_rigged(obj: bpy.types.Object) -> bool:
-    """Whether an output object, which does not hide itself, carries work of an artist that would go with it."""
+    """Whether an output object carries work of an artist that would be lost with it."""
     modifiers = [modifier for modifier in obj.modifiers if not display.is_ours(modifier)]
     children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
     animated = obj.animation_data is not None and obj.animation_data.action is not None
@@ -195,13 +196,13 @@ def is_rigged(obj: bpy.types.Object) -> bool:
 
 
 def hooks_of(obj: bpy.types.Object) -> list[bpy.types.HookModifier]:
-    """The hooks of an object that know its vertices by their numbers."""
+    """The hooks of an object that refer to vertices by index."""
     hooks = [modifier for modifier in obj.modifiers if isinstance(modifier, bpy.types.HookModifier)]
     return [hook for hook in hooks if len(hook.vertex_indices)]
 
 
 def rest_points(mesh: bpy.types.Mesh) -> Points:
-    """Vertices (n, 3) of a mesh unposed: where they were bound, or those of the basis of its shape keys."""
+    """Vertices (n, 3) of a mesh at rest: as bound, or of the basis of its shape keys."""
     attribute: Any = mesh.attributes.get(keys.REST)
     if attribute is not None and attribute.data_type == "FLOAT_VECTOR" and attribute.domain == "POINT":
         found = np.empty((len(mesh.vertices), 3), np.float32)
@@ -276,7 +277,7 @@ def has_steps(owner: bpy.types.Key | None) -> bool:
 
 
 def _give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> None:
-    """Lets new shape keys play what the artist's keys of the old ones do; steps that they play stay."""
+    """Transfers the animation of the artist's old shape keys to the new ones, whose own steps stay."""
     if old is None or old.animation_data is None:
         return
     action = old.animation_data.action
@@ -297,7 +298,8 @@ def _give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) ->
 
 
 def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
-    """Gives new shape keys the action of old ones, or if that plays steps too, a copy of that name without them."""
+    """Gives new shape keys the action of the old ones; if that plays steps too, a copy without them, of the same
+    name."""
     action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
     if copy:
         action = action.copy()
@@ -311,7 +313,7 @@ def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
 
 
 def _merge(action: Any, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
-    """Replaces what an owner's action does to other properties than steps by copies of F-curves."""
+    """Replaces the F-curves of an owner's action, except those of steps, by copies of others."""
     there = shape_keys.curves_of(owner)
     for curve in [curve for curve in there if not shape_keys.is_step(curve.data_path)]:
         there.remove(curve)

@@ -1,4 +1,4 @@
-"""What an object paints: filled faces, the width of its strokes and the inside of closed lines, as seen evaluated."""
+"""The painted area of an evaluated object: faces, strokes with their width, and the inside of closed lines."""
 
 from __future__ import annotations
 
@@ -20,19 +20,17 @@ from .strokes import SMOOTH, STRAIGHT
 
 Points = NDArray[np.float64]
 
-# Corners of the round end of a stroke. It goes around the circle, so that a stroke lies inside of its area.
+# Corners of the round end of a stroke. They circumscribe the circle, so that the stroke lies inside its area.
 ROUND = 24
-# Straight pieces between two points of a smooth stroke, as many as Blender draws.
+# Segments between two points of a smooth stroke, as many as Blender draws.
 SEGMENTS = 12
-# Kinds of objects that have faces.
+# Types of objects that have faces.
 SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
 
 @dataclass(frozen=True)
 class Patch:
-    """Closed loops (k, 3) in the world. ``evenodd``: inside is where they go around an odd number of times, else where
-    they go around more often in one sense than in the other.
-    """
+    """Closed loops (k, 3) in the world. ``evenodd``: whether the even-odd fill rule applies, else non-zero winding."""
 
     loops: tuple[Points, ...]
     evenodd: bool = False
@@ -78,7 +76,7 @@ def paints(obj: bpy.types.Object) -> bool:
 
 
 def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
-    """The faces of the evaluated object, and the inside of closed lines beside them."""
+    """The faces of the evaluated object, and the inside of its closed lines."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
     if mesh is None:
@@ -105,7 +103,7 @@ def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
 
 
 def _outlines(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
-    """The inside of all closed lines of a text, whose faces may miss what overlaps, or of hair curves."""
+    """The inside of all closed lines of hair curves, or of a text, whose faces may omit overlaps."""
     outline = read(context, obj)
     loops = tuple(transform(outline.matrix, loop.astype(np.float64)) for loop in outline.loops)
     yield Patch(loops, evenodd=obj.type != "FONT")

@@ -1,4 +1,4 @@
-"""Edges to closed loops of points. numpy only."""
+"""From edges to closed loops of points. Uses numpy only."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from .plane import size
 
-# Neighbours closer than this part of the drawing's size are the same point: curves and imported drawings repeat points
-# where two pieces meet, up to the rounding of float32.
+# Neighbours closer than this fraction of the drawing's size are the same point: curves and imported drawings repeat
+# points where two pieces meet, up to rounding of float32.
 DOUBLED = 1e-6
-# Points that a closed loop has at least.
+# Minimum number of points of a closed loop.
 SMALLEST_LOOP = 3
 
 
@@ -27,7 +27,7 @@ class Chains(NamedTuple):
 
 
 def chains(edges: NDArray[np.int64], vertex_count: int) -> Chains:
-    """Follows edges (m, 2) among `vertex_count` vertices; nothing is followed if there is a branching vertex."""
+    """Chains of edges (m, 2) between `vertex_count` vertices; no chains if there is a branching vertex."""
     degree = np.bincount(edges.ravel(), minlength=vertex_count)
     branching = np.flatnonzero(degree > 2)
     if len(branching):
@@ -42,7 +42,7 @@ def chains(edges: NDArray[np.int64], vertex_count: int) -> Chains:
     def follow(start: int) -> NDArray[np.int64]:
         path = [start]
         visited[start] = True
-        # Along the first edge as it was drawn, then on through what has not been seen.
+        # Along the first edge in its direction, then on to vertices not visited yet.
         current = start
         while True:
             onward = [v for v in neighbours[first[current] : first[current + 1]] if not visited[v]]
@@ -58,7 +58,7 @@ def chains(edges: NDArray[np.int64], vertex_count: int) -> Chains:
 
 
 def without_doubles(points: NDArray[np.float32], extent: float) -> NDArray[np.float32]:
-    """A closed loop (k, 3) without points that lie on the one before, within `DOUBLED` of `extent`."""
+    """A closed loop (k, 3) without points closer to the one before than `DOUBLED` of `extent`."""
     gaps = np.linalg.norm(points.astype(float) - np.roll(points, 1, axis=0).astype(float), axis=1)
     kept = gaps > DOUBLED * extent
     return points if kept.all() else points[kept]

@@ -1,6 +1,4 @@
-"""Objects of a scene to planar drawings: what they look like evaluated, as closed loops in the plane that they lie
-in.
-"""
+"""From objects of a scene to planar drawings: their evaluated outlines, as closed loops in their plane."""
 
 from __future__ import annotations
 
@@ -23,7 +21,7 @@ from .uniting import outline_of, united
 @dataclass(frozen=True)
 class ReadingOptions:
     """`resolution`: segments between two control points of a curve, 0 = the curve's own. `close_open`: join the ends of
-    open lines. `project`: drop what sticks out of the plane instead of refusing it.
+    open lines. `project`: flatten non-planar outlines instead of rejecting them.
     """
 
     resolution: int = 0
@@ -33,9 +31,8 @@ class ReadingOptions:
 
 @dataclass(frozen=True)
 class Outline:
-    """What an object looks like evaluated: closed loops (k, 3) in its own space, float32 as Blender has them, its
-    matrix (4, 4), and the number that Blender knows it by in this session. ``letters``: its loops may cross and touch,
-    as those of a text do.
+    """The evaluated outline of an object: closed loops (k, 3) in its own space, float32, its matrix (4, 4), and its
+    session ID. ``letters``: its loops may cross and touch, as those of a text do.
     """
 
     name: str
@@ -52,10 +49,9 @@ class Outline:
 
 @dataclass(frozen=True)
 class Drawing:
-    """An outline in a plane: loops (k, 2) whose numbers are those that Blender stores, float32 given as float64, in
-    ``frame``. ``identity`` finds its object even if that has been renamed, and undone and redone, meanwhile.
-    ``others``: drawings of other objects that were joined to it, whose loops are its last ones unless all are
-    ``united``.
+    """An outline in a plane: loops (k, 2) in ``frame``, float32 values as float64. ``identity`` finds its object even
+    after renaming, undo and redo. ``others``: drawings of other objects joined to it, whose loops come last unless all
+    are ``united``.
     """
 
     name: str
@@ -67,11 +63,11 @@ class Drawing:
 
     @property
     def source(self) -> bpy.types.Object | None:
-        """The object that it was read from, unless that is gone."""
+        """Its source object; None if that is gone."""
         return next((obj for obj in bpy.data.objects if obj.session_uid == self.identity), None)
 
     def mesh(self) -> core.Mesh:
-        """The core's ``Mesh`` of this drawing. Raises: UserError, with the drawing's name, if the core refuses it."""
+        """The core's ``Mesh`` of this drawing. Raises: UserError, with the drawing's name, if it is invalid."""
         try:
             return core.Mesh.from_loops(self.loops)
         except core.NestedCagesError as error:
@@ -79,7 +75,7 @@ class Drawing:
             raise UserError(f"'{self.name}': {faults.with_names(message, self._parts)}", self.fault(message)) from error
 
     def fault(self, message: str) -> Fault | None:
-        """Where a message of the core is about, if it names a place."""
+        """The place that a message of the core names, if any."""
         return faults.fault(message, self._parts, self.frame)
 
     @property
@@ -95,13 +91,13 @@ class Drawing:
 
 
 def readable(obj: bpy.types.Object) -> bool:
-    """Whether `read` knows this kind of object."""
+    """Whether `read` supports this type of object."""
     return obj.type in READERS
 
 
 def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions = ReadingOptions()) -> Outline:
-    """The outline of an object as it is evaluated now. Raises: UserError."""
-    context.evaluated_depsgraph_get()  # brings the object's matrix up to date
+    """The current evaluated outline of an object. Raises: UserError."""
+    context.evaluated_depsgraph_get()  # updates the object's matrix
     vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
     matrix = np.array(obj.matrix_world, dtype=np.float64)
@@ -109,7 +105,7 @@ def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOpti
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
-    """The outline in its own plane: the object's frame where it can be kept, else a fitted one. Raises: UserError."""
+    """The outline in its own plane: the object's frame if possible, else a fitted one. Raises: UserError."""
     frame = own_frame(outline.matrix, outline.points)
     if frame is None:
         return drawing_in(fitted_frame(outline.matrix, outline.points), outline, options)
@@ -158,7 +154,7 @@ def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
         core.Mesh.from_loops(whole.loops)
     except core.NestedCagesError:
         for part in parts:
-            part.mesh()  # a fault of one drawing is told by its name
+            part.mesh()  # name the drawing that has a fault
         loops = united(drawing.name, [core.exchange.Painted(part.loops, evenodd=True) for part in parts])
         return replace(whole, loops=loops, united=True)
     return whole
@@ -175,7 +171,7 @@ def _closed_loops(
             "meet, so separate or delete the others",
             _fault(obj, vertices[found.branching[:1]]),
         )
-    # A cyclic spline of two points is one edge to and fro, which Blender shows as one edge.
+    # A cyclic spline of two points evaluates to a single edge.
     opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not _all_cyclic(obj)]
     if opened and not options.close_open:
         raise _open_error(obj, opened)
@@ -201,7 +197,7 @@ def _all_cyclic(obj: bpy.types.Object) -> bool:
 
 
 def _open_error(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> UserError:
-    """Says which line of the object is open, by the number of its spline if that is known."""
+    """The error for an open line of the object, with the number of its spline if known."""
     splines = obj.data.splines if obj.type == "CURVE" else ()
     number = next((i for i, spline in enumerate(splines, 1) if not spline.use_cyclic_u), None)
     ends = _fault(obj, lines[0][[0, -1]])
@@ -218,11 +214,11 @@ def _open_error(obj: bpy.types.Object, lines: Sequence[NDArray[np.float32]]) -> 
 
 
 def _fault(obj: bpy.types.Object, points: NDArray[np.float32]) -> Fault:
-    """Points (k, 3) in an object's own space as the fault to go to."""
+    """A fault at points (k, 3) in an object's own space."""
     world = transform(np.array(obj.matrix_world, dtype=np.float64), points.astype(np.float64)).tolist()
     return Fault(obj.session_uid, tuple((x, y, z) for x, y, z in world))
 
 
 def _place(point: NDArray[np.float32]) -> str:
-    """A point in the object's own space, for a sentence."""
+    """A point in the object's own space, in words."""
     return ", ".join(f"{x:.4g}" for x in point)

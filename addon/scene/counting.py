@@ -1,4 +1,4 @@
-"""How many vertices the outline of an object will have, at a glance: for display, without evaluating it."""
+"""Fast estimate of the vertex count of an object's outline, for display, without evaluating the object."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from .filling import loop_edges, mesh_of
 
 
 def loop_sizes(obj: bpy.types.Object, resolution: int = 0) -> tuple[int, ...]:
-    """Vertices of each loop of an outline before modifiers, of a mesh of all loops together; nothing for kinds of which
-    that is not known before they are read.
+    """Vertices of each loop of an outline before modifiers, for a mesh of all loops together; empty for types whose
+    counts are unknown until they are read.
 
     resolution: segments between two control points of a curve, 0 = the curve's own.
     """
@@ -27,7 +27,7 @@ def loop_sizes(obj: bpy.types.Object, resolution: int = 0) -> tuple[int, ...]:
 
 
 def _points(spline: bpy.types.Spline, resolution: int) -> int:
-    """Points of the line that a spline draws."""
+    """Number of points of an evaluated spline."""
     if spline.type == "POLY":
         return len(spline.points)
     fine = resolution or spline.resolution_u
@@ -44,7 +44,7 @@ def _points(spline: bpy.types.Spline, resolution: int) -> int:
 
 @lru_cache(maxsize=64)
 def _text_sizes(identity: int, _body: str, _font: str, resolution: int) -> tuple[int, ...]:
-    """Vertices of the loops of a text, which has no splines of its own; asked for again only if the text changes."""
+    """Vertices of the loops of a text, which has no splines of its own; cached until the text changes."""
     obj = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
     if obj is None:
         return ()

@@ -1,4 +1,4 @@
-"""How the output looks: wires in front in a colour per drawing and level, and a thickness for renders."""
+"""Appearance of output: wires in front in a colour per drawing and level, and a thickness for renders."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from typing import Any, Literal
 
 import bpy
 
-# The fine mesh is nearly white. The cages' hues go once around the colour circle between yellow and red, and leave out
-# the orange that Blender shows selected objects in. They step by these parts of the way from drawing to drawing (the
-# golden section, so that no two of the first ones are close) and from level to level.
+# The fine mesh is nearly white. The cages' hues go once around the colour circle from yellow to red, without the orange
+# of selected objects. Steps between drawings (the golden section, which keeps the first ones apart) and between levels,
+# as fractions of that range.
 FINE_COLOUR = (0.95, 0.95, 0.95, 1.0)
 HUES, FIRST_HUE = (0.16, 0.95), 0.5
 DRAWING_STEP, LEVEL_STEP = 0.381966, 0.19
 # Saturation and value in turn from level to level: bright enough for lines on a dark background.
 TONES = ((0.85, 1.0), (0.5, 1.0), (0.95, 0.8))
 
-# Kinds of inputs that name a data-block.
+# Types of inputs that refer to a data-block.
 NAMING = ("NodeSocketObject", "NodeSocketMaterial")
-# What the names of our modifiers and node groups begin with.
+# Prefix of the names of our modifiers and node groups.
 OURS = "Nested Cages "
 # Types of our modifiers; those of other types, such as of handles, belong to the artist.
 OUR_TYPES = ("NODES", "SURFACE_DEFORM", "MESH_DEFORM")
 THICKNESS = "Nested Cages Thickness"
 AUTOMATIC_THICKNESS = "Nested Cages Automatic Thickness"
 THICKNESSES = (THICKNESS, AUTOMATIC_THICKNESS)
-# Automatic thickness as a part of the drawing's size: some five pixels where the drawing fills a picture.
+# Automatic thickness as a fraction of the drawing's size: about five pixels if the drawing fills a picture.
 AUTOMATIC_PART = 0.005
 # Corners of the tube's cross-section.
 TUBE_CORNERS = 8
 
 
 def colour(level: int, drawing: int = 0) -> tuple[float, float, float, float]:
-    """The colour of a level, of which 0 is the fine mesh, of a drawing by its number."""
+    """The colour of a level (0: the fine mesh) of a drawing, given by its number."""
     if not level:
         return FINE_COLOUR
     way = (FIRST_HUE + DRAWING_STEP * drawing + LEVEL_STEP * (level - 1)) % 1.0
@@ -42,8 +42,8 @@ def colour(level: int, drawing: int = 0) -> tuple[float, float, float, float]:
 
 
 def apply_display(obj: bpy.types.Object, level: int, drawing: int = 0) -> None:
-    """Makes a new output object a wire in front of everything, in the colour of its level. Of a mesh with faces, the
-    outline alone is seen.
+    """Displays a new output object as a wire in front of everything, in the colour of its level; of a mesh with faces,
+    only the outline.
     """
     obj.display_type = "WIRE"
     obj.show_in_front = True
@@ -76,9 +76,9 @@ def add_nodes_modifier(obj: bpy.types.Object, name: str, tree: bpy.types.NodeTre
 
 
 def set_thickness(obj: bpy.types.Object, thickness: float, name: str = THICKNESS) -> None:
-    """Gives the object's edges a thickness in its own unit and its colour, in renders only; 0 takes it away.
+    """Gives the object's edges a thickness in its own unit and its colour, in renders only; 0 removes it.
 
-    In the viewport the object stays the wire that was certified. `name`: that of a thickness that was chosen, or
+    In the viewport the object stays the certified wire. `name`: `THICKNESS` for one chosen by the user, or
     `AUTOMATIC_THICKNESS`.
     """
     for other in THICKNESSES:
@@ -96,14 +96,14 @@ def set_thickness(obj: bpy.types.Object, thickness: float, name: str = THICKNESS
 
 
 def render_lines(obj: bpy.types.Object, shown: bool) -> None:
-    """Whether the lines of automatic thickness are rendered: those that follow an object need its plain shape."""
+    """Switches rendering of lines of automatic thickness: followers of an object need its plain shape."""
     modifier = nodes_modifier(obj, AUTOMATIC_THICKNESS)
     if modifier is not None:
         modifier.show_render = shown
 
 
 def is_ours(modifier: bpy.types.Modifier) -> bool:
-    """Whether a modifier shows or binds output, and is made anew with it."""
+    """Whether a modifier is ours, hence made again with its output."""
     return modifier.name.startswith(OURS) and modifier.type in OUR_TYPES
 
 
@@ -119,7 +119,7 @@ def remove_modifier(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None
 def set_input(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
     """Sets an input of a Geometry Nodes modifier by the name of its socket."""
     identifier = _identifier(modifier, name)
-    # Blender 5.2 made properties of what were custom properties of the modifier.
+    # Custom properties of the modifier before Blender 5.2.
     if hasattr(modifier, "properties"):
         getattr(modifier.properties.inputs, identifier).value = value
     else:
@@ -135,7 +135,7 @@ def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
 
 
 def thickness_of(obj: bpy.types.Object, name: str = THICKNESS) -> float:
-    """The thickness that `set_thickness` gave under a name, 0 for none."""
+    """The thickness that `set_thickness` set under a name, 0 for none."""
     modifier = nodes_modifier(obj, name)
     return 0.0 if modifier is None else 2.0 * float(get_input(modifier, "Radius"))
 
@@ -147,12 +147,12 @@ def _inputs(modifier: bpy.types.NodesModifier) -> list[Any]:
 
 
 def _identifier(modifier: bpy.types.NodesModifier, name: str) -> str:
-    """What Blender calls the input of that name."""
+    """Blender's identifier of the input of that name."""
     return next(str(socket.identifier) for socket in _inputs(modifier) if socket.name == name)
 
 
 def _thickness_nodes() -> bpy.types.NodeTree:
-    """The node group that makes tubes of edges; the file has one."""
+    """The node group that turns edges into tubes; one per file."""
     tree = bpy.data.node_groups.get(THICKNESS)
     if tree is not None:
         return tree
@@ -189,14 +189,14 @@ def _thickness_nodes() -> bpy.types.NodeTree:
 
 
 def _material(shade: Sequence[float]) -> bpy.types.Material:
-    """A material that shines in a colour, so that lines look the same in any light; the file has one."""
+    """A material that emits a colour, so that lines look the same in any light; one per file."""
     name = "Nested Cages #" + "".join(f"{round(255.0 * part):02X}" for part in shade[:3])
     material = bpy.data.materials.get(name)
     if material is not None:
         return material
     material = bpy.data.materials.new(name)
     material.diffuse_color = tuple(shade)
-    if material.node_tree is None:  # Blender 5.0 always has one
+    if material.node_tree is None:  # always there since Blender 5.0
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()

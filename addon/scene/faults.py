@@ -1,4 +1,4 @@
-"""What a refusal of the core speaks of: whose loops these are, and where in the scene the fault is."""
+"""The objects and places that an error message of the core refers to."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ..errors import Fault
 from .plane import Frame, size
 
-# Distance from the place in a message, as a part of the drawing's size, within which an edge takes part in the fault:
-# messages round places to six digits.
+# Largest distance of edges at fault from the place in a message, as a fraction of the drawing's size: messages round
+# places to six digits.
 NEAR = 1e-4
-# Points that are told of a fault, at most.
+# Maximum number of points of a fault.
 MOST_POINTS = 8
 
 PLACE = re.compile(r"\((-?\d[\d.]*(?:e[+-]?\d+)?), (-?\d[\d.]*(?:e[+-]?\d+)?)\)")
@@ -23,7 +23,7 @@ LOOP = re.compile(r"\b([Ll]oops?) (\d+)(?: and (\d+))?")
 
 
 class Part(NamedTuple):
-    """The loops (k, 2) that one object brings to a drawing."""
+    """The loops (k, 2) of one object in a drawing."""
 
     name: str
     identity: int
@@ -31,7 +31,7 @@ class Part(NamedTuple):
 
 
 def with_names(message: str, parts: Sequence[Part]) -> str:
-    """The message with loops numbered within their own objects, where a drawing consists of several."""
+    """The message with loops numbered per object, for a drawing of several objects."""
     if len(parts) < 2:
         return message
     owners = [(part, number) for part in parts for number in range(len(part.loops))]
@@ -50,7 +50,7 @@ def with_names(message: str, parts: Sequence[Part]) -> str:
 
 
 def fault(message: str, parts: Sequence[Part], frame: Frame) -> Fault | None:
-    """The ends of the edges at the first place in a message, of the object that is closest; None without a place."""
+    """The ends of the edges at the first place in a message, of the closest object; None without a place."""
     found = PLACE.search(message)
     if found is None:
         return None

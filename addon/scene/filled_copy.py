@@ -1,4 +1,4 @@
-"""The moving copy: an object that fills what a fine mesh outlines, frame by frame, in the drawing's own materials."""
+"""The moving copy: an object that fills the outline of a fine mesh on every frame, in the drawing's own materials."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.t
     copy = bpy.data.objects.new(name, mesh)
     copy[keys.FILLS] = fine
     copy.parent = fine
-    copy.location.z = fine.data.vertices[0].co.z  # what is filled is flat, at height 0
+    copy.location.z = fine.data.vertices[0].co.z  # the filled area is flat, at height 0
     copy.hide_select = True
     if source is not None:
         copy.color = source.color
@@ -47,7 +47,7 @@ def remove(copy: bpy.types.Object) -> None:
 
 
 def main_material(source: bpy.types.Object) -> bpy.types.Material | None:
-    """The material that most faces of an object have; of one without faces, the active one."""
+    """The material of most faces of an object; the active one if there are no faces."""
     slots = [slot.material for slot in source.material_slots]
     if source.type == "MESH" and len(source.data.polygons) and len(slots) > 1:
         counts = [0] * len(slots)
@@ -59,14 +59,14 @@ def main_material(source: bpy.types.Object) -> bpy.types.Material | None:
 
 
 def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
-    """A material for faces in the colour of a Grease Pencil material, which faces cannot have; the file has one."""
+    """A material for faces in the colour of a Grease Pencil material, which faces cannot have; one per file."""
     name = f"{material.name} Fill"
     found = bpy.data.materials.get(name)
     if found is None:
         found = bpy.data.materials.new(name)
         style: Any = material.grease_pencil
         found.diffuse_color = style.fill_color if style.show_fill else style.color
-        if found.node_tree is None:  # Blender 5.0 always has one
+        if found.node_tree is None:  # always there since Blender 5.0
             found.use_nodes = True
         shader = next((node for node in found.node_tree.nodes if "Base Color" in node.inputs), None)
         if shader is not None:
@@ -75,7 +75,7 @@ def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
 
 
 def _nodes() -> bpy.types.NodeTree:
-    """The node group that fills the outline of an object; the file has one."""
+    """The node group that fills the outline of an object; one per file."""
     tree = bpy.data.node_groups.get(FILL)
     if tree is not None:
         return tree

@@ -1,4 +1,4 @@
-"""Outlines with an inside: cages as triangulated faces, as closed prisms, and as curve objects."""
+"""Filled outlines: cages as triangulated faces, as closed prisms, and as curve objects."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .. import keys
 from ..core import core, triangulation
 from ..errors import UserError
 
-# Half the height of a prism around a planar drawing, as a part of the cage's size.
+# Half the height of a prism around a planar drawing, as a fraction of the cage's size.
 HALF_HEIGHT = 0.1
 
 AttributeType = Literal["INT", "FLOAT", "FLOAT_VECTOR"]
@@ -20,7 +20,7 @@ Points = NDArray[np.float64]
 
 
 def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """The mesh of an object that is known to be of that type."""
+    """The mesh of a mesh object."""
     assert isinstance(obj.data, bpy.types.Mesh), obj.name
     return obj.data
 
@@ -50,7 +50,7 @@ def outline(obj: bpy.types.Object) -> core.Mesh:
 
 
 def filled(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Mesh:
-    """A new mesh with the points (n, 3), the outline's edges first and then its triangles, which leave holes open."""
+    """A new mesh with the points (n, 3), the outline's edges and then its triangles, which leave holes open."""
     data = bpy.data.meshes.new(name)
     triangles = triangulation.triangulate(mesh).triangles
     data.from_pydata(points.tolist(), mesh.edges.tolist(), triangles.tolist())
@@ -59,7 +59,7 @@ def filled(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Mesh:
 
 
 def add_faces(data: bpy.types.Mesh, triangles: NDArray[np.int64]) -> None:
-    """Adds triangles (t, 3) to a mesh without faces, whose vertices, and so its shape keys, stay."""
+    """Adds triangles (t, 3) to a mesh without faces; its vertices and shape keys stay."""
     data.loops.add(triangles.size)
     data.loops.foreach_set("vertex_index", triangles.astype(np.int32).ravel())
     data.polygons.add(len(triangles))
@@ -95,7 +95,7 @@ def curve(name: str, points: Points, mesh: core.Mesh) -> bpy.types.Curve:
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions = "2D" if not points[:, 2].any() else "3D"
     if data.dimensions == "2D":
-        data.fill_mode = "BOTH"  # type: ignore[assignment]  # the stubs know the modes of 3D curves alone
+        data.fill_mode = "BOTH"  # type: ignore[assignment]  # the stubs only have the modes of 3D curves
     for loop in mesh.loops:
         spline = data.splines.new("POLY")
         spline.points.add(len(loop) - 1)

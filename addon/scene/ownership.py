@@ -1,4 +1,4 @@
-"""Which objects belong to which drawing: an output collection knows the drawing's object, whatever it is called."""
+"""Which objects belong to which drawing: an output collection refers to the drawing's object, whatever its name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from mathutils import Matrix
 from .. import keys
 from .plane import Frame
 
-# What a transform consists of; copying these keeps the exact numbers, which a matrix would round.
+# The properties of a transform; copying them is exact, while a matrix would round.
 TRANSFORM = (
     "rotation_mode",
     "location",
@@ -30,7 +30,7 @@ def level_of(obj: bpy.types.Object) -> int | None:
 
 
 def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The hidden objects of an output that only help others to follow."""
+    """The hidden helper objects of an output."""
     return [obj for obj in collection.objects if keys.flag(obj, keys.HELPER) and level_of(obj) is None]
 
 
@@ -40,7 +40,7 @@ def is_output(collection: bpy.types.Collection) -> bool:
 
 
 def is_bound(collection: bpy.types.Collection) -> bool:
-    """Whether the cages of an output collection move what is in them."""
+    """Whether the cages of an output collection are bound."""
     return bool(keys.text(collection, keys.BOUND))
 
 
@@ -58,13 +58,13 @@ def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types
 
 
 def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
-    """The object that an output was made of; None if it has been deleted, even though the collection knows it still."""
+    """The source object of an output; None if it was deleted, even if the collection still refers to it."""
     source = keys.block(collection, keys.SOURCE, bpy.types.Object)
     return source if source is not None and source.users_scene else None
 
 
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The objects that an output was made of, the one that it is named after first; those that are gone left out."""
+    """The source objects of an output, first the one that it is named after; without deleted ones."""
     others = collection.get(keys.OTHERS)
     stored = [collection.get(keys.SOURCE), *(others.values() if hasattr(others, "values") else ())]
     return [obj for obj in stored if isinstance(obj, bpy.types.Object) and obj.users_scene]
@@ -85,7 +85,7 @@ def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | N
 
 
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """All output objects of a collection, the fine mesh first; copies that the user made of them do not count."""
+    """All output objects of a collection, the fine mesh first; without copies made by the user."""
     found: dict[int, bpy.types.Object] = {}
     for obj in collection.objects:
         level = level_of(obj)
@@ -102,7 +102,7 @@ def home_of(scene: bpy.types.Scene, source: bpy.types.Object | None) -> bpy.type
 
 
 def why_locked(obj: bpy.types.Object) -> str:
-    """Why an output object cannot be changed; empty if it can. Overrides can be posed, but lose what is added."""
+    """Why an output object cannot be changed; empty if it can. Overrides can be posed, but lose additions."""
     if obj.override_library is not None:
         return (
             f"'{obj.name}' is an override of another file: it can be posed and keyed here, but for this open that "
@@ -114,9 +114,9 @@ def why_locked(obj: bpy.types.Object) -> str:
 
 
 def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
-    """Makes an object a child of the drawing that it belongs to, in the drawing's plane; of nothing if it is gone.
+    """Makes an object a child of its drawing, in the drawing's plane; without a parent if the drawing is gone.
 
-    In the drawing's own space nothing is to be rounded: both have the same matrix, wherever the drawing goes.
+    In the drawing's own space nothing is rounded: both have the same matrix, wherever the drawing moves.
     """
     if source is None or obj in _line_of(source):
         obj.parent = None

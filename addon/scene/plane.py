@@ -1,7 +1,7 @@
-"""The plane that a drawing lies in: a frame to the world, and how far points are off it. numpy only.
+"""The plane of a drawing: its frame in the world, and distances of points from it. Uses numpy only.
 
-A drawing is handled in the x and y of its ``Frame``. Blender stores float32, so a frame also says which numbers are
-stored.
+Drawings are 2D, in the x and y of their ``Frame``. Blender stores float32, so the frame also determines which numbers
+are stored.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Largest distance from the plane, as a part of the drawing's size, at which points still count as lying in it. A plane
-# through points that went through float32 rotations is met to some 1e-6; a drawing that is off by more than 1e-4 is
-# bent on purpose.
+# Largest distance of coplanar points from the plane, as a fraction of the drawing's size. float32 rotations leave
+# errors of about 1e-6; more than 1e-4 is intended.
 PLANARITY = 1e-4
-# The same for "flat in the object's own z", where no rotation spoils anything: a few float32 roundings.
+# The same for points flat in the object's own z, without errors from rotations: a few float32 roundings.
 OWN_PLANARITY = 1e-6
 # Largest relative difference between the axes' lengths, and largest cosine between axes, of a scale that counts as
 # uniform.
@@ -26,10 +25,10 @@ UNIFORMITY = 1e-5
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a drawing's plane is: ``matrix`` (4, 4) takes (x, y, height, 1) to the world.
+    """The frame of a drawing's plane: ``matrix`` (4, 4) maps (x, y, height, 1) to the world.
 
-    ``scale`` is the world length of one unit of the frame. ``own`` says that the matrix is that of the object the
-    drawing came from.
+    ``scale`` is the world length of one unit of the frame. ``own``: whether the matrix is that of the drawing's
+    object.
     """
 
     matrix: Array
@@ -63,7 +62,7 @@ def size(points: Array) -> float:
 
 
 def own_frame(matrix: Array, points: Array) -> Frame | None:
-    """The object's own frame if its points (n, 3) are flat in z and its matrix scales uniformly without mirroring, else
+    """The object's own frame if its points (n, 3) are flat in z and its matrix scales uniformly without mirroring; else
     None.
     """
     axes = matrix[:3, :3]
@@ -82,8 +81,8 @@ def own_frame(matrix: Array, points: Array) -> Frame | None:
 def fitted_frame(matrix: Array, points: Array) -> Frame:
     """A frame of unit scale through the world positions of an object's points (n, 3), by least squares.
 
-    Its origin is the middle of the points. Its x and z follow the object's x and z axes, so that the drawing is not
-    turned or mirrored more than needed. The points may still be off the plane: ``Frame.from_world`` tells how far.
+    Its origin is the centre of the points. Its x and z follow the object's x and z axes, so that the drawing is turned
+    as little as possible and not mirrored. The points may lie off the plane, see ``Frame.from_world``.
     """
     world = transform(matrix, points)
     middle = 0.5 * (world.min(axis=0) + world.max(axis=0))
@@ -92,11 +91,11 @@ def fitted_frame(matrix: Array, points: Array) -> Frame:
     if normal @ matrix[:3, 2] < 0.0:
         normal = -normal
     along = matrix[:3, 0] - (matrix[:3, 0] @ normal) * normal
-    # An x axis that stands on the plane gives no direction in it: the longest extent does.
+    # If the x axis is perpendicular to the plane, use the direction of the longest extent.
     x_axis = along if np.linalg.norm(along) > PLANARITY * np.linalg.norm(matrix[:3, 0]) else directions[0]
     x_axis = x_axis / np.linalg.norm(x_axis)
     middle = middle - ((middle - world.mean(axis=0)) @ normal) * normal
-    # Blender stores the matrix in float32: the drawing is expressed in the frame as it is stored.
+    # Blender stores the matrix in float32: express the drawing in the stored frame.
     fitted = np.eye(4)
     fitted[:3, :] = np.column_stack([x_axis, np.cross(normal, x_axis), normal, middle]).astype(np.float32)
     return Frame(matrix=fitted, height=0.0, scale=1.0, own=False)

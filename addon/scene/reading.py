@@ -1,4 +1,4 @@
-"""What an object of any kind looks like, as points and edges: wire edges and open boundaries of its evaluated shape."""
+"""The lines of an object of any type: wire edges and open boundaries of its evaluated shape."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Lines(NamedTuple):
 
 
 def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int = 0) -> Lines:
-    """The lines of an object as it is evaluated now, or the selected ones of a mesh in Edit Mode. Raises: UserError.
+    """The current evaluated lines of an object, or the selected ones of a mesh in Edit Mode. Raises: UserError.
 
     resolution: segments between two control points of a curve, 0 = the curve's own.
     """
@@ -43,13 +43,13 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
 
 @contextmanager
 def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int) -> Iterator[bpy.types.Object]:
-    """A mesh object shows its lines as it is; one that is not evaluated, because it is disabled, by a copy that is."""
+    """A mesh object itself, or an enabled copy if it is disabled and hence not evaluated."""
     if obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
         yield obj
         return
     copy = obj.copy()
     try:
-        copy.animation_data_clear()  # which may hide it on this frame; what else it animates is as it is now
+        copy.animation_data_clear()  # it may hide the copy; other animated values are already current
         copy.hide_viewport = False
         context.scene.collection.objects.link(copy)
         yield copy
@@ -59,7 +59,8 @@ def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int)
 
 @contextmanager
 def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
-    """A copy of a curve or text for a moment, in the scene so that its modifiers count, without what makes it solid."""
+    """A temporary copy of a curve or text, in the scene so that its modifiers apply, without bevel, extrusion and
+    fill."""
     copy = obj.copy()
     data: Any = obj.data.copy()
     try:
@@ -86,7 +87,7 @@ def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: i
 
 @contextmanager
 def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
-    """A mesh object for a moment that takes over the curves of an object that has no mesh: hair and Grease Pencil."""
+    """A temporary mesh object with the curves of an object that has no mesh: hair and Grease Pencil."""
     tree = bpy.data.node_groups.new(obj.name, "GeometryNodeTree")
     mesh = bpy.data.meshes.new(obj.name)
     helper = bpy.data.objects.new(obj.name, mesh)
@@ -99,7 +100,7 @@ def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) 
         if resolution:
             chain.insert(0, "GeometryNodeSetSplineResolution")
         if obj.type == "GREASEPENCIL":
-            # Its layers, each with a transform of its own, come as instances.
+            # Its layers, with their own transforms, come as instances.
             chain = ["GeometryNodeGreasePencilToCurves", "GeometryNodeRealizeInstances", *chain]
         geometry = source.outputs["Geometry"]
         for kind in chain:
@@ -132,7 +133,7 @@ def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines
     """The evaluated object's edges with no face (wire) or one face (boundary)."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
-    if mesh is None:  # an object that shows nothing
+    if mesh is None:  # an object without geometry
         return Lines(np.empty((0, 3), np.float32), np.empty((0, 2), np.int64))
     try:
         vertices = np.empty((len(mesh.vertices), 3), np.float32)
@@ -148,7 +149,8 @@ def _evaluated_lines(context: bpy.types.Context, obj: bpy.types.Object) -> Lines
 
 
 def _selected_edges(obj: bpy.types.Object) -> Lines:
-    """The selected edges of a mesh in Edit Mode, of selected faces only the border. Raises: UserError if none is."""
+    """The selected edges of a mesh in Edit Mode; of selected faces, only the border. Raises: UserError if there are
+    none."""
     mesh = bmesh.from_edit_mesh(mesh_of(obj))
     mesh.verts.index_update()
     faces = [sum(face.select for face in edge.link_faces) for edge in mesh.edges]

@@ -1,4 +1,4 @@
-"""What the user works with, and what is given back selected."""
+"""The active object's output, and selection of results."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from . import ownership
 
 
 def scene_of(context: bpy.types.Context) -> bpy.types.Scene:
-    """The scene, which every context has that operators and panels get."""
+    """The scene of a context; operators and panels always have one."""
     assert context.scene is not None
     return context.scene
 
@@ -20,14 +20,14 @@ def collection_of_active(context: bpy.types.Context) -> bpy.types.Collection | N
 
 
 def output_of_active(context: bpy.types.Context) -> bpy.types.Collection:
-    """The same where it is known that there is one."""
+    """The output of the active object where it is known to have one."""
     collection = collection_of_active(context)
     assert collection is not None
     return collection
 
 
 def found_object(identity: int | None) -> bpy.types.Object | None:
-    """The object that Blender knows by a number in this session, even if it was renamed, or undone and redone."""
+    """The object with a session ID, even after renaming, undo and redo."""
     return next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
 
 

@@ -1,4 +1,4 @@
-"""Grease Pencil drawings of version 3, which Blender has since 4.3."""
+"""Grease Pencil drawings of version 3, available since Blender 4.3."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 
-# What the type of a stroke is stored as: a Catmull-Rom spline, and straight pieces.
+# Stored values of the type of a stroke: Catmull-Rom spline, and polyline.
 SMOOTH, STRAIGHT = 0, 1
 
 

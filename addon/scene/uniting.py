@@ -1,4 +1,4 @@
-"""Areas that overlap or touch as one outline, in the numbers that Blender stores."""
+"""Overlapping or touching areas as one outline, in float32 precision."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ..errors import UserError
 Loop = NDArray[np.float64]
 Loops = tuple[Loop, ...]
 
-# Gaps narrower than this part of the size, closed where float32 cannot hold them open: some ten roundings.
+# Gaps narrower than this fraction of the size are closed if they collapse in float32: about ten roundings.
 CLOSED_GAP = 1e-5
 
 
 def outline_of(name: str, loops: Sequence[Loop]) -> Loops:
-    """The outline of one area that its loops (k, 2) go around, in float32; unchanged unless they cross or touch.
+    """The outline of one area given by loops (k, 2), in float32; unchanged unless they cross or touch.
 
-    Places are inside where the loops go around them more often in one sense than in the other. Raises: UserError.
+    The non-zero winding rule decides what is inside. Raises: UserError.
     """
     try:
         core.Mesh.from_loops(loops)
@@ -30,7 +30,7 @@ def outline_of(name: str, loops: Sequence[Loop]) -> Loops:
 
 
 def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
-    """The outline of all areas together, loops (k, 2) in float32, given as float64. Raises: UserError."""
+    """The outline of the union of areas, loops (k, 2), float32 values as float64. Raises: UserError."""
     points = np.concatenate([loop for area in areas for loop in area.loops])
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     problem: core.NestedCagesError | None = None
@@ -47,7 +47,7 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
 
 
 def stored(points: Loop) -> Loop:
-    """A loop (k, 2) as float32 holds it, given as float64, without points that become the same."""
+    """A loop (k, 2) rounded to float32, as float64, without points that coincide then."""
     rounded = points.astype(np.float32).astype(np.float64)
     kept: Loop = rounded[(rounded != np.roll(rounded, 1, axis=0)).any(axis=1)]
     return kept

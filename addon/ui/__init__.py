@@ -1,1 +1,2 @@
-"""What users see besides operators: `panels` in the sidebar, the add-on's `preferences`, and `manual`, the F1 pages."""
+"""User interface: `panels` in the sidebar, `menus`, the `overlay`, the add-on's `preferences`, and `manual`, the F1
+pages."""

@@ -1,4 +1,4 @@
-"""F1 and "Online Manual": the page of the guide about what the pointer is on. The guide comes with the add-on."""
+"""F1 and "Online Manual": the page of the guide about the item under the pointer. The guide comes with the add-on."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from ..properties.groups import ADVANCED, ANIMATION, FRAMES
 
 # The folder of the extension, or of the repository.
 ROOT = Path(__file__).resolve().parents[2]
-# The guide as the extension's zip brings it, and as it is in the repository; the first that is there is shown.
+# The guide in the extension's zip, and in the repository; the first one that exists is shown.
 GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide", ".md"))
-# Endings of operators, beginnings of settings, and the page about each.
+# Suffixes of operators, prefixes of settings, and the page about each.
 OPERATORS = {
     "verify": "verify",
     "bind": "bind",
@@ -42,7 +42,7 @@ SETTINGS = {
     **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),
     **dict.fromkeys(ADVANCED, "methods"),
 }
-# What Blender calls things, in small letters with wildcards, and the page about them. The first that fits counts.
+# Blender's names of items, in lower case with wildcards, and the page about them. The first match counts.
 PAGES = (
     *((f"bpy.ops.object.nested_cages_{name}*", page) for name, page in OPERATORS.items()),
     *((f"bpy.types.*nested*cages*.{name}*", page) for name, page in SETTINGS.items()),
@@ -59,7 +59,7 @@ PAGES = (
 
 
 def manual_map() -> tuple[str, tuple[tuple[str, str], ...]]:
-    """The prefix of all pages, and the pages; none where the guide was left out."""
+    """The prefix of all pages, and the pages; none without the guide."""
     found = next((guide for guide in GUIDES if guide[0].is_dir()), None)
     if found is None:
         return "", ()

@@ -1,4 +1,4 @@
-"""The menus: everything in one submenu of Object and of the context menu, where F3 finds it, and files in File."""
+"""The menus: one submenu in Object and in the context menu, which F3 searches, and files in File."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..properties.settings import copy_values, settings_of
 
 
 class VIEW3D_MT_nested_cages(bpy.types.Menu):
-    """All that can be done with drawings and their cages"""
+    """Operators for drawings and their cages"""
 
     bl_label = "Nested Cages"
 

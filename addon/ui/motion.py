@@ -19,7 +19,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 
 def draw_live(layout: bpy.types.UILayout, width: int) -> None:
-    """The switch that follows edits, whether the cages are behind, and why they cannot follow, in lines of so many
+    """The switch for following edits, with its state and the reason why the cages cannot follow, wrapped to a number of
     letters.
     """
     now = live.current()

@@ -1,4 +1,4 @@
-"""Cages in the 3D view as lines of a width in pixels, which shows at any zoom; corners of bound ones as handles.
+"""Cages in the 3D view as lines of constant width in pixels, and the corners of bound cages as handles.
 
 In renders a modifier gives lines their width; see `scene.display`.
 """
@@ -18,10 +18,9 @@ from ..properties import groups
 from ..scene import filling, ownership
 from ..scene.plane import transform
 
-# Pixels, before the scale of the interface: the lines, unless the preferences say otherwise, what selected cages have
-# more, and the handles.
+# Pixels at interface scale 1: default width of lines, extra width of selected cages, and size of handles.
 WIDTH, MORE, HANDLE = 2.5, 1.5, 9.0
-# How far the colour of a selected cage goes to white.
+# Blend of the colour of a selected cage towards white.
 LIGHTER = 0.45
 
 
@@ -35,7 +34,7 @@ class Strokes(NamedTuple):
 
 
 def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
-    """The cages that are seen, as they are on this frame; one that is being edited shows itself."""
+    """The visible cages on this frame, without those being edited, which Blender shows."""
     depsgraph, chosen = context.evaluated_depsgraph_get(), groups.preferences()
     wide = WIDTH if chosen is None else chosen.line_width
     for collection in context.scene.collection.children_recursive:
@@ -54,12 +53,12 @@ def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
 
 
 def _buffer(points: NDArray[np.float32]) -> Any:
-    """What a batch is made of."""
+    """Array as a buffer for a batch."""
     return points
 
 
 def _draw() -> None:
-    """Draws over a 3D view that shows overlays."""
+    """Draws the lines over a 3D view that shows overlays."""
     context = bpy.context
     space = context.space_data
     chosen = groups.preferences()
@@ -85,7 +84,7 @@ def _draw() -> None:
     gpu.state.blend_set("NONE")
 
 
-# Blender 4.5 gave points a shader of their own.
+# Points have their own shader since Blender 4.5.
 POINTS = "POINT_UNIFORM_COLOR" if bpy.app.version >= (4, 5, 0) else "UNIFORM_COLOR"
 
 _handlers: list[object] = []

@@ -1,4 +1,4 @@
-"""The sidebar tab: settings, the button or the progress, and what was found. Panels read; they compute nothing."""
+"""The sidebar tab: settings, the button or the progress, and results. Panels only read; they compute nothing."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from ..scene.selection import collection_of_active, output_of_active
 from . import motion
 
 CATEGORY = "Nested Cages"
-# Letters in a line of a note: what fits into the sidebar as wide as Blender opens it.
+# Letters per line of a note: fits into the sidebar at its default width.
 NOTE_WIDTH = 36
 
 
-# Blender looks for what panels share only in bases that it does not know itself.
+# Blender only reads properties of bases that are not registered.
 if TYPE_CHECKING:
     Mixin = bpy.types.Panel
 else:
@@ -34,7 +34,7 @@ else:
 
 
 class SidebarPanel(Mixin):
-    """Where all panels of the add-on are."""
+    """Base of all panels: their place."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -94,7 +94,7 @@ class SettingsPanel(SidebarPanel):
 
 
 class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
-    """When and how fast it plays how the cages come about"""
+    """Timing of the animation of how the cages form"""
 
     bl_label = "Animation"
 
@@ -114,7 +114,7 @@ class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
 
 
 class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
-    """Which objects count, how they are read, and what shape cages take"""
+    """Which objects to enclose, how to read them, and the shape of cages"""
 
     bl_label = "Drawing and Cages"
     names = (*groups.WHICH, *groups.READING, *groups.SHAPE, *groups.LOOKS)
@@ -147,7 +147,7 @@ class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
-    """What is known of the active object's cages"""
+    """Results for the active object's cages"""
 
     bl_label = "Result"
     bl_parent_id = "VIEW3D_PT_nested_cages"
@@ -195,7 +195,7 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
 
 
 def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> None:
-    """The levels one by one, and the buttons that change their number and order."""
+    """The list of levels, and the buttons that change their number and order."""
     row = layout.row()
     row.active = not settings.use_selected_as_levels
     row.template_list("NESTEDCAGES_UL_levels", "", settings, "level_list", settings, "level_index", rows=3)
@@ -206,7 +206,7 @@ def _draw_list(layout: bpy.types.UILayout, settings: NestedCagesSettings) -> Non
 
 
 def _draw_length(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """How long the animation will be with these settings, known from the steps that the cages were made of before."""
+    """The length of the animation with the current settings, from the steps of existing output."""
     collection, scene = collection_of_active(context), context.scene
     frames = output.length(collection, conversion.timing(settings_of(context))) if collection is not None else None
     if frames is not None:
@@ -235,7 +235,7 @@ class NESTEDCAGES_UL_levels(bpy.types.UIList):
 
 
 def _in_short(obj: bpy.types.Object) -> str:
-    """What an artist wants to know of an output object at a glance; all numbers are in the report."""
+    """The most important facts about an output object; all numbers are in the report."""
     vertices, excess = keys.integer(obj, keys.VERTICES), keys.number(obj, keys.EXCESS)
     parts = [] if vertices is None else [f"{vertices} vertices"]
     if excess is not None:
@@ -244,14 +244,14 @@ def _in_short(obj: bpy.types.Object) -> str:
 
 
 def _notes(obj: bpy.types.Object) -> list[str]:
-    """Lines of what is said about an output object in words."""
+    """Lines of the notes about an output object."""
     method, _, _ = keys.text(obj, keys.LINK).partition(",")
     sentences = [f"Follows by {method}" if method else "", keys.text(obj, keys.CHECK), keys.text(obj, keys.NOTES)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
 
 
 def _said_of_levels(context: bpy.types.Context, settings: NestedCagesSettings) -> list[str]:
-    """What the levels come to for the active drawing: "20 % = 93 vertices"."""
+    """The vertex counts of the levels for the active drawing: "20 % = 93 vertices"."""
     active = context.view_layer.objects.active
     if active is None or active.mode != "OBJECT" or ownership.level_of(active) is not None:
         return []
@@ -268,7 +268,7 @@ def _said_of_levels(context: bpy.types.Context, settings: NestedCagesSettings) -
 
 
 def _draw_binding(layout: bpy.types.UILayout, collection: bpy.types.Collection | None) -> None:
-    """Bind, or what can be done with what is bound."""
+    """Bind, or the operators for bound cages."""
     if collection is None or not ownership.is_bound(collection):
         layout.operator("object.nested_cages_bind", icon="LINKED")
         return

@@ -1,4 +1,4 @@
-"""The add-on's preferences: where its panels are, and the settings that new files begin with."""
+"""The add-on's preferences: the tab of its panels, and settings for new files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _move_panels(preferences: NestedCagesPreferences, _context: bpy.types.Contex
 
 
 class NestedCagesDefaults(bpy.types.PropertyGroup, GenerationProperties):
-    """The settings as they are kept in the preferences, which cannot hold the list's objects."""
+    """The settings in the preferences, which cannot refer to the list's objects."""
 
 
 class NestedCagesPreferences(bpy.types.AddonPreferences):
@@ -63,7 +63,7 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
         layout.operator("scene.nested_cages_store_defaults", icon="IMPORT")
 
 
-# Settings whose defaults the preferences show; all others are stored with them.
+# Settings that the preferences show; all others are stored too.
 DEFAULTS = (
     "levels",
     "clearance",
@@ -81,7 +81,7 @@ DEFAULTS = (
 
 
 class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
-    """Keeps the scene's settings."""
+    """Stores the scene's settings as defaults."""
 
     bl_idname = "scene.nested_cages_store_defaults"
     bl_label = "Use Settings of Scene"
@@ -98,7 +98,7 @@ class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> Outcome:
         found = preferences()
         copy_values(settings_of(context), found.defaults)
-        # Objects of this file mean nothing in others.
+        # Objects of this file do not exist in others.
         found.defaults.level_objects = ""
         found.has_defaults = True
         context.preferences.is_dirty = True
@@ -106,14 +106,14 @@ class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
 
 
 def preferences() -> NestedCagesPreferences | None:
-    """The preferences, which are there while Blender has the add-on enabled."""
+    """The preferences; None while the add-on is not enabled."""
     found: NestedCagesPreferences | None = groups.preferences()
     return found
 
 
 @persistent  # type: ignore[untyped-decorator]
 def _begin_with_defaults(filepath: str = "", _unused: object = None) -> None:
-    """Gives the scenes of a new file the user's own defaults; saved files keep what they have."""
+    """Applies the user's defaults to the scenes of a new file; saved files keep their settings."""
     found = preferences()
     if found is None or not found.has_defaults or filepath or bpy.data.filepath:
         return

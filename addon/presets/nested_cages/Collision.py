@@ -1,4 +1,4 @@
-"""One outline of very few vertices around each drawing, without the story of how it came about."""
+"""One outline of very few vertices around each drawing, without the animation of how it forms."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""Outlines for ever smaller scales, each of which encloses all land of the one before."""
+"""Outlines for smaller and smaller scales; each encloses all land of the one before."""
 
 import bpy
 

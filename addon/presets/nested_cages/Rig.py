@@ -1,4 +1,4 @@
-"""One cage of few, evenly spaced vertices with some room to move in, to be bound and posed."""
+"""One cage of few, evenly spaced vertices at some distance, to be bound and posed."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""As tight as the number of vertices allows, which follows the drawing."""
+"""As tight as possible, with vertex counts relative to the drawing."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""For comparisons, after Gurditta & Jacobson (2022), with its faults mended."""
+"""For comparisons, after Gurditta & Jacobson (2022), with fixes."""
 
 import bpy
 
