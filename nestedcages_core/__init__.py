@@ -8,10 +8,9 @@ from here as well; each room (`contact`, `energies`, `decimation`, ...) document
 
 from __future__ import annotations
 
-from .batch import BatchProgress as BatchProgress
-from .batch import Outcome as Outcome
-from .batch import OutcomeFolder as OutcomeFolder
-from .batch import nested_cages_many
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from .contact import IPC as IPC
 from .contact import AllPairs as AllPairs
 from .contact import Cells as Cells
@@ -21,12 +20,6 @@ from .contact import SmallestDistance as SmallestDistance
 from .contact import TimeOfImpact as TimeOfImpact
 from .contact import UniformGrid as UniformGrid
 from .contact.reinflation import Reinflation
-from .coordinates import Grids as Grids
-from .coordinates import Harmonic as Harmonic
-from .coordinates import MeanValue as MeanValue
-from .coordinates import PiecewiseLinear as PiecewiseLinear
-from .coordinates import cage_coordinates, deform
-from .coordinates import grids as grids
 from .decimation import ArcLength as ArcLength
 from .decimation import DouglasPeucker as DouglasPeucker
 from .decimation import EdgeCollapse as EdgeCollapse
@@ -44,31 +37,6 @@ from .energies import ShapeKeeping as ShapeKeeping
 from .energies import StepDisplacement as StepDisplacement
 from .energies import WeightedSum as WeightedSum
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
-from .exchange import Cut as Cut
-from .exchange import Feature as Feature
-from .exchange import cut_at_borders as cut_at_borders
-from .exchange import (
-    features_from_geojson,
-    from_geojson,
-    from_svg,
-    read_geojson,
-    read_svg,
-    swept,
-    to_engine_json,
-    to_geojson,
-    to_svg,
-    write_engine_json,
-    write_geojson,
-    write_svg,
-)
-from .exchange import frames_from_engine_json as frames_from_engine_json
-from .exchange import frames_to_engine_json as frames_to_engine_json
-from .exchange import from_engine_json as from_engine_json
-from .exchange import is_engine_json as is_engine_json
-from .exchange import pieces_from_engine_json as pieces_from_engine_json
-from .exchange.pictures import alpha_channel as alpha_channel
-from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
-from .exchange.pictures import collision_outline, read_png
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
 from .geometry.mesh import Mesh
@@ -92,26 +60,63 @@ from .hierarchy import (
 from .hierarchy import InnerCagesRun as InnerCagesRun
 from .hierarchy import Mirror as Mirror
 from .hierarchy import Rotation as Rotation
-from .motion import AnimatedCagesRun as AnimatedCagesRun
-from .motion import Key as Key
-from .motion import MotionReport as MotionReport
-from .motion import MovingCages as MovingCages
-from .motion import MovingLevel as MovingLevel
-from .motion import animated_cages
-from .motion import followed as followed
-from .motion import stream_cages as stream_cages
-from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
-from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
-from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
-from .published.gurditta_jacobson_2022 import Repairs as Repairs
-from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
-from .published.li_2020 import OriginalIPC as OriginalIPC
-from .published.sacht_2015 import ElTopo as ElTopo
-from .published.sacht_2015 import VelocityFilter as VelocityFilter
-from .published.sellan_2022 import LevelSet as LevelSet
 from .solver import ProjectedNewton as ProjectedNewton
 from .tightening import Tightening as Tightening
 from .verification import Certificate, MotionCertificate, verify, verify_motion
+
+if TYPE_CHECKING:
+    from .batch import BatchProgress as BatchProgress
+    from .batch import Outcome as Outcome
+    from .batch import OutcomeFolder as OutcomeFolder
+    from .batch import nested_cages_many
+    from .coordinates import Grids as Grids
+    from .coordinates import Harmonic as Harmonic
+    from .coordinates import MeanValue as MeanValue
+    from .coordinates import PiecewiseLinear as PiecewiseLinear
+    from .coordinates import cage_coordinates, deform
+    from .coordinates import grids as grids
+    from .exchange import Cut as Cut
+    from .exchange import Feature as Feature
+    from .exchange import cut_at_borders as cut_at_borders
+    from .exchange import (
+        features_from_geojson,
+        from_geojson,
+        from_svg,
+        read_geojson,
+        read_svg,
+        swept,
+        to_engine_json,
+        to_geojson,
+        to_svg,
+        write_engine_json,
+        write_geojson,
+        write_svg,
+    )
+    from .exchange import frames_from_engine_json as frames_from_engine_json
+    from .exchange import frames_to_engine_json as frames_to_engine_json
+    from .exchange import from_engine_json as from_engine_json
+    from .exchange import is_engine_json as is_engine_json
+    from .exchange import pieces_from_engine_json as pieces_from_engine_json
+    from .exchange.pictures import alpha_channel as alpha_channel
+    from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
+    from .exchange.pictures import collision_outline, read_png
+    from .motion import AnimatedCagesRun as AnimatedCagesRun
+    from .motion import Key as Key
+    from .motion import MotionReport as MotionReport
+    from .motion import MovingCages as MovingCages
+    from .motion import MovingLevel as MovingLevel
+    from .motion import animated_cages
+    from .motion import followed as followed
+    from .motion import stream_cages as stream_cages
+    from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
+    from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
+    from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
+    from .published.gurditta_jacobson_2022 import Repairs as Repairs
+    from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
+    from .published.li_2020 import OriginalIPC as OriginalIPC
+    from .published.sacht_2015 import ElTopo as ElTopo
+    from .published.sacht_2015 import VelocityFilter as VelocityFilter
+    from .published.sellan_2022 import LevelSet as LevelSet
 
 __version__ = "0.1.0"
 
@@ -164,3 +169,69 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "ReinflationError",
     "NestingError",
 ]
+
+_LATER = {
+    "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
+    "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
+    "exchange": (
+        "Cut",
+        "Feature",
+        "cut_at_borders",
+        "features_from_geojson",
+        "frames_from_engine_json",
+        "frames_to_engine_json",
+        "from_engine_json",
+        "from_geojson",
+        "from_svg",
+        "is_engine_json",
+        "pieces_from_engine_json",
+        "read_geojson",
+        "read_svg",
+        "swept",
+        "to_engine_json",
+        "to_geojson",
+        "to_svg",
+        "write_engine_json",
+        "write_geojson",
+        "write_svg",
+    ),
+    "exchange.pictures": ("alpha_channel", "boundary_of_pixels", "collision_outline", "read_png"),
+    "motion": (
+        "AnimatedCagesRun",
+        "Key",
+        "MotionReport",
+        "MovingCages",
+        "MovingLevel",
+        "animated_cages",
+        "followed",
+        "stream_cages",
+    ),
+    "published.gurditta_jacobson_2022": (
+        "GradientDescent",
+        "PaperContact",
+        "PaperFlow",
+        "Repairs",
+        "SignedDistanceFlow",
+    ),
+    "published.li_2020": ("OriginalIPC",),
+    "published.sacht_2015": ("ElTopo", "VelocityFilter"),
+    "published.sellan_2022": ("LevelSet",),
+}
+"""Rooms that making a cage does not need, and what the face passes on from them: imported when asked for."""
+
+_ROOM_OF = {name: room for room, names in _LATER.items() for name in (*names, room.partition(".")[0])}
+
+if not TYPE_CHECKING:  # a type checker would then take any name for one of the face
+
+    def __getattr__(name: str) -> object:
+        """A name of a room that is not imported yet, or such a room itself."""
+        if name not in _ROOM_OF:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        room = import_module(f".{_ROOM_OF[name]}", __name__)
+        if name not in globals():  # importing a room has set its own name
+            globals()[name] = getattr(room, name)
+        return globals()[name]
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_ROOM_OF})

@@ -8,7 +8,7 @@ is a descent direction. What remains is a Schur complement in the 2 m unknowns o
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ..energies import Blocks
@@ -58,7 +58,9 @@ def newton_direction(
 
     inverse = _inverse_2x2(_fine_blocks(entries, places, m, restoring[touched - m]))
     # a dense product of this length would depend on the number of threads of the BLAS
-    coupling = sp.csr_matrix((entries[mixed], (row[mixed] - 2 * m, column[mixed])), shape=(2 * len(touched), 2 * m))
+    coupling = scipy.sparse.csr_matrix(
+        (entries[mixed], (row[mixed] - 2 * m, column[mixed])), shape=(2 * len(touched), 2 * m)
+    )
     weighted = _block_diagonal(inverse) @ coupling
     pull = gradient[touched].ravel()
     right = weighted.T @ pull - gradient[:m].ravel()
@@ -93,10 +95,10 @@ def _fine_blocks(entries: FloatArray, places: IntArray, m: int, restoring: Float
     return blocks
 
 
-def _block_diagonal(blocks: FloatArray) -> sp.bsr_matrix:
+def _block_diagonal(blocks: FloatArray) -> scipy.sparse.bsr_matrix:
     """The block-diagonal matrix of blocks (k, 2, 2)."""
     count = len(blocks)
-    return sp.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(2 * count, 2 * count))
+    return scipy.sparse.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(2 * count, 2 * count))
 
 
 def _cage_solver(m: int, entries: FloatArray, row: IntArray, column: IntArray) -> Solve:

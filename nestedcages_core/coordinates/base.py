@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Protocol, TypeAlias
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array
 
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from .harmonic import Harmonic
 
-Weights: TypeAlias = FloatArray | csr_array
+Weights: TypeAlias = "FloatArray | scipy.sparse.csr_array"
 """(P, m) matrix of coordinates: rows sum to 1, W @ cage.vertices = points."""
 
 

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -65,13 +64,15 @@ def _centred(cage: Mesh, points: FloatArray) -> tuple[Mesh, FloatArray]:
     return cage.moved(cage.vertices - centre).validated(), points - centre
 
 
-def _from_values(grid: Triangulation, operators: Sequence[csr_array], corners: int) -> list[FloatArray]:
+def _from_values(grid: Triangulation, operators: Sequence[scipy.sparse.csr_array], corners: int) -> list[FloatArray]:
     """(P, m) each: operators (P, N) on what the m coordinates are at the N vertices of the grid."""
     boundary = grid.boundary_values(corners).tocsc()
     rim, inner = grid.on_boundary, len(grid.inside)
     stiffness = grid.stiffness().tocsc()
     stiff, coupling = stiffness[rim:, rim:].tocsc(), stiffness[rim:, :rim]
-    factors = splu(stiff, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}) if inner else None
+    factors = (
+        scipy.sparse.linalg.splu(stiff, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}) if inner else None
+    )
     parts = [(operator.tocsc()[:, :rim], operator.tocsc()[:, rim:]) for operator in operators]
     found = [np.empty((operator.shape[0], corners)) for operator in operators]
     for first in range(0, corners, CHUNK_COLUMNS):

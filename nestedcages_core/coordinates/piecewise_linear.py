@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -17,7 +17,7 @@ from .inside import require_inside
 class PiecewiseLinear:
     """Barycentric coordinates in the constrained Delaunay triangulation of the cage's own vertices."""
 
-    def weights(self, points: FloatArray, cage: Mesh) -> csr_array:
+    def weights(self, points: FloatArray, cage: Mesh) -> scipy.sparse.csr_array:
         """W (P, m), sparse. Raises NestedCagesError for a point outside the cage."""
         require_inside(points, cage)
         return triangulate(cage).interpolation(points)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from scipy.sparse import csr_array, eye_array
+import scipy
 
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
@@ -22,10 +22,10 @@ class Grids:
     """A triangulation of every solid of a hierarchy, from the fine mesh to the coarsest cage, and prolongations."""
 
     grids: tuple[Triangulation, ...]
-    steps: tuple[csr_array, ...]
+    steps: tuple[scipy.sparse.csr_array, ...]
     """steps[k]: (N_k, N_{k+1}) prolongation from grid k + 1 to grid k."""
 
-    def prolongation(self, finer: int, coarser: int) -> csr_array:
+    def prolongation(self, finer: int, coarser: int) -> scipy.sparse.csr_array:
         """(N_finer, N_coarser) values on a coarse grid, linear on its triangles, to values on a finer one.
 
         Rows sum to 1, no entry is negative, and linear functions are reproduced.
@@ -35,12 +35,12 @@ class Grids:
                 f"There is no prolongation from grid {coarser} to grid {finer}: the {len(self.grids)} grids are "
                 "numbered from 0, the finest, and values go from a coarser to a finer one."
             )
-        operator = csr_array(eye_array(len(self.grids[finer].vertices), format="csr"))
+        operator = scipy.sparse.csr_array(scipy.sparse.eye_array(len(self.grids[finer].vertices), format="csr"))
         for step in self.steps[finer:coarser]:
             operator = operator @ step
         return operator
 
-    def restriction(self, finer: int, coarser: int) -> csr_array:
+    def restriction(self, finer: int, coarser: int) -> scipy.sparse.csr_array:
         """(N_coarser, N_finer) loads on a fine grid to loads on a coarser one: the transposed prolongation."""
         return self.prolongation(finer, coarser).T.tocsr()
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from ..geometry.arrays import FloatArray, IntArray
 
@@ -64,9 +64,9 @@ class Blocks:
         entries: FloatArray = np.bincount(rows * size + columns, values, size * size).astype(np.float64, copy=False)
         return entries.reshape(size, size)
 
-    def sparse(self, count: int) -> sp.csr_matrix:
+    def sparse(self, count: int) -> scipy.sparse.csr_matrix:
         """The (2 count, 2 count) matrix in compressed rows."""
-        return sp.csr_matrix(self.entries(), shape=(2 * count, 2 * count))
+        return scipy.sparse.csr_matrix(self.entries(), shape=(2 * count, 2 * count))
 
     def entries(self) -> tuple[FloatArray, tuple[IntArray, IntArray]]:
         """All entries of both triangles: values, and their rows and columns."""

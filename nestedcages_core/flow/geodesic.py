@@ -9,9 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import Delaunay
+import scipy
 
 from ..geometry.arrays import TINY, BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
@@ -108,10 +106,10 @@ def retract(matching: Matching, graph: SolidGraph, longest_step: float, *, whole
     edges = graph.edges
     lengths = np.hypot(*(graph.points[edges[:, 0]] - graph.points[edges[:, 1]]).T) + SHORTEST_GRAPH_EDGE * fine.extent
     size = len(graph.points)
-    network = csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(size, size))
+    network = scipy.sparse.csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(size, size))
     if not core.any():
         return Obstacle("The fine and the coarse mesh do not overlap", remedy="move the coarse mesh over the fine one")
-    distance, step_to, _ = dijkstra(
+    distance, step_to, _ = scipy.sparse.csgraph.dijkstra(
         network, directed=False, indices=np.nonzero(core)[0], min_only=True, return_predecessors=True
     )
     node = graph.node_of_vertex.copy()
@@ -175,7 +173,7 @@ def _component_of(points: FloatArray, fine: Mesh) -> IntArray:
 def _inside_edges(points: FloatArray, fine: Mesh) -> IntArray:
     """(K, 2) edges of the Delaunay triangulation of the points that lie inside the solid."""
     noise = np.random.default_rng(0).uniform(-JITTER, JITTER, points.shape)
-    triangles = Delaunay(points + fine.extent * noise).simplices
+    triangles = scipy.spatial.Delaunay(points + fine.extent * noise).simplices
     edges = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0).astype(np.int64)
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     inside = _component_of(0.5 * (a + b), fine) >= 0
@@ -210,8 +208,8 @@ def _pieces(matching: Matching, graph: SolidGraph, core: BoolArray) -> IntArray:
     clear[hit] = False
     edges = edges[clear]
     size = len(graph.points)
-    network = csr_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(size, size))
-    _, piece = connected_components(network, directed=False)
+    network = scipy.sparse.csr_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(size, size))
+    _, piece = scipy.sparse.csgraph.connected_components(network, directed=False)
     return np.asarray(np.where(core, piece, -1), np.int64)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ..errors import FlowError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
@@ -117,7 +117,7 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes)
     elif len(fine_outers) == len(coarse_outers):
         fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
-        _, component = linear_sum_assignment(
+        _, component = scipy.optimize.linear_sum_assignment(
             _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + MISSING_HOLE_COST * fewer
         )
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
@@ -153,7 +153,7 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
     if len(holes) == len(candidates) == 1:
         partner[candidates] = holes
         return
-    rows, columns = linear_sum_assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
+    rows, columns = scipy.optimize.linear_sum_assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
     partner[candidates[rows]] = holes[columns]
 
 

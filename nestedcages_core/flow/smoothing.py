@@ -11,7 +11,7 @@ linear time.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solveh_banded
+import scipy
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
@@ -72,7 +72,9 @@ class StepSystem:
         for offset, component in ((0, x), (1, y)):
             product = pull * component
             force[self._row + offset] = np.bincount(edge, here * product, n) + np.bincount(other, there * product, n)
-        solution = solveh_banded(matrix, force, lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False)
+        solution = scipy.linalg.solveh_banded(
+            matrix, force, lower=True, overwrite_ab=True, overwrite_b=True, check_finite=False
+        )
         return np.stack([solution[self._row], solution[self._row + 1]], axis=1)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.special import roots_legendre
+import scipy
 
 from ..parameters import check_count
 from .arrays import FloatArray
@@ -79,7 +79,7 @@ class GaussLegendre:
     @property
     def rule(self) -> EdgeRule:
         """(Q,) Gauss-Legendre points on [0, 1] and weights w (1 - t), normalised."""
-        nodes, weights = roots_legendre(self.points)
+        nodes, weights = scipy.special.roots_legendre(self.points)
         parameters = 0.5 * (nodes + 1.0)
         return _normalised(parameters, weights * (1.0 - parameters))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from .all_pairs import blocks, few_pairs
 from .arrays import FloatArray, IntArray
@@ -61,7 +61,7 @@ class EdgeSearch:
     def __init__(self, starts: FloatArray, ends: FloatArray) -> None:
         """starts, ends: (E, 2) with E > 0."""
         self.starts, self.ends = starts, ends
-        self._tree: cKDTree | None = None
+        self._tree: scipy.spatial.cKDTree | None = None
 
     def closest(self, points: FloatArray) -> ClosestEdge:
         """Nearest edge of each of the (P, 2) points."""
@@ -104,7 +104,7 @@ class EdgeSearch:
                 whole[unproven] = part
         return found
 
-    def _sampled_tree(self) -> cKDTree:
+    def _sampled_tree(self) -> scipy.spatial.cKDTree:
         if self._tree is None:
             lengths = np.hypot(*(self.ends - self.starts).T)
             wanted = lengths.sum() / (SAMPLES_PER_MEAN_EDGE * len(lengths) + EXTRA_SAMPLES)
@@ -114,7 +114,7 @@ class EdgeSearch:
             parameter = (place + 0.5) / counts[self._edge_of_sample]
             direction = (self.ends - self.starts)[self._edge_of_sample]
             self._spacing = float((lengths / counts).max())
-            self._tree = cKDTree(self.starts[self._edge_of_sample] + parameter[:, None] * direction)
+            self._tree = scipy.spatial.cKDTree(self.starts[self._edge_of_sample] + parameter[:, None] * direction)
         return self._tree
 
     def _best_of(self, points: FloatArray, point: IntArray, edge: IntArray) -> ClosestEdge:

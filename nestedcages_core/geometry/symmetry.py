@@ -8,7 +8,7 @@ from math import cos, hypot, isfinite, pi, sin
 from typing import Protocol
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ..errors import NestedCagesError
 from ..parameters import check_count
@@ -217,7 +217,7 @@ class Orbits:
     def of(cls, vertices: FloatArray, successor: IntArray, symmetry: Symmetry, tolerance: float) -> Orbits | None:
         """The orbits of loops with vertices (m, 2); None where images are farther from vertices than a length."""
         m = len(vertices)
-        distance, partner = cKDTree(vertices).query(symmetry.image(vertices))
+        distance, partner = scipy.spatial.cKDTree(vertices).query(symmetry.image(vertices))
         partner = partner.astype(np.int64)
         if not (distance <= tolerance).all() or len(np.unique(partner)) < m:
             return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ..geometry.arrays import FloatArray
 
@@ -21,7 +21,7 @@ def carried(cage: FloatArray, before: FloatArray, after: FloatArray, weight: Flo
     similarity transformations (Schaefer, McPhail & Warren 2006, section 2.2): exact where the drawing is translated,
     rotated and scaled.
     """
-    distance, near = cKDTree(before).query(cage, k=min(NEIGHBOURS, len(before)))
+    distance, near = scipy.spatial.cKDTree(before).query(cage, k=min(NEIGHBOURS, len(before)))
     core = CORE * distance.mean(axis=1, keepdims=True)
     w = weight[near] / np.maximum(distance * distance + core * core, np.finfo(float).tiny)
     w /= w.sum(axis=1, keepdims=True)

@@ -14,8 +14,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+import scipy
 
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray, IntArray
@@ -64,9 +63,9 @@ class BandOrder:
     def of(cls, count: int, row: IntArray, column: IntArray) -> BandOrder:
         """Reverse Cuthill-McKee order of the graph whose edges join row[k] and column[k]."""
         ends = np.concatenate([row, column]), np.concatenate([column, row])
-        graph = csr_array((np.ones(2 * len(row)), ends), shape=(count, count))
+        graph = scipy.sparse.csr_array((np.ones(2 * len(row)), ends), shape=(count, count))
         position = np.empty(count, np.int32)
-        position[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(count)
+        position[scipy.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(count)
         order = cls(position.astype(np.int64), 0)
         return cls(order.position, order.distance(row, column))
 

@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg.lapack import dpbtrf, dpbtrs
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
+import scipy
 
 from ..geometry.arrays import FloatArray
 
@@ -33,10 +31,10 @@ def factorised(band: FloatArray) -> Solve | None:
 
 def _within_band(band: FloatArray) -> Solve | None:
     """Cholesky factorisation (Golub & Van Loan, Matrix Computations, section 4.3)."""
-    factor, failure = dpbtrf(band.T, lower=1)
+    factor, failure = scipy.linalg.lapack.dpbtrf(band.T, lower=1)
     if failure or not np.isfinite(factor[0]).all():  # LAPACK lets NaN pass
         return None
-    return lambda right: np.asarray(dpbtrs(factor, right, lower=1)[0])
+    return lambda right: np.asarray(scipy.linalg.lapack.dpbtrs(factor, right, lower=1)[0])
 
 
 def _sparse(band: FloatArray) -> Solve | None:
@@ -46,9 +44,11 @@ def _sparse(band: FloatArray) -> Solve | None:
     row, value = column + below, band[column, below]
     off = below > 0
     places = np.concatenate([row, column[off]]), np.concatenate([column, row[off]])
-    matrix = csc_matrix((np.concatenate([value, value[off]]), places), shape=(size, size))
+    matrix = scipy.sparse.csc_matrix((np.concatenate([value, value[off]]), places), shape=(size, size))
     try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        factors = scipy.sparse.linalg.splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
     except RuntimeError:  # a zero pivot
         return None
     unpivoted = bool((factors.perm_r == factors.perm_c).all())

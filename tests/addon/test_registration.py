@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 
 import bpy
@@ -102,3 +103,24 @@ def test_a_missing_scipy_is_a_sentence(extension, addon, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy", None)
     with pytest.raises(RuntimeError, match="Nested Cages needs scipy"):
         bpy.ops.object.nested_cages_generate(levels="12")
+
+
+REGISTER = """
+import importlib.util, os, sys
+import bpy
+spec = importlib.util.spec_from_file_location("extension", "__init__.py", submodule_search_locations=[os.getcwd()])
+sys.modules["extension"] = extension = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(extension)
+extension.register()
+loaded = [name for name in sys.modules if name.partition(".")[0] == "scipy" or "nestedcages_core" in name]
+extension.unregister()
+print("loaded:", loaded, flush=True)
+os._exit(0)
+"""
+
+
+def test_registration_imports_neither_the_core_nor_scipy() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", REGISTER], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
+    )
+    assert "loaded: []" in done.stdout

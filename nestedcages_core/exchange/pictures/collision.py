@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
@@ -114,18 +115,14 @@ def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
     """The pixels, enclosed transparent ones included unless holes are kept."""
     if holes:
         return opaque
-    from scipy.ndimage import binary_fill_holes  # takes long to import
-
-    return np.asarray(binary_fill_holes(opaque))
+    return np.asarray(scipy.ndimage.binary_fill_holes(opaque))
 
 
 def _grown(opaque: BoolArray, padding: float, holes: bool) -> Mesh:
     """The boundary of all pixels that come closer than the padding to an opaque one, square to square."""
-    from scipy.ndimage import binary_dilation, distance_transform_edt
-
     border = int(np.ceil(padding)) + 1
     # squares are as far apart as the centre of one from the centres of the other and its neighbours
-    near = binary_dilation(np.pad(opaque, border), np.ones((3, 3)))
-    wide = np.asarray(distance_transform_edt(~near) < padding)
+    near = scipy.ndimage.binary_dilation(np.pad(opaque, border), np.ones((3, 3)))
+    wide = np.asarray(scipy.ndimage.distance_transform_edt(~near) < padding)
     mesh = boundary_of_pixels(_without_holes(wide, holes))
     return Mesh(mesh.vertices - border, mesh.edges)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
@@ -29,7 +29,7 @@ def _in_the_order_of(before: Mesh, outline: Mesh) -> Mesh:
         return outline
     cost = np.array([[float(np.sum((a.mean(axis=0) - b.mean(axis=0)) ** 2)) for b in new] for a in old])
     cost[before.loop_signs[:, None] != outline.loop_signs] += len(cost) * (1.0 + cost.max())
-    _, partner = linear_sum_assignment(cost)
+    _, partner = scipy.optimize.linear_sum_assignment(cost)
     if any(len(a) != len(new[k]) for a, k in zip(old, partner, strict=True)):
         return outline
     return Mesh.from_loops([_turned_to(a, new[k]) for a, k in zip(old, partner, strict=True)])

@@ -8,7 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from scipy.special import ndtri
+import scipy
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
@@ -69,7 +69,7 @@ def _reach(share: float) -> float:
     """Distance from a straight edge at which a blur has fallen to a share, in standard deviations."""
     if share < 1.0 / 6.0:  # in the tail of the third box
         return float(BOX * (1.5 - np.cbrt(6.0 * share)))
-    return float(ndtri(1.0 - share))
+    return float(scipy.special.ndtri(1.0 - share))
 
 
 Layers = list[Layer]

@@ -7,9 +7,7 @@ and what is harmonic on the triangles obeys the maximum principle.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import Delaunay, QhullError
+import scipy
 
 from ...errors import InvalidMeshError
 from ..arrays import BoolArray, FloatArray, IntArray
@@ -63,8 +61,8 @@ def _delaunay(framed: FloatArray, exact: FloatArray) -> IntArray:
     Qhull's where it is valid, which is nearly always; else points are inserted one by one.
     """
     try:
-        triangles: IntArray = Delaunay(framed).simplices.astype(np.int64)
-    except QhullError:
+        triangles: IntArray = scipy.spatial.Delaunay(framed).simplices.astype(np.int64)
+    except scipy.spatial.QhullError:
         triangles = np.zeros((0, 3), dtype=np.int64)
     turn = orientation(*(exact[triangles[:, k]] for k in range(3)))
     triangles[turn < 0, :2] = triangles[turn < 0, 1::-1]
@@ -135,7 +133,9 @@ def _left_of(triangles: IntArray, segments: IntArray, count: int) -> IntArray:
     across = order[place_of]
     fixed = np.concatenate((segments[:, 0] * count + segments[:, 1], segments[:, 1] * count + segments[:, 0]))
     joined = (keys[across] == back) & ~np.isin(keys, fixed)
-    links = coo_array((np.ones(joined.sum()), (owner[joined], owner[across[joined]])), shape=(len(triangles),) * 2)
-    piece = connected_components(links, directed=False)[1]
+    links = scipy.sparse.coo_array(
+        (np.ones(joined.sum()), (owner[joined], owner[across[joined]])), shape=(len(triangles),) * 2
+    )
+    piece = scipy.sparse.csgraph.connected_components(links, directed=False)[1]
     seeds = np.unique(piece[owner[np.isin(keys, fixed[: len(segments)])]])
     return triangles[np.isin(piece, seeds)]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ...errors import NestedCagesError
 from ...parameters import check_fraction, check_not_negative
@@ -103,7 +103,7 @@ def _inside(mesh: Mesh, boundary: FloatArray, segments: IntArray, sampling: Samp
     long = np.hypot(pieces[:, 0], pieces[:, 1])
     around = long.copy()
     around[segments[:, 1]] = np.minimum(around[segments[:, 1]], long)
-    tree = cKDTree(boundary)
+    tree = scipy.spatial.cKDTree(boundary)
     distance = SignedDistance.of(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     # the root is a power of two times the spacing, so that uniform parts get exactly that spacing

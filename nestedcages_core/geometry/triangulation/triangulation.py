@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
+import scipy
 
 from ..arrays import FloatArray, IntArray
 from ..vectors import cross
@@ -53,15 +52,15 @@ class Triangulation:
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
         return np.asarray(0.5 * cross(b - a, c - a))
 
-    def boundary_values(self, mesh_vertices: int) -> csr_array:
+    def boundary_values(self, mesh_vertices: int) -> scipy.sparse.csr_array:
         """(B, n) maps values at the n mesh vertices, linear along edges, to values at the boundary vertices."""
         row = np.tile(np.arange(self.on_boundary), 2)
         column = np.concatenate((self.edge, self.end))
         value = np.concatenate((1.0 - self.parameter, self.parameter))
         used = value != 0.0
-        return csr_array((value[used], (row[used], column[used])), shape=(self.on_boundary, mesh_vertices))
+        return scipy.sparse.csr_array((value[used], (row[used], column[used])), shape=(self.on_boundary, mesh_vertices))
 
-    def stiffness(self) -> csr_array:
+    def stiffness(self) -> scipy.sparse.csr_array:
         """(N, N) the cotangent Laplacian: ∫ ∇φᵢ·∇φⱼ for the hat functions φ (Pinkall & Polthier 1993)."""
         opposite = [
             self.vertices[self.triangles[:, (k + 2) % 3]] - self.vertices[self.triangles[:, (k + 1) % 3]]
@@ -71,12 +70,12 @@ class Triangulation:
         entries = [(opposite[i] * opposite[j]).sum(axis=1) * scale for i in range(3) for j in range(3)]
         return self._assembled(np.concatenate(entries))
 
-    def mass(self) -> csr_array:
+    def mass(self) -> scipy.sparse.csr_array:
         """(N, N) ∫ φᵢ φⱼ."""
         entries = [self.areas / (6.0 if i == j else 12.0) for i in range(3) for j in range(3)]
         return self._assembled(np.concatenate(entries))
 
-    def interpolation(self, points: FloatArray) -> csr_array:
+    def interpolation(self, points: FloatArray) -> scipy.sparse.csr_array:
         """(P, N) maps values at the vertices, linear on each triangle, to values at (P, 2) points of the solid.
 
         Three entries per row, none negative, of sum 1. A point outside gets the values of a point on the boundary.
@@ -86,9 +85,9 @@ class Triangulation:
         column = self.triangles[triangle].ravel()
         used = weights.ravel() != 0.0
         shape = (len(points), len(self.vertices))
-        return csr_array((weights.ravel()[used], (row[used], column[used])), shape=shape)
+        return scipy.sparse.csr_array((weights.ravel()[used], (row[used], column[used])), shape=shape)
 
-    def differentiation(self, points: FloatArray) -> tuple[csr_array, csr_array]:
+    def differentiation(self, points: FloatArray) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
         """Maps values at the vertices to slopes along x and y, (P, N) each, in the triangles around points."""
         triangle, _ = self.locate(points)
         corners = self.triangles[triangle]
@@ -97,8 +96,8 @@ class Triangulation:
         row, shape = np.repeat(np.arange(len(points)), 3), (len(points), len(self.vertices))
         along_x, along_y = -opposite[:, :, 1], opposite[:, :, 0]  # across the opposite edge
         return (
-            csr_array((along_x.ravel(), (row, corners.ravel())), shape=shape),
-            csr_array((along_y.ravel(), (row, corners.ravel())), shape=shape),
+            scipy.sparse.csr_array((along_x.ravel(), (row, corners.ravel())), shape=shape),
+            scipy.sparse.csr_array((along_y.ravel(), (row, corners.ravel())), shape=shape),
         )
 
     def locate(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -157,11 +156,11 @@ class Triangulation:
         return np.where(keys[across] == back, across // 3, -1).reshape(-1, 3)
 
     @cached_property
-    def _centres(self) -> cKDTree:
-        return cKDTree(self.vertices[self.triangles].mean(axis=1))
+    def _centres(self) -> scipy.spatial.cKDTree:
+        return scipy.spatial.cKDTree(self.vertices[self.triangles].mean(axis=1))
 
-    def _assembled(self, entries: FloatArray) -> csr_array:
+    def _assembled(self, entries: FloatArray) -> scipy.sparse.csr_array:
         """(N, N) sums of entries (9T,), ordered by pairs of corners, then triangles."""
         row = np.concatenate([self.triangles[:, i] for i in range(3) for _ in range(3)])
         column = np.concatenate([self.triangles[:, j] for _ in range(3) for j in range(3)])
-        return csr_array((entries, (row, column)), shape=(len(self.vertices),) * 2)
+        return scipy.sparse.csr_array((entries, (row, column)), shape=(len(self.vertices),) * 2)

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from scipy.ndimage import binary_dilation
+import scipy
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
 from ...geometry.mesh import Mesh
@@ -37,7 +37,7 @@ class Field:
         points = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         distance = SignedDistance.of(mesh)
         outside = distance.winding(points) == 0
-        wanted = binary_dilation(outside.reshape(size), np.ones((3, 3))).ravel()
+        wanted = scipy.ndimage.binary_dilation(outside.reshape(size), np.ones((3, 3))).ravel()
         values = np.full(len(points), -cell)
         values[wanted] = distance.at(points[wanted]).distance
         return cls(origin, cell, values.reshape(size))

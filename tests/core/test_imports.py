@@ -1,0 +1,64 @@
+"""What is imported when: the core starts without scipy's subpackages and without the rooms that no cage needs."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import nestedcages_core
+
+ROOT = Path(__file__).resolve().parents[2]
+
+LOADED = "\nimport sys\nprint(*sorted(sys.modules))"
+FIRST_CAGE = """
+import numpy as np
+from nestedcages_core import Mesh, nested_cages
+angle = np.linspace(0.0, 2.0 * np.pi, 80, endpoint=False)
+radius = 1.0 + 0.3 * np.cos(5.0 * angle)
+nested_cages(Mesh.from_loops([np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)]), [12])
+"""
+
+
+def modules_after(source: str) -> set[str]:
+    """Everything that a new interpreter has imported after running a source."""
+    done = subprocess.run(
+        [sys.executable, "-c", source + LOADED], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
+    )
+    return set(done.stdout.split())
+
+
+def parts(modules: set[str], package: str) -> set[str]:
+    """The public modules directly below a package."""
+    names = {
+        module.removeprefix(f"{package}.").partition(".")[0] for module in modules if module.startswith(f"{package}.")
+    }
+    return {name for name in names if not name.startswith("_")}
+
+
+def test_the_core_starts_without_the_parts_of_scipy() -> None:
+    modules = modules_after("import nestedcages_core")
+    assert parts(modules, "scipy") == {"version"}
+    assert parts(modules, "nestedcages_core").isdisjoint(
+        {"batch", "command", "coordinates", "exchange", "motion", "published"}
+    )
+    assert "shapely" not in modules
+
+
+def test_the_first_cage_needs_linear_algebra_only() -> None:
+    parts_of_scipy = parts(modules_after(FIRST_CAGE), "scipy")
+    assert parts_of_scipy.isdisjoint({"spatial", "optimize", "ndimage", "interpolate", "stats", "integrate", "signal"})
+    assert "linalg" in parts_of_scipy
+
+
+def test_names_imported_later_are_those_that_a_type_checker_sees() -> None:
+    tree = ast.parse(Path(nestedcages_core.__file__).read_text(encoding="utf-8"))
+    (checked,) = [node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
+    seen = {
+        (node.module, alias.name) for node in checked.body if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    assert seen == {(room, name) for room, names in nestedcages_core._LATER.items() for name in names}
+    assert all(hasattr(nestedcages_core, name) for _, name in seen)
+    assert {name for _, name in seen} <= set(dir(nestedcages_core))
+    assert not hasattr(nestedcages_core, "no_such_name")
