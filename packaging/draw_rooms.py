@@ -33,8 +33,10 @@ def imported_rooms() -> dict[str, set[str]]:
     for path in sorted(CORE.rglob("*.py")):
         parts = path.relative_to(CORE).with_suffix("").parts
         package = parts[:-1]
-        found = rooms.setdefault(ADDON if parts == ("__init__",) else parts[0], set())
-        for node in statements(ast.parse(path.read_text(encoding="utf-8"))):
+        face = parts == ("__init__",)  # imports some rooms when asked for, and lists them for a type checker
+        found = rooms.setdefault(ADDON if face else parts[0], set())
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for node in ast.walk(tree) if face else statements(tree):
             if isinstance(node, ast.ImportFrom) and node.level:
                 base = (*package[: len(package) + 1 - node.level], *(node.module or "").split("."))
                 target = next((part for part in base if part), None)

@@ -327,10 +327,11 @@ def test_an_executor_that_cannot_be_replaced_says_so() -> None:
 
 
 def test_dask_makes_cages_too() -> None:
-    distributed = pytest.importorskip("distributed")
+    from distributed import Client, LocalCluster
+
     shapes = glyphs(4)
-    workers = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
-    with workers as cluster, distributed.Client(cluster) as client:
+    workers = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+    with workers as cluster, Client(cluster) as client:
         outcomes = nested_cages_many(shapes, [12], executor=client.get_executor())
     assert [len(outcome.unwrap().cages[0].vertices) for outcome in outcomes] == [12] * 4
 
