@@ -1,4 +1,7 @@
-"""Every number with a name says what it is for, and no two constants share a name but differ in value."""
+"""Every number with a name says what it is for, and next to each other no two constants share a name.
+
+A published method may name its constants as its paper does, whatever the names elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -82,17 +85,30 @@ def ambiguous(sources: Mapping[str, str]) -> list[str]:
     return [f"{name}: {', '.join(c.where for c in found)}" for name, found in places.items() if len(found) > 1]
 
 
-def sources() -> dict[str, str]:
-    files = [path for room in ("nestedcages_core", "addon") for path in sorted((ROOT / room).rglob("*.py"))]
+PUBLISHED = "nestedcages_core/published/"
+
+
+def sources(room: str) -> dict[str, str]:
+    files = [path for path in sorted((ROOT / room).rglob("*.py"))]
     return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
 
 
+def neighbours() -> Iterator[dict[str, str]]:
+    """The add-on, the core without the published methods, and each of these by itself."""
+    core = sources("nestedcages_core")
+    yield sources("addon")
+    yield {where: source for where, source in core.items() if not where.startswith(PUBLISHED)}
+    published = [where for where in core if where.startswith(PUBLISHED)]
+    for paper in sorted({where.removeprefix(PUBLISHED).split("/")[0] for where in published}):
+        yield {where: core[where] for where in published if where.startswith(PUBLISHED + paper)}
+
+
 def test_every_constant_says_what_it_is_for() -> None:
-    assert undescribed(sources()) == []
+    assert undescribed(sources("nestedcages_core") | sources("addon")) == []
 
 
 def test_a_name_stands_for_one_constant() -> None:
-    assert ambiguous(sources()) == []
+    assert [found for room in neighbours() for found in ambiguous(room)] == []
 
 
 def test_a_number_without_a_word_is_found() -> None:

@@ -21,7 +21,7 @@ GRID_SIZE = 32
 REFINED_POINTS = 8
 """Number of best points of a grid that are refined."""
 
-REFINEMENTS = 10
+CIRCLE_REFINEMENTS = 10
 """Number of finer grids; the last one is as fine as single precision."""
 
 REFINEMENT_WIDTH = 0.125
@@ -50,7 +50,7 @@ def largest_circle(fine: Mesh, hole: int) -> Circle:
     width, middles = high - low, (0.5 * (low + high))[None]
     steps = np.linspace(-0.5, 0.5, GRID_SIZE)
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(1, -1, 2)
-    for _ in range(REFINEMENTS):
+    for _ in range(CIRCLE_REFINEMENTS):
         points: FloatArray = np.concatenate((middles, (middles[:, None] + width * grid).reshape(-1, 2)))
         room = distance.at(points).distance
         best = np.argsort(-room)[:REFINED_POINTS]

@@ -10,7 +10,7 @@ import numpy as np
 
 from .arrays import FloatArray, IntArray
 
-EXACT = 2**53
+EXACT_INTEGERS = 2**53
 """Whole numbers below this are doubles."""
 
 MAX_PLACE = 10**15
@@ -51,7 +51,9 @@ class Grid:
     def points(self, places: IntArray) -> FloatArray:
         """The grid point of each k: the double nearest to k · spacing."""
         over, under = self.ratio.numerator, self.ratio.denominator
-        if max(int(np.abs(places).max(initial=0)) * over, under) < EXACT:  # one division of doubles, rounded once
+        if (
+            max(int(np.abs(places).max(initial=0)) * over, under) < EXACT_INTEGERS
+        ):  # one division of doubles, rounded once
             return np.asarray(places * float(over) / float(under), dtype=np.float64)
         exact = [k * over / under for k in places.ravel().tolist()]  # whole numbers of Python, rounded once too
         return np.array(exact, dtype=np.float64).reshape(places.shape)

@@ -15,7 +15,7 @@ from .following import Follower
 CANDIDATES = 3
 """Number of poses, spread over the motion, whose cages are candidates for the first cage."""
 
-SAMPLES = 4
+SAMPLE_POSES = 4
 """Number of poses, spread over the motion, at which a candidate is evaluated."""
 
 
@@ -52,7 +52,7 @@ def _mean_area(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -
     """Mean area of a cage of pose ``at`` that follows directly to each of some poses; infinite if it cannot."""
     unit, successor = follower.units.points, cage.successor
     areas = []
-    for k in sorted({round(s * (len(poses) - 1) / SAMPLES) for s in range(SAMPLES)}):
+    for k in sorted({round(s * (len(poses) - 1) / SAMPLE_POSES) for s in range(SAMPLE_POSES)}):
         if k == at:
             areas.append(signed_area(unit(cage.vertices), successor))
             continue

@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 
 from ...errors import NestedCagesError
 from ..limits import Limits
-from .lengths import LENGTH, UNITS, Viewport, measure, name_of, view_box_of
+from .lengths import LENGTH, UNITS_OF_LENGTH, Viewport, measure, name_of, view_box_of
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of documents of our own, whose strokes only show where the edges of filled shapes are."""
@@ -30,7 +30,7 @@ class Frame:
         if self.view_box is not None:
             return self.view_box
         sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
-        found = [float(size[1]) * UNITS.get(size[2].lower(), 0.0) for size in sizes if size]
+        found = [float(size[1]) * UNITS_OF_LENGTH.get(size[2].lower(), 0.0) for size in sizes if size]
         if len(found) != 2 or not all(0.0 < size < float("inf") for size in found):
             return None
         return 0.0, 0.0, found[0], found[1]

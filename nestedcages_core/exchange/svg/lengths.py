@@ -13,7 +13,7 @@ from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from .transforms import NUMBER, scaling, translation
 
-UNITS = {
+UNITS_OF_LENGTH = {
     "": 1.0,
     "px": 1.0,
     "in": 96.0,
@@ -70,13 +70,13 @@ def measure(text: str, key: str, what: str, viewport: Viewport, missing: float =
         return missing
     found = LENGTH.fullmatch(text)
     unit = found[2].lower() if found else ""
-    scale: float | None = UNITS.get(unit)
+    scale: float | None = UNITS_OF_LENGTH.get(unit)
     if unit == "%":
         reference = viewport.reference(key)
         scale = reference / 100.0 if reference is not None else None
     if found is None or scale is None:
         raise NestedCagesError(
-            f"The {what} is {quoted(text)}; use a number, or one with {', '.join(filter(None, UNITS))}."
+            f"The {what} is {quoted(text)}; use a number, or one with {', '.join(filter(None, UNITS_OF_LENGTH))}."
         )
     value = float(found[1]) * scale
     if not math.isfinite(value):

@@ -20,6 +20,7 @@ from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_positive
 from ...stages import Stage
+from .el_topo import SKIN_PER_EDGE
 from .expansion import Descent, Expansion, Filtered
 from .impact_zones import LARGEST_VELOCITY, ImpactZones
 
@@ -29,15 +30,12 @@ SHORTEST_FILTERED_STEP = 0.05
 MAX_TIME_HALVINGS = 6
 """Cap on these halvings, after which each vertex gets a fraction of its own."""
 
-MAX_SUBSTEPS = 60
+MAX_FILTERED_STEPS = 60
 """Cap on the parts of one filtered step; the original program gives up when a part is below a thousandth."""
 
 PROXIMITY_FACTORS = (1.0, 0.2, 0.04)
 """Factors on the proximity; the next one holds from where the fine mesh cannot pass, as in gaps of the cage narrower
 than two proximities."""
-
-SKIN_PER_EDGE = 0.3
-"""Skin of the candidate list, as a fraction of the mean coarse edge length."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +108,7 @@ class _Programs:
         states: list[FloatArray] = []
         left, part = 1.0, 1.0
         halvings = 0
-        for _ in range(MAX_SUBSTEPS):
+        for _ in range(MAX_FILTERED_STEPS):
             wished = part * np.concatenate([left * wish, target - x[m:]])
             longest = float(np.sqrt((wished * wished).sum(axis=1).max()))
             reach = 2.0 * np.sqrt(2.0) * LARGEST_VELOCITY * (longest + proximity) + longest
