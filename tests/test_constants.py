@@ -89,7 +89,7 @@ PUBLISHED = "nestedcages_core/published/"
 
 
 def sources(room: str) -> dict[str, str]:
-    files = [path for path in sorted((ROOT / room).rglob("*.py"))]
+    files = sorted((ROOT / room).rglob("*.py"))
     return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
 
 

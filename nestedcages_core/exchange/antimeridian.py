@@ -1,4 +1,4 @@
-"""Polygons that cross the 180th meridian without being cut there, as RFC 7946, section 3.1.9, asks for."""
+"""Polygons that cross the 180th meridian without the cut that RFC 7946, section 3.1.9, requires."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ TURN, HALF_TURN, POLE = 360.0, 180.0, 90.0
 LESS_THAN_TURN = float(np.nextafter(TURN, 0.0))
 
 LONGEST_EDGE = 270.0
-"""Degrees of longitude beyond which an edge is taken to go the short way around instead."""
+"""Degrees of longitude above which an edge is assumed to cross the meridian instead."""
 
 
 def across(polygons: list[Polygon]) -> tuple[list[Polygon], list[str]]:
-    """Polygons in degrees with those that cross the meridian made whole, and a sentence for each of these.
+    """Polygons in degrees, with those that cross the meridian repaired, and a sentence for each of these.
 
-    A ring that closes beyond the meridian is shifted there, so its longitudes go on past 180. One that runs once
-    around a pole is cut along the meridian and closed along the pole. Anything but degrees is left as it is.
+    A ring that closes beyond the meridian is shifted there, so its longitudes go on past 180. One that runs once around
+    a pole is cut along the meridian and closed along the pole. Other coordinates than degrees are left unchanged.
     """
     if not polygons or not all(_degrees(ring) for polygon in polygons for ring in polygon):
         return polygons, []
@@ -50,7 +50,7 @@ def _degrees(ring: FloatArray) -> bool:
 def _jumps(ring: FloatArray, longest: float = LESS_THAN_TURN) -> FloatArray:
     """(k,) 1 where the edge from a point crosses the meridian eastwards, -1 westwards, else 0.
 
-    longest: of such edges; one of a whole turn, from 180 to -180, goes nowhere, or along the frame of the map.
+    longest: longest such edge; one of 360 degrees, from 180 to -180, has no length or follows the frame of the map.
     """
     east = np.roll(ring[:, 0], -1) - ring[:, 0]
     return np.where((np.abs(east) > LONGEST_EDGE) & (np.abs(east) <= longest), -np.sign(east), 0.0)
@@ -69,7 +69,7 @@ def _shifted(polygon: Polygon, longest: float) -> Polygon:
 
 
 def _moved(ring: FloatArray, east: float) -> FloatArray:
-    """The ring moved by degrees of longitude; by none it stays as it is, -0.0 included."""
+    """The ring shifted by degrees of longitude; unchanged by a shift of 0, -0.0 included."""
     return ring + np.array((east, 0.0)) if east else ring
 
 
@@ -79,7 +79,7 @@ def _unwrapped(ring: FloatArray, longest: float) -> FloatArray:
 
 
 def _around_pole(ring: FloatArray, jumps: FloatArray) -> FloatArray:
-    """The ring with its one jump led along the meridian to the nearer pole and back on the other side."""
+    """The ring with its single jump replaced by a path along the meridian to the nearer pole and back."""
     k = int(np.flatnonzero(jumps)[0])
     start, end = ring[k], ring[(k + 1) % len(ring)]
     side = HALF_TURN * np.sign(start[0])

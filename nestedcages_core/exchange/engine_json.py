@@ -23,7 +23,7 @@ from .rings import polygons_of, ring_of, shown
 FORMAT = "nested-cages outline"
 FRAMES = "nested-cages frames"
 VERSION = 1
-"""What the documents call themselves; the version counts changes that readers have to know of."""
+"""Format names, and a version that counts incompatible changes."""
 
 
 def to_engine_json(
@@ -38,7 +38,7 @@ def to_engine_json(
     """The outline as JSON: {"format", "version", "polygons": [{"outer": [[x, y], …], "holes": [[[x, y], …], …]}]}.
 
     Outer loops turn counter-clockwise in the numbers written and holes clockwise, as Godot, Unity and Box2D tell them
-    apart. flip_y: y is written as `flip_y - y`, so the height of a picture turns it over, and 0 mirrors it.
+    apart. flip_y: write y as `flip_y - y`; the height of a picture turns it over, 0 mirrors it.
     triangles: also {"points": [[x, y], …], "triangles": [[i, j, k], …]}, for engines whose pieces must be convex.
     pieces: also {"points", "pieces": [[i, j, …], …]}, convex and counter-clockwise, of at most so many vertices each.
     decimals: as of `to_geojson`.
@@ -132,8 +132,8 @@ def is_engine_json(text: str | bytes) -> bool:
 def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: Limits | None = None) -> Mesh:
     """The mesh of an outline written by `to_engine_json` with the same `flip_y`.
 
-    Raises NestedCagesError for another format or version, and for what is no number, with its place; InvalidMeshError
-    where loops cross or touch, or a hole is not in its polygon.
+    Raises NestedCagesError for another format or version, and for invalid numbers, with their place; InvalidMeshError
+    if loops cross or touch, or a hole is not inside its polygon.
     """
     limits = limits or Limits()
     return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, limits)
@@ -166,7 +166,7 @@ def pieces_from_engine_json(
 
 
 def _checked(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
-    """The document, of the wanted format and a version that is read."""
+    """The document, checked for format and version."""
     document, _ = loaded_json(text, what, limits)
     if not isinstance(document, Mapping) or document.get("format") != kind:
         raise NestedCagesError(f'This is not {what}: its format is not "{kind}".')

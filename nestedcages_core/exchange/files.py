@@ -1,4 +1,4 @@
-"""Files read within limits, and written whole or not at all."""
+"""Files: read within limits, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def read_whole(path: str | os.PathLike[str], limits: Limits) -> bytes:
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Write a file, text as UTF-8; whatever goes wrong, the file is the old one or the new one, never half of either.
+    """Write a file, text as UTF-8. After an error the file is either the old or the new one, never a part.
 
     Raises OSError, with the name of the file, where it cannot be written; NestedCagesError for text that is no UTF-8.
     """
@@ -37,8 +37,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
         raise NestedCagesError(
             f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name."
         ) from error
-    target = Path(os.path.realpath(given))  # a link stays one
-    if target.exists() and not target.is_file():  # a device or a pipe holds nothing that could be lost
+    target = Path(os.path.realpath(given))  # keep links
+    if target.exists() and not target.is_file():  # devices and pipes have no content to lose
         target.write_bytes(data)
         return
     try:
@@ -59,7 +59,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
 
 
 def _umask() -> int:
-    """The user's umask, which can only be read by setting it."""
+    """The user's umask; it can only be read by setting it."""
     current = os.umask(0)
     os.umask(current)
     return current

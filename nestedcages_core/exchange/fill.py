@@ -24,19 +24,19 @@ unless edges are too close to tell; the coarsest is a ten-thousandth of the defa
 
 @dataclass(frozen=True, eq=False)
 class Painted:
-    """Closed loops of points, each (k, 2), in any direction, painted by one rule."""
+    """Closed loops of points, each (k, 2), in any direction, with one fill rule."""
 
     loops: Sequence[FloatArray]
     evenodd: bool = False
-    """Whether points are inside where the winding number is odd, else where it is not zero."""
+    """Even-odd fill rule instead of non-zero winding."""
 
     def cleaned(self) -> Painted:
-        """The same without repeated points, and without loops that have no inside."""
+        """The same without repeated points and loops of zero area."""
         different = [points[(points != np.roll(points, -1, axis=0)).any(axis=1)] for points in self.loops]
         return Painted([loop for loop in different if len(loop) > 2], self.evenodd)
 
     def painted(self, winding: IntArray) -> BoolArray:
-        """(...,) whether places with these winding numbers are inside."""
+        """(...,) whether points with these winding numbers are inside."""
         return np.asarray(winding % 2 == 1 if self.evenodd else winding != 0)
 
 
@@ -47,7 +47,7 @@ Area = Painted | Any
 def solid(areas: Sequence[Area], *, seam: float = 0.0) -> Mesh:
     """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
 
-    seam: where areas are united, gaps narrower than this between them are closed.
+    seam: width below which gaps between united areas are closed.
 
     Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
     inside, NestedCagesError where loops cross and shapely is missing.
@@ -134,11 +134,11 @@ def _region(shapely: Any, area: Painted) -> Any:
     faces = shapely.get_parts(shapely.polygonize([lines]))
     starts, ends = _edges_of(area.loops)
     winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
-    return shapely.union_all(faces[area.painted(winding) | (winding == ON_BOUNDARY)])  # a face without room is a seam
+    return shapely.union_all(faces[area.painted(winding) | (winding == ON_BOUNDARY)])  # a face without area is a seam
 
 
 def thickness(loops: Sequence[FloatArray]) -> float:
-    """Twice the signed area of loops (k, 2) by their length: that of a thin strip, negative if it runs clockwise."""
+    """Thickness of loops (k, 2) as thin strips: twice the signed area over the length, negative if clockwise."""
     area, length = 0.0, 0.0
     for loop in loops:
         step = np.roll(loop, -1, axis=0) - loop

@@ -1,4 +1,4 @@
-"""GeoJSON in and out (RFC 7946), as it is published: faults are repaired as map programs do, and each is named."""
+"""GeoJSON in and out (RFC 7946): faults of published maps are repaired as map programs do, and reported."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ from .repair import mesh_of
 from .rings import polygons_of, shown
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
-"""Parts of the names of coordinate reference systems in degrees that maps are published in."""
+"""Substrings of the names of common coordinate reference systems in degrees."""
 
 NAMES = ("name", "NAME", "Name")
 """Properties that name a feature."""
 
 LONGEST_NAME = 60
-"""Characters of a feature's name in a message."""
+"""Maximum length of a feature's name in a message."""
 
 
 @dataclass(frozen=True, eq=False)
 class Feature:
-    """A mesh with what is known about it."""
+    """A mesh with its properties."""
 
     mesh: Mesh
     properties: Mapping[str, Any] = field(default_factory=dict)
     id: str | int | float | None = None
     name: str = "feature"
-    """What a message calls it: its number in the file, and its name if it has one."""
+    """Name in messages: its number in the file, and its own name if it has one."""
     repairs: tuple[str, ...] = ()
-    """What was repaired when it was read, each with its place."""
+    """Repairs on reading, each with its place."""
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -72,13 +72,13 @@ class Map:
 
 
 def read_map(source: Any, limits: Limits | None = None) -> Map:
-    """Every feature of a GeoJSON document that has polygons; nothing is raised for single features.
+    """All features of a GeoJSON document with polygons; faults of single features are reported, not raised.
 
     source: GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a reader of shapefiles or
     a GeoDataFrame. Repeated points, spikes, rings of zero area, touching and crossing rings are repaired as GEOS does,
-    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else passes bit by bit.
+    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else is read exactly.
 
-    Raises NestedCagesError for what is no GeoJSON, or beyond the limits.
+    Raises NestedCagesError for input that is not GeoJSON or exceeds the limits.
     """
     limits = limits or Limits()
     document, has_nan = _loaded(source, limits)
@@ -115,7 +115,7 @@ def features_from_geojson(source: Any, *, limits: Limits | None = None) -> list[
     """One mesh for each feature of a GeoJSON document, with its properties; features without polygons are left out.
 
     source and repairs: as in `read_map`. A NestedCagesWarning names all repairs, and the features that cannot be read.
-    Raises NestedCagesError for what is no GeoJSON, and if no feature with polygons can be read.
+    Raises NestedCagesError for input that is not GeoJSON, and if no feature with polygons can be read.
     """
     return list(_said(read_map(source, limits)).features)
 
@@ -123,7 +123,7 @@ def features_from_geojson(source: Any, *, limits: Limits | None = None) -> list[
 def from_geojson(source: Any, *, limits: Limits | None = None) -> Mesh:
     """All polygons of a GeoJSON document as one mesh, properties left out; features that touch or overlap are united.
 
-    What is read and what is said: as in `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
+    Repairs and warnings: as in `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
     """
     features = _said(read_map(source, limits)).features
     if not features:
@@ -147,7 +147,7 @@ def to_geojson(
     crs: Any = None,
     decimals: int | None = None,
 ) -> str:
-    """A FeatureCollection with one feature per shape; coordinates are written to the last bit.
+    """A FeatureCollection with one feature per shape; coordinates are written exactly.
 
     crs: a `crs` member to write along, as `Map.crs` has it. decimals: the most that a coordinate may have; nothing is
     rounded, since that would undo certificates: ask for cages with as many, as by Settings(grid=1e-6) for 6.
@@ -223,7 +223,7 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
 
 
 def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | int | float | None, tuple[str, ...]]:
-    """Geometry, properties and id of a feature or a bare geometry, and a note on what JSON cannot hold."""
+    """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
         raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.")
@@ -252,7 +252,7 @@ def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
 
 
 def _finite(properties: Mapping[str, Any]) -> tuple[Mapping[str, Any], tuple[str, ...]]:
-    """Properties with None for numbers that JSON cannot hold, and a note that says which."""
+    """Properties with None for numbers that JSON cannot represent, and a note that names them."""
     bad = [key for key, value in properties.items() if isinstance(value, float) and not math.isfinite(value)]
     if not bad:
         return properties, ()
@@ -268,7 +268,7 @@ def _plain(value: Any) -> Any:
 
 
 def _said(found: Map) -> Map:
-    """Warn of what was repaired or refused. Raises NestedCagesError if all was refused."""
+    """Warn of repaired and rejected features. Raises NestedCagesError if all were rejected."""
     sentences = [*found.refused, *found.notes]
     if found.refused and not found.features:
         raise InvalidMeshError("\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences))

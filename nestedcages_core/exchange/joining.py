@@ -1,4 +1,4 @@
-"""Parts that nearly touch: joined, where the gap between them is too narrow for a cage."""
+"""Join parts that nearly touch, where the gap between them is too narrow for a cage."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .libraries import load_shapely
 def joined(mesh: Mesh, distance: float) -> Mesh:
     """A solid with its gaps narrower than `distance` filled; all other vertices keep their coordinates.
 
-    Gaps are those between components and inside one, such as a slit. The mesh is returned as it is if it has none.
+    Gaps are between components or inside one, such as a slit. Without any, the mesh is returned unchanged.
     Raises NestedCagesError for a distance that is not positive.
     """
     if not 0.0 < distance < math.inf:

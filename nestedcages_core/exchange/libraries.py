@@ -1,4 +1,4 @@
-"""Format libraries that reading needs only at times: imported when needed, missing with a sentence."""
+"""Optional libraries for formats: imported when needed, with a clear error if missing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import cast
 from ..errors import NestedCagesError
 
 INSTALL = "install it with 'pip install nested-cages[formats]'"
-"""What to do about a missing library; the extension for Blender carries them all."""
+"""Advice about a missing library; the Blender extension includes all of them."""
 
 
 def load_shapely(purpose: str) -> ModuleType:

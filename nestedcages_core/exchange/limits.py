@@ -11,7 +11,7 @@ from ..errors import NestedCagesError
 
 @dataclass(frozen=True)
 class Limits:
-    """What a reader takes in at most; each limit is checked before the memory for it is taken."""
+    """Maximum input of a reader; each limit is checked before memory is allocated."""
 
     bytes: int = 2**27
     """Size of a file: 128 MB of JSON take about 1.5 GB of memory."""
@@ -28,7 +28,7 @@ class Limits:
                 raise NestedCagesError(f"Limits: {name} must be a whole number of at least 1, not {value!r}.")
 
     def check(self, what: str, found: int) -> None:
-        """Raise NestedCagesError where there is more than allowed of what a field counts."""
+        """Raise NestedCagesError if an amount exceeds the limit of a field."""
         allowed = getattr(self, what)
         if found > allowed:
             raise NestedCagesError(

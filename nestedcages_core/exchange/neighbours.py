@@ -1,4 +1,4 @@
-"""Cages of regions that share borders: cut back to the borders, so that they overlap as little as cages can."""
+"""Cages of regions that share borders: cut at the borders, so that they overlap as little as possible."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from .rings import polygons_of
 NEEDED_FOR = "regions that share borders"
 
 STRIP = 1.0 + 1e-6
-"""Width of the strips beyond borders, in clearances, so that rounding leaves the clearance."""
+"""Width of the strips beyond borders, in clearances, with a margin for rounding."""
 
 STRIP_MITRE_LIMIT = 4.0
-"""Length of the strips' corners, in their widths, beyond which they are cut off."""
+"""Mitre limit of the strips' corners, in their widths."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A cage and its outcome."""
+    """A cage after cutting."""
 
     cage: Mesh
     certified: bool
-    """Whether it was cut back and certified; False for a cage that had to stay as it was."""
+    """Whether it was cut and certified; False for a cage that is returned unchanged."""
     clearance: float
     """Measured smallest distance between the cage and what it encloses."""
     overlap_before: float
-    """Area of the neighbours that the cage covered."""
+    """Area of the neighbours that the cage covered before."""
     overlap: float
     """Area of the neighbours that it covers now."""
 
     @property
     def note(self) -> str:
-        """A sentence for people."""
+        """The outcome in words."""
         if not self.certified:
             return "Not cut at its borders: the cut cage could not be certified."
         size, before, now = len(self.cage.vertices), self.overlap_before, self.overlap
@@ -61,8 +61,8 @@ def cut_at_borders(
     region, 1e-5 of its diagonal unless given, and at most what the cage keeps. inner: what each cage has to enclose,
     the regions unless given; for the levels of a hierarchy, the cages of the level before, cut as well.
 
-    Along a border a cage runs in parallel with it, with all its points. Elsewhere it stays as it was, to the last bit;
-    parts of it behind a neighbour are left out. Every cage is certified anew; one that cannot be is returned as it was.
+    Along a border a cage runs parallel to it, with all its points. Elsewhere it is exactly unchanged, and parts behind
+    a neighbour are removed. Every cut cage is certified; one that cannot be is returned uncut.
 
     Raises NestedCagesError for bad arguments, or where shapely is missing.
     """
@@ -88,7 +88,7 @@ def _cut(cage: Mesh, inner: Mesh, others: Any, width: float) -> Cut:
     whole, core = _shape(cage), _shape(inner)
     before = shapely.intersection(whole, others).area
     measured = verify(cage, inner, same_loops=False).clearance
-    if not measured > 0.0:  # no cage at all
+    if not measured > 0.0:  # not a cage
         return Cut(cage, False, measured, before, before)
     width = min(width, measured)
     strip = shapely.buffer(core, STRIP * width, join_style="mitre", mitre_limit=STRIP_MITRE_LIMIT)

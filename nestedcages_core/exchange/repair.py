@@ -1,4 +1,4 @@
-"""Polygons as they are published made into meshes; every repair is named with its place."""
+"""Published polygons repaired into meshes; every repair is named with its place."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from .rings import Polygon
 NEEDED_FOR = "polygons that touch or cross"
 
 NECK_PER_SIZE = 1e-6
-"""Half the width of the necks between parts that touch in points, by the square root of the area."""
+"""Half the width of the necks between parts that touch in points, over the square root of the area."""
 
 LEAST_NECK = 64.0 * float(np.finfo(float).eps)
-"""The same, at least, by the largest coordinate, so that rounding leaves something of it."""
+"""Lower bound of the same, over the largest coordinate, so that it survives rounding."""
 
 GREATEST_PASSES = 64
-"""Rounds in which spikes are taken off; what is left after them is left to GEOS."""
+"""Maximum number of rounds that remove spikes; GEOS repairs the rest."""
 
 
 def mesh_of(polygons: list[Polygon]) -> tuple[Mesh, list[str]]:
-    """The solid of polygons, each an outer ring (k, 2) and its holes, and what had to be repaired.
+    """The solid of polygons, each an outer ring (k, 2) and its holes, and the repairs made.
 
     Simple rings, apart from each other, keep their coordinates to the last bit. Others are repaired as GEOS does
     (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck.
@@ -83,7 +83,7 @@ def _touching(polygons: list[Polygon]) -> FloatArray:
 
 
 def _strict(polygons: list[Polygon]) -> Mesh:
-    """The mesh of rings that need no repair. Raises InvalidMeshError, also for holes that are no holes."""
+    """The mesh of rings that need no repair. Raises InvalidMeshError, also for holes outside of polygons."""
     return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": polygons})
 
 
@@ -101,7 +101,7 @@ def polygons_in(shape: Any) -> list[Polygon]:
 
 
 def _faults(shape: Any) -> list[str]:
-    """Every kind of fault once for each ring, polygon and the whole, innermost first, with its place."""
+    """Each kind of fault once per ring, per polygon and for the whole, innermost first, with its place."""
     shapely = load_shapely(NEEDED_FOR)
     found = []
     whole = [part for part in shapely.get_parts(shape) if not shapely.is_valid(part)]
@@ -115,14 +115,14 @@ def _faults(shape: Any) -> list[str]:
 
 
 def _reason(shape: Any) -> str:
-    """What GEOS says: its reason, and the place as the user reads it."""
+    """The message of GEOS: its reason, and the place in user coordinates."""
     text = load_shapely(NEEDED_FOR).is_valid_reason(shape)
     parts = re.fullmatch(r"(.*)\[(\S+) (\S+).*\]", text)
     return f"{parts[1].lower()} at {place((float(parts[2]), float(parts[3])))}" if parts else text.lower()
 
 
 def _first(error: InvalidMeshError) -> str:
-    """What is wrong, without the advice."""
+    """The fault, without the advice."""
     return str(error).split(";")[0].rstrip(".").lower()
 
 
@@ -148,7 +148,7 @@ def _cleaned(polygons: list[Polygon]) -> tuple[list[Polygon], list[str]]:
 
 
 def _without_spikes(ring: FloatArray) -> tuple[FloatArray, list[str]]:
-    """A ring without the points where it stands still or turns back over itself, and what was left out."""
+    """A ring without repeated points and spikes, and a description of what was removed."""
     notes = []
     points = ring[:-1] if len(ring) > 1 and (ring[0] == ring[-1]).all() else ring
     still = (points == np.roll(points, -1, axis=0)).all(axis=1)

@@ -1,4 +1,4 @@
-"""Coordinates that strangers wrote as arrays of numbers; what is none is named with its place."""
+"""Foreign coordinates as arrays of numbers; invalid ones are named with their place."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ Polygon = list[FloatArray]
 """An outer ring and its holes, each (k, 2)."""
 
 LONGEST_SHOWN = 40
-"""Characters of a value that is quoted in a message."""
+"""Maximum length of a value quoted in a message."""
 
 
 RINGLESS = ("Point", "MultiPoint", "LineString", "MultiLineString")
 """Types of geometries without an inside."""
 
 GREATEST_DEPTH = 64
-"""Collections within collections that are followed; a deeper nest is taken for one that contains itself."""
+"""Maximum nesting depth of collections; a deeper one is assumed to contain itself."""
 
 
 def polygons_of(geometry: Any, depth: int = 0) -> list[Polygon]:
     """The polygons of a GeoJSON geometry as arrays; geometries without an inside are left out.
 
-    Raises InvalidMeshError for what is no geometry, with the place of what is no coordinate.
+    Raises InvalidMeshError for anything else, with the place of invalid coordinates.
     """
     mapping = getattr(geometry, "__geo_interface__", geometry)
     if not isinstance(mapping, Mapping):
@@ -83,10 +83,10 @@ def ring_of(points: Any, where: str) -> FloatArray:
 
 
 def shown(value: Any) -> str:
-    """A value as a message quotes it."""
+    """A value, shortened for messages."""
     try:
         text = reprlib.repr(value)
-    except Exception:  # of whole numbers with thousands of digits, or of an object of the user's
+    except Exception:  # from integers with thousands of digits, or from user-defined objects
         return f"a {type(value).__name__}"
     text = ascii(text)[1:-1] if not text.isascii() else text
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"

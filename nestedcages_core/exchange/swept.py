@@ -1,4 +1,4 @@
-"""The region that a moving drawing sweeps: for one still cage around a whole animation."""
+"""The region that a moving drawing sweeps, for one still cage around a whole animation."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .fill import Painted, mesh_of, regions
 from .libraries import load_shapely
 
 PARTS_PER_POSE = 4
-"""Parts of the way between two poses. In each an edge is taken to sweep the convex hull of its two places. That is more
-than it sweeps only where it turns over, by an amount that falls with the square of the number of parts."""
+"""Number of parts of the motion between two poses. In each, an edge is assumed to sweep the convex hull of its two
+places. That is too much only where it turns over, by an amount that falls with the square of the number of parts."""
 
 SWEPT_SEAM = 1e-6
-"""Width of gaps that are closed, as a fraction of the drawing's diagonal: they come from rounding where hulls abut."""
+"""Width of gaps that are closed, as a fraction of the drawing's diagonal: rounding between abutting hulls."""
 
 
 def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
-    """The union of all positions of a drawing that moves on straight lines from pose to pose.
+    """The union of all positions of a drawing that moves linearly from pose to pose.
 
     fine: its edges are the topology; poses: (T, n, 2), or an iterable of (n, 2). Covers a little more than the union
     where edges turn over between poses. Raises InvalidMeshError that names a pose, NestedCagesError without shapely.

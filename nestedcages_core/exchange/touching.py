@@ -1,4 +1,4 @@
-"""Loops that touch in points: pulled apart by a thin neck, as a mesh needs them."""
+"""Loops that touch in points, pulled apart by thin necks to make a valid mesh."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 
 NECK_PER_EDGE = 1e-3
-"""Distance by which loops that touch in a point are pulled apart there, by the shorter edge at the point."""
+"""Distance by which loops that touch in a point are pulled apart there, over the shorter edge at the point."""
 
 MAX_NECK = 1e-6
-"""Upper bound of the same, in diagonals."""
+"""Upper bound of that distance, in diagonals."""
 
 
 def pulled_apart(rings: Sequence[FloatArray], diagonal: float) -> list[FloatArray]:
@@ -35,7 +35,7 @@ def pulled_apart(rings: Sequence[FloatArray], diagonal: float) -> list[FloatArra
 def _linked(points: FloatArray, tails: IntArray, heads: IntArray) -> list[IntArray]:
     """Loops of indices from directed edges with the inside to their left.
 
-    Where several leave a point the sharpest right turn is taken: a loop goes around one empty place.
+    Where several leave a point the sharpest right turn is taken: a loop then surrounds one empty region.
     """
     leaving: dict[int, list[int]] = {}
     for edge, tail in enumerate(tails.tolist()):
@@ -70,7 +70,7 @@ def _empty_angle(points: FloatArray, before: IntArray, at: int | IntArray, after
 
 
 def _off_its_touching_points(points: FloatArray, loop: IntArray, crowded: BoolArray, diagonal: float) -> FloatArray:
-    """A loop (k, 2), at crowded points pulled into the empty place that it goes around, so that nothing is cut off."""
+    """A loop (k, 2), at crowded points pulled into the empty region that it surrounds, so that nothing is cut off."""
     moved = points[loop].copy()
     place = np.flatnonzero(crowded[loop])
     before, at, after = np.roll(loop, 1)[place], loop[place], np.roll(loop, -1)[place]

@@ -51,9 +51,7 @@ class Grid:
     def points(self, places: IntArray) -> FloatArray:
         """The grid point of each k: the double nearest to k · spacing."""
         over, under = self.ratio.numerator, self.ratio.denominator
-        if (
-            max(int(np.abs(places).max(initial=0)) * over, under) < EXACT_INTEGERS
-        ):  # one division of doubles, rounded once
+        if max(int(np.abs(places).max(initial=0)) * over, under) < EXACT_INTEGERS:  # one division, rounded once
             return np.asarray(places * float(over) / float(under), dtype=np.float64)
         exact = [k * over / under for k in places.ravel().tolist()]  # whole numbers of Python, rounded once too
         return np.array(exact, dtype=np.float64).reshape(places.shape)

@@ -1,4 +1,4 @@
-"""The boundary of the opaque pixels of a picture, along the edges of the pixels."""
+"""The boundary of the opaque pixels of a picture, along pixel edges."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...geometry.arrays import BoolArray, FloatArray
 from ...geometry.mesh import Mesh
 
 CUT = 0.25
-"""Pixels by which the corner of a transparent pixel is cut off where two opaque ones meet in a point only."""
+"""Cut at the corner of a transparent pixel between two opaque ones that only share a point, in pixels."""
 
 EAST, SOUTH, WEST, NORTH = range(4)
 STEPS = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
@@ -41,7 +41,7 @@ def _walked(leaves: BoolArray) -> list[FloatArray]:
     """The loops of unit edges, corners only.
 
     leaves: (4, rows, columns) whether an edge leaves a corner in a direction. Where two do, the walk turns left, away
-    from the opaque pixel that it comes along: around the transparent one, between two opaque ones that it joins.
+    from its opaque pixel and around the transparent one between two opaque pixels, which joins these.
     """
     rows, columns = leaves.shape[1:]
     corners = rows * columns

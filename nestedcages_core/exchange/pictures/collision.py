@@ -1,4 +1,4 @@
-"""Collision outlines of sprites: few vertices, and no opaque pixel left outside."""
+"""Collision outlines of sprites: few vertices, around all opaque pixels."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def collision_outline(
     holes: bool = False,
     settings: Settings | None = None,
 ) -> Mesh:
-    """An outline of so many vertices around all opaque pixels; see `picture_cages` for the options."""
+    """An outline with the given number of vertices around all opaque pixels; for the options see `picture_cages`."""
     made = picture_cages(picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings)
     return made.cages[0]
 
@@ -54,7 +54,7 @@ def picture_cages(
     settings: Settings | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Hierarchy:
-    """Cages around all opaque pixels, with so many vertices each or fewer where the pixels have fewer corners.
+    """Cages around all opaque pixels, with the given numbers of vertices, or fewer if the pixels have fewer corners.
 
     picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
     them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
@@ -83,7 +83,7 @@ def picture_cages_run(
     holes: bool = False,
     settings: Settings | None = None,
 ) -> Generator[Progress, None, Hierarchy]:
-    """The work of `picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
+    """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
         raise NestedCagesError(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold

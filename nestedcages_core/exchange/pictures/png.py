@@ -29,7 +29,7 @@ PALETTE = 3
 
 ADAM7 = ((0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1))
 WHOLE = ((0, 0, 1, 1),)
-"""First row and column, and steps between rows and columns, of the passes of an interlaced picture, and of another."""
+"""First row and column, and steps between rows and columns, of the passes of an interlaced and of another picture."""
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -62,7 +62,7 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     chunks = _chunks(bytes(data))
     header = _header(chunks)
     (limits or Limits()).check("pixels", header.width * header.height)
-    try:  # data beyond the size of the picture are never unpacked
+    try:  # never decompress more data than the picture has
         raw = zlib.decompressobj().decompress(chunks.get(b"IDAT", b""), _size(header))
     except zlib.error as error:
         raise NestedCagesError(f"The picture's data cannot be unpacked ({error}); save the PNG again.") from error

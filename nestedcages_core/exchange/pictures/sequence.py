@@ -1,4 +1,4 @@
-"""Outlines of a sequence of pictures: corners in corresponding order from frame to frame, where that is possible."""
+"""Outlines of a sequence of pictures, with corresponding corners in the same order where possible."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...geometry.mesh import Mesh
 
 
 def corresponding(outlines: Sequence[Mesh]) -> list[Mesh]:
-    """The same outlines with loops and corners in the order of the frame before, where they have as many.
+    """The outlines with loops and corners in the order of the previous frame, if their numbers agree.
 
     Loops are matched by their centres, outer ones with outer ones; corners by the cyclic order with the least squared
     distances. An outline with other numbers begins anew.

@@ -24,17 +24,17 @@ from .strokes import Polyline, Stroke, stroked
 from .transforms import moved, scaling, translation
 
 STROKE_FINENESS = 0.25
-"""Tolerance of the middle line of a stroke, by that of its outline."""
+"""Tolerance of the centre line of a stroke, relative to that of its outline."""
 
 THIN, MAX_FINER = 0.02, 8.0
-"""Default tolerance of thin shapes by their thickness, and by how much it is finer than that of others at most."""
+"""Default tolerance of thin shapes over their thickness, and its largest ratio to that of other shapes."""
 
 
 class Areas:
     """Turns the shapes of a scene into areas.
 
-    tolerance: greatest distance between curves and chords; pixel: user units that a stroke of width 1 covers if its
-    width does not scale.
+    tolerance: largest distance between curves and chords; pixel: width in user units of a non-scaling stroke of
+    width 1.
     """
 
     def __init__(self, options: SvgOptions, tolerance: float, pixel: float) -> None:
@@ -44,7 +44,7 @@ class Areas:
         self.points = 0
 
     def of(self, node: Group | Shape, outer: FloatArray) -> list[Area]:
-        """What a node paints. outer: from its units to those of the document."""
+        """The areas that a node paints. outer: from its units to those of the document."""
         if isinstance(node, Shape):
             return self._of_shape(node, outer)
         areas = [area for child in node.children for area in self.of(child, outer)]
@@ -89,7 +89,7 @@ class Areas:
         self.options.limits.check("points", self.points)
 
     def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
-        """Areas as far as their paint can be seen."""
+        """The visible parts of areas."""
         if not paint.opacity > self.options.faintest:
             return []
         if paint.gradient is None:
@@ -107,7 +107,7 @@ class Areas:
         return [shapely.intersection(whole, seen)]
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
-        """What a stroke covers."""
+        """The area of a stroke."""
         shapely = load_shapely("strokes")
         before, after = (np.eye(3), matrix) if shape.scales else (matrix, np.eye(3))
         if not shape.scales:
@@ -126,12 +126,12 @@ class Areas:
         return [shapely.transform(part, lambda points: moved(points, after)) for part in parts]
 
     def _outline(self, node: Group | Shape, outer: FloatArray) -> list[FloatArray]:
-        """Points of the outlines of a node, whatever paints them."""
+        """Points of the outlines of a node, regardless of paint."""
         shapes = [node] if isinstance(node, Shape) else node.shapes()
         return [self._flat(path, outer @ shape.matrix, self.tolerance) for shape in shapes for path in shape.subpaths]
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
-        """What a clip path or mask leaves of the areas of a group; areas wholly inside stay as they are."""
+        """The areas of a group within a clip path or mask; areas completely inside stay unchanged."""
         matrix = outer @ clip.matrix
         if clip.of_box:
             if np.linalg.det(clip.matrix[:2, :2]) == 0.0:
@@ -149,7 +149,7 @@ class Areas:
         return [shapely.intersection(shapely.union_all(regions(shapely, areas)), kept)]
 
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
-        """What a filter makes of the areas of a group."""
+        """The areas of a group after a filter."""
         shapely = load_shapely("filters")
         paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
         region = shapely.union_all(regions(shapely, areas))
@@ -158,7 +158,7 @@ class Areas:
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
-        """Where a mask lets through more than the faintest share: shapes painted over each other by luminance."""
+        """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance."""
         shapely = load_shapely("masks")
         kept = shapely.union_all([])
         for shape in content.shapes():
@@ -175,7 +175,7 @@ class Areas:
         return clipped
 
     def _layers(self, shape: Shape, outer: FloatArray) -> list[tuple[Paint, Sequence[Area]]]:
-        """Fill and stroke of a shape in a mask, each with what it covers."""
+        """Fill and stroke of a shape in a mask, each with its area."""
         matrix = outer @ shape.matrix
         found: list[tuple[Paint, Sequence[Area]]] = []
         if shape.fill is not None:
@@ -186,7 +186,7 @@ class Areas:
 
 
 def _luminance(paint: Paint) -> float:
-    """The brightest that a paint is."""
+    """The largest luminance of a paint."""
     if paint.gradient is None:
         return paint.colour.luminance
     return max(stop.colour.alpha * stop.colour.luminance for stop in paint.gradient.stops)

@@ -13,7 +13,7 @@ MAX_ARC = math.pi / 6.0
 """Radians of one cubic; its distance from the true arc is then below 4e-7 of the radius."""
 
 MAX_CHORDS = 4096
-"""Chords of one curve at most."""
+"""Maximum number of chords of a curve."""
 
 FLATTEST = 1e-30
 """Radii by coordinates, and (chord / diameter) squared, below which an elliptical arc is a line."""
@@ -39,7 +39,7 @@ def arc(
     axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
     half = axes.T @ (start - end) / 2.0
     stretch = float(((half / radii) ** 2).sum())
-    if not stretch > FLATTEST:  # so large that the arc is a line
+    if not stretch > FLATTEST:  # so large that the arc is straight
         return [line(start, end)]
     if stretch >= 1.0:  # too small, or just reaching: the centre is the middle
         radii = radii * math.sqrt(stretch)

@@ -1,4 +1,4 @@
-"""The document: parsed within its budget, its elements by id, its frame."""
+"""The document: parsed within limits, with its elements by id and its frame."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ..limits import Limits
 from .lengths import LENGTH, UNITS_OF_LENGTH, Viewport, measure, name_of, view_box_of
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
-"""Attribute of the root of documents of our own, whose strokes only show where the edges of filled shapes are."""
+"""Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a document is seen: written again, new shapes lie on the old ones."""
+    """The view of a document; with the same frame, new shapes coincide with old ones."""
 
     view_box: tuple[float, float, float, float] | None = None
     """x, y, width and height in user units."""
@@ -26,7 +26,7 @@ class Frame:
 
     @property
     def page(self) -> tuple[float, float, float, float] | None:
-        """x, y, width and height of what is seen, in user units; None if the document does not say."""
+        """x, y, width and height of the view, in user units; None if the document does not specify it."""
         if self.view_box is not None:
             return self.view_box
         sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
@@ -66,7 +66,7 @@ class Document:
 
     @property
     def pixel(self) -> float:
-        """User units of one pixel of the page, for strokes whose width does not scale."""
+        """User units per pixel of the page, for non-scaling strokes."""
         box, size = self.frame.view_box, Viewport()
         if box is None:
             return 1.0

@@ -1,4 +1,4 @@
-"""Filters that blur, move and fade: as far as they change what is painted (Filter Effects 1, section 9)."""
+"""Filters that blur, move and fade, as far as they change the painted area (Filter Effects 1, section 9)."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from .style import Styles
 from .transforms import moved
 
 BOX = 3.0 * np.sqrt(2.0 * np.pi) / 4.0
-"""Width of each of the three boxes in a row that stand for a blur, in standard deviations."""
+"""Width of each of the three successive boxes that approximate a blur, in standard deviations."""
 
 BLUR_SEGMENTS = 16
 """Chords of a quarter circle around a blurred corner."""
 
 FADING_REACH = 0.55
-"""How far the blur of a shape that fades towards its edge reaches, by that of one that does not (measured)."""
+"""Reach of the blur of a shape that fades towards its edge, relative to one that does not (measured)."""
 
 MAX_LAYERS = 256
-"""Layers that a filter may merge; each merge can double them."""
+"""Maximum number of layers of a filter; each merge can double them."""
 
 LEAST_RATIO = 1e-3
-"""Smaller by larger standard deviation of a blur; one that is zero counts as this."""
+"""Smallest ratio of the two standard deviations of a blur; replaces a zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +43,10 @@ class Layer:
     fades: bool = False
     """Whether it fades away towards its edge, so that blurring widens it less."""
     within: Any = None
-    """What is kept of it after blurring; all if None."""
+    """Region kept after blurring; all if None."""
 
     def seen(self, shapely: Any, faintest: float) -> Any:
-        """Where it is more opaque than `faintest`; exact for straight edges."""
+        """The region where it is more opaque than `faintest`; exact for straight edges."""
         if not self.alpha > faintest:
             return shapely.Polygon()
         region = self.region
@@ -87,12 +87,12 @@ class Filter:
 
 
 def is_known(item: ET.Element) -> bool:
-    """Whether all parts of a filter are followed."""
+    """Whether all parts of a filter are supported."""
     return all(name_of(child) in KNOWN or not name_of(child).startswith("fe") for child in item)
 
 
 def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, faintest: float) -> Any:
-    """What a filter paints of a source in the document; matrix: from the units of the filtered group to it."""
+    """The area that a filter paints in the document; matrix: from the units of the filtered group to it."""
     if np.linalg.det(matrix[:2, :2]) == 0.0 or source.region.is_empty:
         return source.region
     inverse = np.linalg.inv(matrix)
@@ -114,7 +114,7 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
 
 
 def _region(by: Filter, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-    """Corners of what a filter may paint, given the box of its source."""
+    """Corners of the filter region, given the box of the source."""
     of_box = by.item.get("filterUnits", "objectBoundingBox") == "objectBoundingBox"
     viewport = Viewport(1.0, 1.0) if of_box else by.viewport
     default = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
@@ -128,7 +128,7 @@ def _region(by: Filter, box: tuple[float, float, float, float]) -> tuple[float, 
 
 @dataclass(eq=False)
 class _Step:
-    """Between two parts of a filter."""
+    """State between two parts of a filter."""
 
     shapely: Any
     styles: Styles
@@ -139,7 +139,7 @@ class _Step:
 
     @property
     def size(self) -> float:
-        """The longer side of the whole; what is blurred more or moved farther is not seen."""
+        """The longer side of the whole; larger blurs or offsets make things invisible."""
         x0, y0, x1, y1 = self.shapely.bounds(self.whole)
         return float(max(x1 - x0, y1 - y0))
 
@@ -204,7 +204,7 @@ def _flood(step: _Step, item: ET.Element) -> Layers:
 
 
 def _faded(layers: Layers, step: _Step, alpha: Callable[[float], float]) -> Layers:
-    """Layers whose opacity is changed by a function; what it makes of nothing covers the whole."""
+    """Layers with opacity changed by a function; its value at 0 covers the whole."""
     found = [replace(layer, alpha=min(max(alpha(layer.alpha), 0.0), 1.0)) for layer in layers]
     nothing = min(max(alpha(0.0), 0.0), 1.0)
     return [Layer(step.whole, nothing), *found] if nothing > step.faintest else found
@@ -279,4 +279,4 @@ KNOWN: dict[str, Callable[[_Step, ET.Element], Layers]] = {
     "feBlend": _blend,
     "feMorphology": _morphology,
 }
-"""Parts of filters that are followed."""
+"""Supported parts of filters."""

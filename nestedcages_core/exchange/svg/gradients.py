@@ -1,4 +1,4 @@
-"""Where gradients that fade away can be seen."""
+"""The visible regions of gradients that fade out."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def visible(
     matrix: FloatArray,
     bounds: FloatArray,
 ) -> Any:
-    """Where within `bounds`, (x, y, x, y) of the document, a gradient is more opaque than `faintest`.
+    """The region within `bounds`, (x, y, x, y) of the document, where a gradient is more opaque than `faintest`.
 
     alphas: (S,) of the stops; box: corners of what is painted, in its own units; matrix: from these to the document.
     """
@@ -45,7 +45,7 @@ def visible(
 
 
 def _strip(shapely: Any, numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
-    """What lies between two parameters of a linear gradient. here: (k, 2) places around all that matters."""
+    """The region between two parameters of a linear gradient. here: (k, 2) points around the relevant area."""
     origin, along = np.array(numbers[:2]), np.array(numbers[2:]) - numbers[:2]
     length = float(along @ along)
     if not length > 0.0:  # painted in the last colour
@@ -60,7 +60,7 @@ def _strip(shapely: Any, numbers: tuple[float, ...], start: float, end: float, h
 
 
 def _disc_between(shapely: Any, numbers: tuple[float, ...], start: float, end: float, here: FloatArray) -> Any:
-    """What lies between two parameters of a radial gradient."""
+    """The region between two parameters of a radial gradient."""
     cx, cy, radius, fx, fy = numbers
 
     def disc(t: float) -> Any:
@@ -74,7 +74,7 @@ def _disc_between(shapely: Any, numbers: tuple[float, ...], start: float, end: f
 
 
 def intervals_above(stops: tuple[Stop, ...], alphas: FloatArray, faintest: float) -> list[tuple[float, float]]:
-    """Where along a gradient it is more opaque than `faintest`: intervals of its parameter, whose ends may be infinite.
+    """Intervals of a gradient's parameter where it is more opaque than `faintest`; ends may be infinite.
 
     alphas: (S,) of the stops, linear between them.
     """

@@ -26,26 +26,26 @@ UNITS_OF_LENGTH = {
 """User units of each unit of length (CSS: 96 px to the inch)."""
 
 ACROSS, DOWN = ("x", "width", "cx", "rx", "x1", "x2"), ("y", "height", "cy", "ry", "y1", "y2")
-"""Attributes whose per cent are of the viewport's width, and of its height; others are of its diagonal."""
+"""Attributes whose percentages refer to the viewport's width, and to its height; others refer to its diagonal."""
 
 LENGTH = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)", re.IGNORECASE)
 
 ALIGNED = {"xmin": 0.0, "xmid": 0.5, "xmax": 1.0, "ymin": 0.0, "ymid": 0.5, "ymax": 1.0}
-"""Share of the empty space before the view box, for each part of preserveAspectRatio."""
+"""Fraction of the empty space before the view box, for each part of preserveAspectRatio."""
 
 MAX_SHOWN = 30
-"""Characters of a value that a sentence quotes."""
+"""Maximum length of a value in a message."""
 
 
 @dataclass(frozen=True)
 class Viewport:
-    """Size in user units that per cent refer to; None if the document has none."""
+    """Size in user units that percentages refer to; None if the document has none."""
 
     width: float | None = None
     height: float | None = None
 
     def reference(self, key: str) -> float | None:
-        """What 100 % of an attribute is."""
+        """The value of 100 % of an attribute."""
         if self.width is None or self.height is None:
             return None
         if key in ACROSS:
@@ -54,7 +54,7 @@ class Viewport:
 
 
 def quoted(text: str) -> str:
-    """A value as sentences show it."""
+    """A value, shortened for messages."""
     return f"'{text}'" if len(text) <= MAX_SHOWN else f"'{text[:MAX_SHOWN]}…'"
 
 
@@ -90,7 +90,7 @@ def attribute(item: ET.Element, key: str, viewport: Viewport, missing: float = 0
 
 
 def share(text: str | None, missing: float = 1.0) -> float:
-    """A number or per cent as a share from 0 to 1."""
+    """A number or percentage as a fraction from 0 to 1."""
     found = LENGTH.fullmatch(text.strip()) if text else None
     if found is None or found[2] not in ("", "%"):
         return missing
@@ -103,7 +103,7 @@ def name_of(item: ET.Element) -> str:
 
 
 def link_of(item: ET.Element) -> str:
-    """What a reference names, with its `#`."""
+    """The target of a reference, with its `#`."""
     return (item.get("href") or item.get("{http://www.w3.org/1999/xlink}href") or "").strip()
 
 

@@ -1,4 +1,4 @@
-"""Where markers stand: the vertices of a path and the directions there (SVG 1.1, section 11.6)."""
+"""Places of markers: the vertices of a path and the directions there (SVG 1.1, section 11.6)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tree that a document is read as: shapes, and groups that are filtered and clipped together."""
+"""The tree of a document: shapes, and groups that are filtered and clipped together."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Shape:
     """One element with an outline."""
 
     name: str
-    """As sentences call it."""
+    """Name in messages."""
     subpaths: list[Subpath]
     """In its own units."""
     matrix: FloatArray
@@ -54,7 +54,7 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """What is kept of a group."""
+    """The region of a group that is kept."""
 
     content: Group
     matrix: FloatArray

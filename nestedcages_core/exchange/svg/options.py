@@ -1,4 +1,4 @@
-"""What of a drawing is read, how finely, and how much of it at most."""
+"""Options for reading a drawing: what to read, how finely, and limits."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from ...parameters import check_positive
 from ..limits import Limits
 
 FAINTEST = 0.5 / 255.0
-"""Opacity that pictures of 8 bits per channel round to nothing."""
+"""Opacity that rounds to 0 with 8 bits per channel."""
 
 MAX_ELEMENTS = 100_000
-"""Elements that are drawn unless `limits` says otherwise, each copy by `use` counted."""
+"""Default limit of drawn elements, each copy by `use` included."""
 
 
 @dataclass(frozen=True)
 class SvgOptions:
-    """What of a drawing is read."""
+    """Options for reading a drawing."""
 
     tolerance: float | None = None
-    """Greatest distance between a curve and its chords; 1/2000 of the drawing's diagonal if None."""
+    """Largest distance between a curve and its chords; 1/2000 of the drawing's diagonal if None."""
     element: str | None = None
     """The id of one element to read alone."""
     layers: tuple[str, ...] = ()
     """Layers to read, by label or id; all if empty. Groups directly below the root count as layers."""
     strokes: bool = True
-    """Whether strokes count as painted. Without them closed outlines count as filled where nothing is."""
+    """Whether strokes count as painted. Without strokes, closed outlines count as filled if nothing is."""
     background: bool = True
     """Whether a shape that covers the whole page below all others counts."""
     crop: bool = True
-    """Whether what lies outside the page, which no viewer shows, is cut off."""
+    """Whether to cut off everything outside the page, which viewers do not show."""
     opacity: float = 0.0
     """Opacity from 0 to 1 above which paint counts."""
     limits: Limits = field(default_factory=lambda: Limits(elements=MAX_ELEMENTS))

@@ -1,4 +1,4 @@
-"""What fills and strokes are painted with: colours and gradients, as far as they can be seen."""
+"""Paints of fills and strokes: colours and gradients, and whether they are visible."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ LUMINANCE = (0.2125, 0.7154, 0.0721)
 
 GRADIENTS = ("linearGradient", "radialGradient")
 MAX_LINKS = 16
-"""Gradients that refer to each other, one after the other."""
+"""Maximum length of a chain of gradients that refer to each other."""
 
 
 @dataclass(frozen=True)
 class Colour:
-    """How much of what lies below a colour covers, and how bright it is, from 0 to 1."""
+    """Opacity and luminance of a colour, from 0 to 1."""
 
     alpha: float = 1.0
     luminance: float = 0.0
@@ -47,7 +47,7 @@ class Gradient:
     numbers: tuple[float, ...]
     """x1, y1, x2, y2; or cx, cy, r, fx, fy."""
     of_box: bool
-    """Whether lengths are shares of the box of what is painted."""
+    """Whether lengths are fractions of the painted box."""
     matrix: FloatArray = field(compare=False)
     stops: tuple[Stop, ...]
     repeats: bool
@@ -55,14 +55,14 @@ class Gradient:
 
 @dataclass(frozen=True)
 class Paint:
-    """A colour, or a gradient; `opacity` counts for both."""
+    """A colour, or a gradient; `opacity` applies to both."""
 
     opacity: float
     colour: Colour = Colour()
     gradient: Gradient | None = None
 
     def fades(self, faintest: float) -> bool:
-        """Whether a part of it cannot be seen."""
+        """Whether a part of it is invisible."""
         stops = self.gradient.stops if self.gradient else ()
         return any(not self.opacity * stop.colour.alpha > faintest for stop in stops)
 
@@ -110,7 +110,7 @@ class Paints:
         self.gradients: dict[tuple[ET.Element, bool], Gradient | None] = {}
 
     def paint(self, text: str, opacity: float, style: Style, *, bright: bool) -> Paint | None:
-        """A paint that can be seen; None for none. bright: whether luminance matters, as in masks."""
+        """A visible paint; None for none. bright: whether luminance matters, as in masks."""
         link, instead = link_in(text)
         if not link:
             colour = colour_of(text, style, bright=bright)
@@ -131,7 +131,7 @@ class Paints:
         return Paint(opacity, gradient=gradient)
 
     def _gradient(self, item: ET.Element, bright: bool) -> Gradient | None:
-        """A gradient with the attributes and stops of those that it refers to; None without stops."""
+        """A gradient with the inherited attributes and stops; None without stops."""
         given: dict[str, str] = {}
         stops: list[Stop] = []
         link: ET.Element | None = item
@@ -155,7 +155,7 @@ class Paints:
         )
 
     def _numbers(self, given: Mapping[str, str], radial: bool, of_box: bool) -> tuple[float, ...]:
-        """Lengths of a gradient; per cent are of the box or of the page."""
+        """Lengths of a gradient; percentages refer to the box or the page."""
         item = ET.Element("gradient", dict(given))
 
         def length(key: str, default: str) -> float:

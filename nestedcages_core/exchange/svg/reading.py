@@ -1,4 +1,4 @@
-"""SVG in: what is painted becomes a mesh."""
+"""SVG in: the painted area becomes a mesh."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from .scene import Scene
 from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4
-"""Greatest distance of chords from curves when none is given, as a share of the drawing's diagonal."""
+"""Default for the largest distance of chords from curves, as a fraction of the drawing's diagonal."""
 
 SEAM = 0.1
-"""Width, in tolerances, of gaps that are closed: seams between shapes that abut but for rounding."""
+"""Width, in tolerances, of gaps that are closed: seams between shapes that abut up to rounding."""
 
 PAGE_COVERED = 0.95
-"""Share of the page that a background covers at least; rounded corners count as covered."""
+"""Smallest fraction of the page that a background covers; rounded corners count as covered."""
 
 
 Box = tuple[float, float, float, float]
@@ -41,14 +41,14 @@ Box = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class SvgDrawing:
-    """What was read of a document, and what was not."""
+    """A document that was read, with notes on omissions."""
 
     mesh: Mesh
     """In user units, y pointing down."""
     frame: Frame
-    """What to give to `to_svg` so that its output lies on this drawing."""
+    """Frame for `to_svg`, to write output that coincides with this drawing."""
     notes: tuple[str, ...]
-    """A sentence each: what was left out, and what may not have been meant."""
+    """Sentences about omissions, and about what may be unintended."""
 
 
 def read_svg(path: str | os.PathLike[str], **options: Any) -> Mesh:
@@ -62,19 +62,19 @@ def from_svg(text: str | bytes, **options: Any) -> Mesh:
     Shapes that overlap are united; fills, strokes, clip paths, masks, references and style sheets are followed. What
     crosses nothing keeps its coordinates exactly. options: fields of `SvgOptions`.
 
-    Raises NestedCagesError for what is not such a document, InvalidMeshError where nothing is painted.
+    Raises NestedCagesError for input that is not SVG, InvalidMeshError if nothing is painted.
     """
     return svg_drawing(text, **options).mesh
 
 
 def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing:
-    """The painted area of an SVG file with its frame and what was left out; see `svg_drawing`."""
+    """The painted area of an SVG file with its frame and notes on omissions; see `svg_drawing`."""
     return svg_drawing(read_whole(path, SvgOptions(**options).limits), **options)
 
 
-@np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is refused with the name of the shape
+@np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is an error that names the shape
 def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
-    """Same as `from_svg`, with the document's frame and notes on what was left out."""
+    """`from_svg`, with the document's frame and notes on omissions."""
     chosen = SvgOptions(**options)
     document = Document(text, chosen.limits)
     if not document.strokes_count:
@@ -101,9 +101,9 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
 
 
 def _what_counts(scene: Scene, notes: list[str]) -> Group:
-    """The scene without what cannot be seen; where nothing can, closed outlines count as filled.
+    """The visible part of the scene; if nothing is visible, closed outlines count as filled.
 
-    Raises NestedCagesError where nothing is left.
+    Raises NestedCagesError if nothing is left.
     """
     options = scene.options
     if scene.left_out:
@@ -140,7 +140,7 @@ def _only(group: Group, chosen: Callable[[Shape], Shape | None]) -> Group:
 
 
 def _counts(shape: Shape, options: SvgOptions) -> Shape | None:
-    """A shape with those of its paints that can be seen."""
+    """A shape with its visible paints."""
     fill = shape.fill if _is_seen(shape.fill, options) else None
     stroke = shape.stroke_paint if options.strokes and _is_seen(shape.stroke_paint, options) else None
     return replace(shape, fill=fill, stroke_paint=stroke) if fill or stroke else None
@@ -170,7 +170,7 @@ def _controls(shape: Shape) -> FloatArray:
 
 
 def _size(group: Group, page: Box | None) -> float:
-    """Diagonal of all shapes as far as they can be seen."""
+    """Diagonal of the visible parts of all shapes."""
     corners = []
     for shape in group.shapes():
         points = _controls(shape)
@@ -184,7 +184,7 @@ def _size(group: Group, page: Box | None) -> float:
 
 
 def _covers(shape: Shape, page: Box) -> bool:
-    """Whether a shape is about a rectangle as large as the page."""
+    """Whether a shape is roughly a rectangle of the size of the page."""
     if shape.fill is None or len(shape.subpaths) != 1:
         return False
     points = flattened([moved(curve, shape.matrix) for curve in shape.subpaths[0].curves], max(page[2:]))
@@ -196,7 +196,7 @@ def _covers(shape: Shape, page: Box) -> bool:
 
 
 def _on_page(areas: list[Area], page: Box, notes: list[str]) -> list[Area]:
-    """Areas cut off at the edge of the page, those wholly inside as they are."""
+    """Areas cut off at the edge of the page; those completely inside stay unchanged."""
     if not areas:
         return areas
     x, y, width, height = page

@@ -24,23 +24,23 @@ from .style import Style, Styles
 from .transforms import read_transform, scaling, translation, turned
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
-"""Elements that draw what is in them."""
+"""Elements that draw their children."""
 
 LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
-"""Elements that are seen but not read."""
+"""Visible elements that are not read."""
 
 MAX_DEPTH = 64
-"""Elements within elements."""
+"""Maximum nesting depth of elements."""
 
 PAINT, CLIP, MASK = "paint", "clip", "mask"
-"""What shapes are read for: to be seen, to clip by their outlines, to mask by their luminance."""
+"""Purposes of shapes: to be painted, to clip by their outlines, to mask by their luminance."""
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 @dataclass(frozen=True)
 class _Context:
-    """What an element has from those around it."""
+    """Inherited state of an element."""
 
     matrix: FloatArray
     viewport: Viewport
@@ -55,7 +55,7 @@ class _Context:
 
 
 class Scene:
-    """Walks through a document; `root` is what it draws."""
+    """Walks through a document; `root` is the resulting tree."""
 
     def __init__(self, document: Document, options: SvgOptions) -> None:
         self.document = document
@@ -87,7 +87,7 @@ class Scene:
                 raise NestedCagesError(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
 
     def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
-        """Add what an element draws to a group."""
+        """Add the drawing of an element to a group."""
         self.drawn += 1
         self.options.limits.check("elements", self.drawn)
         name = name_of(item)
@@ -131,7 +131,7 @@ class Scene:
         attach(group, to)
 
     def _add_used(self, item: ET.Element, context: _Context, group: Group) -> None:
-        """Add what a `use` element draws."""
+        """Add the drawing of a `use` element."""
         link = link_of(item)
         target = self.document.linked(link)
         if target is None:
@@ -161,7 +161,7 @@ class Scene:
         y: float,
         size: tuple[str | None, str | None],
     ) -> None:
-        """Add what is in a nested `svg` or `symbol`, its view box fitted into its size."""
+        """Add the content of a nested `svg` or `symbol`, its view box fitted to its size."""
         box, around = view_box_of(item), context.viewport
         whole = (around.width, around.height) if around.width is not None else (box[2:] if box else (None, None))
         if box is None and None in whole and None in size:
@@ -284,7 +284,7 @@ class Scene:
         return found
 
     def _filters(self, style: Style, context: _Context) -> list[Filter]:
-        """The filter of an element, as far as it is followed."""
+        """The filter of an element, if it is supported."""
         if style.get("filter", "none") == "none" or context.purpose == CLIP:
             return []
         link, _ = link_in(style["filter"])
@@ -309,7 +309,7 @@ class Scene:
 
 
 def _chosen(item: ET.Element) -> list[ET.Element]:
-    """What a `switch` draws: its first child without unknown requirements."""
+    """The element that a `switch` draws: its first child without unknown requirements."""
     for child in item:
         languages = child.get("systemLanguage")
         if (

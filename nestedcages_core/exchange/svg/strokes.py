@@ -14,7 +14,7 @@ from ..limits import Limits
 from .lengths import Viewport, measure, numbers
 
 MAX_ARC_SEGMENTS = 64
-"""Chords of a quarter circle at a cap or join."""
+"""Maximum number of chords of a quarter circle at a cap or join."""
 
 BOX, FLAT, ROUND = "square", "flat", "round"
 CAPS = {"butt": FLAT, "round": ROUND, "square": BOX}
@@ -23,7 +23,7 @@ CAPS = {"butt": FLAT, "round": ROUND, "square": BOX}
 
 @dataclass(frozen=True)
 class Stroke:
-    """How a line is drawn, in the units of the line."""
+    """Style of a line, in the units of the line."""
 
     width: float
     cap: str = "butt"
@@ -78,9 +78,9 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
 
 
 def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, limits: Limits) -> list[Any]:
-    """Geometries that together are what a stroke covers.
+    """Geometries that together cover a stroke.
 
-    tolerance: greatest distance of chords from caps and joins that are round. Raises NestedCagesError for too many
+    tolerance: largest distance of chords from round caps and joins. Raises NestedCagesError for too many
     dashes.
     """
     if stroke.dashes:
@@ -120,7 +120,7 @@ def _different(line: Polyline) -> FloatArray:
 
 
 def _dot(shapely: Any, at: FloatArray, radius: float, cap: str, segments: int) -> list[Any]:
-    """What a line without length shows: its caps."""
+    """The area of a line without length: its caps."""
     if cap == "round":
         return [shapely.buffer(shapely.points(at), radius, quad_segs=segments)]
     if cap == "square":
@@ -153,7 +153,7 @@ def _tips(points: FloatArray, closed: bool, radius: float, limit: float) -> Floa
 
 
 def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits) -> list[Polyline]:
-    """The dashes of lines; all of a line whose dashes leave no gap."""
+    """The dashes of lines; the whole line if dashes leave no gap."""
     period = sum(stroke.dashes)
     if not period > 0.0 or not math.isfinite(period):
         return list(lines)
@@ -167,7 +167,7 @@ def _dashed(lines: Sequence[Polyline], stroke: Stroke, limits: Limits) -> list[P
 
 
 def _dashes(stroke: Stroke, period: float, length: float) -> Iterator[tuple[float, float]]:
-    """Where dashes begin and end along a line."""
+    """Start and end of each dash along a line."""
     at = -(stroke.offset % period)
     while at < length:
         for k, size in enumerate(stroke.dashes):
@@ -178,7 +178,7 @@ def _dashes(stroke: Stroke, period: float, length: float) -> Iterator[tuple[floa
 
 
 def _between(points: FloatArray, along: FloatArray, low: float, high: float) -> FloatArray:
-    """The part of a line from one length to another."""
+    """The part of a line between two lengths."""
     inner = points[(along > low) & (along < high)]
     ends = [[np.interp(at, along, points[:, axis]) for axis in (0, 1)] for at in (low, high)]
     return np.concatenate((ends[:1], inner, ends[1:]))

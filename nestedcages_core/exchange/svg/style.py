@@ -1,4 +1,4 @@
-"""How elements are painted: attributes, style sheets and inheritance (SVG 1.1, section 6; CSS cascade)."""
+"""Styles of elements: attributes, style sheets and inheritance (SVG 1.1, section 6; CSS cascade)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ INHERITED = frozenset(
         *("clip-rule", "marker-start", "marker-mid", "marker-end"),
     )
 )
-"""Properties that an element has from those around it."""
+"""Inherited properties."""
 
 OWN = frozenset(
     (
@@ -28,17 +28,17 @@ OWN = frozenset(
         *("vector-effect", "filter", "transform"),
     )
 )
-"""Properties that an element has for itself."""
+"""Properties that are not inherited."""
 
 KNOWN = INHERITED | OWN | {"marker"}
 
 FALLBACK = re.compile(r"var\(\s*--[\w-]+\s*(?:,([^()]*))?\)")
 
 MEDIA = ("", "all", "screen")
-"""Conditions of @media that hold."""
+"""Conditions of @media that are true."""
 
 MAX_LOOKED_THROUGH = 20_000_000
-"""Elements that selectors look through at most; some seconds."""
+"""Maximum number of elements that selectors visit; some seconds."""
 
 Style = Mapping[str, str]
 
@@ -60,7 +60,7 @@ class Styles:
                 raise NestedCagesError("The style sheets nest blocks too deeply; simplify them.") from error
 
     def own(self, item: ET.Element) -> dict[str, str]:
-        """What is said of an element itself, not of those around it."""
+        """The element's own properties."""
         if item not in self.known:
             self.known[item] = self._own(item)
         return self.known[item]
@@ -93,7 +93,7 @@ class Styles:
 
 
 def declarations(text: str) -> list[Declaration]:
-    """Those of a style attribute that are known."""
+    """Known declarations of a style attribute."""
     found = []
     for part in _without_comments(text).split(";"):
         key, _, value = part.partition(":")
@@ -110,7 +110,7 @@ def _without_comments(text: str) -> str:
 
 
 def _element_class(cssselect2: ModuleType) -> Any:
-    """Elements that selectors look at, which count how many they look through."""
+    """Elements for selectors, which count their visits."""
 
     class Element(cssselect2.ElementWrapper):  # type: ignore[name-defined,misc]
         looked_through = 0
@@ -142,7 +142,7 @@ def _element_class(cssselect2: ModuleType) -> Any:
 
 
 def _matched(root: ET.Element, text: str) -> dict[ET.Element, list[Declaration]]:
-    """Declarations of style sheets for each element that they select, the most specific last."""
+    """Declarations of style sheets for each matching element, the most specific last."""
     tinycss2, cssselect2 = load_css()
     matcher = cssselect2.Matcher()
     for prelude, content in _rules(tinycss2, tinycss2.parse_stylesheet(text, True, True)):
@@ -167,7 +167,7 @@ def _matched(root: ET.Element, text: str) -> dict[ET.Element, list[Declaration]]
 
 
 def _rules(tinycss2: ModuleType, nodes: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
-    """Selectors and declarations of rules, also of those for screens, as tokens."""
+    """Selectors and declarations of rules, including those for screens, as tokens."""
     for node in nodes:
         if node.type == "qualified-rule":
             yield node.prelude, node.content

@@ -18,7 +18,7 @@ DEGREES = {"": 1.0, "deg": 1.0, "rad": 180.0 / math.pi, "grad": 0.9, "turn": 360
 """Units of angles, in style sheets only."""
 
 MAX_TRANSFORM_SHOWN = 60
-"""Characters of a transform that a sentence quotes."""
+"""Maximum length of a transform in a message."""
 
 
 def read_transform(text: str) -> FloatArray:
@@ -57,12 +57,12 @@ def turned(degrees: float) -> FloatArray:
 
 def moved(points: FloatArray, matrix: FloatArray) -> FloatArray:
     """Points (..., 2) under a matrix."""
-    with np.errstate(all="ignore"):  # coordinates are judged where they are used
+    with np.errstate(all="ignore"):  # coordinates are checked where they are used
         return np.asarray(points @ matrix[:2, :2].T + matrix[:2, 2])
 
 
 def _matrix(name: str, values: list[float]) -> FloatArray | None:
-    """The matrix of one transform; None where name or number of values are wrong."""
+    """The matrix of one transform; None if the name or the number of values is wrong."""
     count = len(values)
     if name == "matrix" and count == 6:
         return np.array([values[0::2], values[1::2], [0.0, 0.0, 1.0]])

@@ -19,18 +19,18 @@ from ..files import write_whole
 from .document import DECORATION, OUTLINES, Frame
 
 PAGE_MARGIN = 0.02
-"""Empty space around the shapes of a written document, as a share of their diagonal."""
+"""Margin around the shapes of a document, as a fraction of their diagonal."""
 
 STROKE = 0.004
-"""Width of written outlines, as a share of the diagonal of all shapes; narrower where there are several drawings."""
+"""Width of outlines, as a fraction of the diagonal of all shapes; narrower for several drawings."""
 
 COLOURS = ("#27364b", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours of levels, in turn: dark for drawings, then those of Okabe and Ito, also for the colour-blind."""
+"""Colours of levels, in turn: dark for drawings, then the colour-blind safe palette of Okabe and Ito."""
 
 DRAWING_OPACITY, CAGE_OPACITY = 0.9, 0.15
 
 NOT_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-"""Characters that no XML document may hold."""
+"""Characters that XML does not allow."""
 
 Shapes = Mesh | Sequence[Mesh] | Mapping[str, Mesh]
 
@@ -44,13 +44,13 @@ def to_svg(
     y_up: bool = False,
     decimals: int | None = None,
 ) -> str:
-    """An SVG document with one path per mesh, holes cut out, coordinates to the last bit as they are.
+    """An SVG document with one path per mesh, with holes and exact coordinates.
 
     shapes: one mesh, several, or by the id that each path gets.
-    view_box: x, y, width and height of what is seen; all shapes unless given.
-    frame: of a document that was read; what is written then lies on it.
-    levels: of each shape, 0 for a drawing, 1 for its innermost cage; as counted unless given. Levels differ in colour
-    and in class, "level-0" and so on; the highest is drawn first, so that cages lie below what they enclose.
+    view_box: x, y, width and height of the view; default: all shapes.
+    frame: of a document that was read, so that the output coincides with it.
+    levels: of each shape, 0 for a drawing, 1 for its innermost cage; default: in order. Levels differ in colour and in
+    class, "level-0" and so on; the highest is drawn first, so that cages lie below their contents.
     y_up: whether y points up, as in maps.
     decimals: the most that a coordinate of a cage may have, as of `to_geojson`; a drawing is written as it is.
     """
@@ -89,7 +89,7 @@ def write_svg(path: str | os.PathLike[str], shapes: Shapes, **options: Any) -> N
 
 
 def _page(view_box: Sequence[float] | None, frame: Frame | None) -> str:
-    """Attributes that say what is seen."""
+    """Attributes that define the view."""
     seen = view_box if view_box is not None else frame.view_box if frame else None
     found = {"viewBox": " ".join(f"{float(number):.9g}" for number in seen)} if seen is not None else {}
     if frame is not None:
@@ -99,7 +99,7 @@ def _page(view_box: Sequence[float] | None, frame: Frame | None) -> str:
 
 
 def path_data(mesh: Mesh) -> str:
-    """The loops of a mesh as SVG path data; outer loops and holes turn opposite ways, so any fill rule is right."""
+    """The loops of a mesh as SVG path data; outer loops and holes have opposite directions, so any fill rule works."""
     loops = []
     for loop in mesh.loops:
         points = " L ".join(f"{x!r} {y!r}" for x, y in mesh.vertices[loop].tolist())
