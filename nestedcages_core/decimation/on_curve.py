@@ -10,12 +10,14 @@ from ..errors import InvalidMeshError, NestingError
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import EdgeSearch
+from ..geometry.symmetry import Orbits, Symmetry
 from ..stages import Stage, drain
 from .arc_length import ArcLength
 from .base import Count, Start
 from .outer_hull import SOURCE, OuterHull
 from .outline import Outline
 from .request import Request
+from .symmetric_hull import SYMMETRY_TOLERANCE, AsymmetricError, orbits_of, padded_alike
 
 
 @dataclass(frozen=True)
@@ -53,33 +55,44 @@ class OnCurve:
             except NestingError:
                 raise error from None
             return [Start(coarse, "arc length", makeshift_for=error)]
-        return [Start(mesh, SOURCE, _put_on_curve(hull, request)) for mesh, hull in hulls]
+        symmetry = self.hull.symmetry
+        return [Start(mesh, SOURCE, _put_on_curve(hull, request, symmetry)) for mesh, hull in hulls]
 
 
-def closest_on_curve(cage: Mesh, fine: Mesh) -> Mesh | None:
+def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
     """The cage with its vertices moved to the closest points of the fine mesh, loop k to loop k.
 
-    None where that crosses itself. Flow and reinflation lead from it to nearly the same cage.
+    symmetry: of both meshes. None where the result crosses itself. Flow and reinflation lead from it to nearly the same
+    cage.
     """
-    loops = []
+    places = np.empty_like(cage.vertices)
     for own, other in zip(cage.loops, fine.loops, strict=True):
         starts, ends = fine.vertices[other], fine.vertices[fine.successor[other]]
         found = EdgeSearch(starts, ends).closest(cage.vertices[own])
         start = starts[found.edge]
-        loops.append(start + found.parameter[:, None] * (ends[found.edge] - start))
+        places[own] = start + found.parameter[:, None] * (ends[found.edge] - start)
+    if symmetry is not None:
+        orbits = Orbits.of(cage.vertices, cage.successor, symmetry, SYMMETRY_TOLERANCE * cage.diagonal)
+        if orbits is None:
+            return None
+        places = orbits.symmetrised(places)
     try:
-        coarse = Mesh.from_loops(loops)
+        coarse = Mesh.from_loops([places[own] for own in cage.loops])
     except InvalidMeshError:
         return None
     same = (coarse.loop_signs == fine.loop_signs).all() and (coarse.component_of_loop == fine.component_of_loop).all()
     return coarse if same else None
 
 
-def _put_on_curve(hull: Outline, request: Request) -> Mesh | None:
+def _put_on_curve(hull: Outline, request: Request, symmetry: Symmetry | None) -> Mesh | None:
     """The coarse mesh of a hull with its vertices on the fine mesh; None where that crosses itself."""
+    snapped = _snapped(hull, request.outline)
     try:
-        return request.same_roles(request.coarse(_snapped(hull, request.outline)))
-    except InvalidMeshError:
+        if symmetry is None:
+            return request.same_roles(request.coarse(snapped))
+        snapped = hull.moved(orbits_of(hull, symmetry).symmetrised(snapped.vertices))
+        return request.same_roles(request.mesh(padded_alike(snapped, request.total, symmetry)))
+    except (InvalidMeshError, AsymmetricError):
         return None
 
 

@@ -9,6 +9,7 @@
 - `smallest_gap`: the smallest distance between two boundaries.
 - `broad_phase`: the pairs of points and edges that are closer than a radius.
 - `symmetry`: mirrors and rotations, and the orbits of a mesh's vertices; `symmetry_search`: those of a drawing.
+- `overlay`: union and intersection of solids.
 - `quadrature`: sample points along edges.
 - `triangulation/`: triangles inside a mesh, with or without extra points.
 - `arrays`: array types of all signatures.

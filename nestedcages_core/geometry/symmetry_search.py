@@ -70,7 +70,8 @@ class _Search:
         self.centre: FloatArray = weight @ self.points / weight.sum()
         self.few = self.points[:: max(1, len(self.points) // SAMPLES)]
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-        self.middle: FloatArray = 0.5 * (low + high)
+        decimals = 9 - int(np.floor(np.log10(mesh.diagonal)))
+        self.middle: FloatArray = np.round(0.5 * (low + high), decimals) + 0.0  # no -0
 
     def difference(self, symmetry: Symmetry) -> float:
         """Largest distance between the outline and its image."""

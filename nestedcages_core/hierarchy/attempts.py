@@ -17,6 +17,7 @@ from ..errors import FlowError, NestingError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
+from ..geometry.symmetry import Symmetry
 from .settings import DEFAULT_CLEARANCE, Settings
 
 CLEARANCE_REDUCTION = 0.1
@@ -101,7 +102,9 @@ class StartOutcome(NamedTuple):
     cage: Mesh | None = None
 
 
-def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, StartOutcome, None]:
+def in_turn(
+    starts: Sequence[Start], fine: Mesh, attempt: Attempt, symmetry: Symmetry | None = None
+) -> Generator[Start, StartOutcome, None]:
     """The starts of an attempt that are worth trying; a generator that is sent the outcome of each.
 
     First the best one, on the curve, as in the paper; then the others as hulls, which is faster. If one of these leads
@@ -121,7 +124,7 @@ def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[
         if outcome.rank < least:
             least, better = outcome
     if prefers_curve and better is not None:
-        coarse = closest_on_curve(better, fine)
+        coarse = closest_on_curve(better, fine, symmetry)
         if coarse is not None:
             yield Start(coarse, "on the curve")
 

@@ -25,7 +25,7 @@ from .early_stop import EarlyStop
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
-from .symmetric import Alike, made_alike, possible_count
+from .symmetric import Alike, made_alike, possible_count, with_images
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -55,6 +55,8 @@ class InnerLevelBuilder:
 
     def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
+        self.outline = fine
+        """What is decimated: the fine mesh, or what it and its images have in common."""
         self.symmetry = settings.symmetry if not isinstance(settings.symmetry, Found) else None
         self.units = SolverUnits.of(fine)
         self.unit_fine = self.units.from_input(fine)
@@ -95,13 +97,16 @@ class InnerLevelBuilder:
                 [len(loop) for loop in wanted.loops] if same else max(len(wanted.vertices), 3 * len(self.fine.loops))
             )
         else:
-            count, notes = clamped(wanted, self.fine)
             if self.symmetry is not None:
-                count, replaced = possible_count(count, self.fine, self.symmetry)
+                self.outline, notes = with_images(self.fine, self.symmetry, inside=True)
+            count, replaced = clamped(wanted, self.outline)
+            notes += replaced
+            if self.symmetry is not None:
+                count, replaced = possible_count(count, self.outline, self.symmetry)
                 notes += replaced
         yield from self.progress.begin("decimation")
         search = inner_hulls(
-            _hull(self.settings), self.fine, count, clearance=self.clearances[0], most=self.settings.starts
+            _hull(self.settings), self.outline, count, clearance=self.clearances[0], most=self.settings.starts
         )
         return (yield from self.progress.follow(search, lambda done: (done, "decimation"))), notes
 

@@ -29,7 +29,7 @@ from .early_stop import EarlyStop
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
-from .symmetric import Alike, made_alike, possible_count
+from .symmetric import Alike, made_alike, possible_count, with_images
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -43,6 +43,8 @@ class LevelBuilder:
 
     def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
+        self.outline = fine
+        """What is decimated: the fine mesh, or it and its images if it does not have the symmetry itself."""
         self.symmetry = settings.symmetry if not isinstance(settings.symmetry, Found) else None
         self.units = SolverUnits.of(fine)
         self.unit_fine = self.units.from_input(fine)
@@ -54,11 +56,14 @@ class LevelBuilder:
         failures: list[NestedCagesError] = []
         clamping: tuple[str, ...] = ()
         if not isinstance(wanted, Mesh):
-            wanted, clamping = clamped(wanted, self.fine)
             if self.symmetry is not None:
-                wanted, replaced = possible_count(wanted, self.fine, self.symmetry)
+                self.outline, clamping = with_images(self.fine, self.symmetry)
+            wanted, replaced = clamped(wanted, self.outline)
+            clamping += replaced
+            if self.symmetry is not None:
+                wanted, replaced = possible_count(wanted, self.outline, self.symmetry)
                 clamping += replaced
-        for attempt in attempts(self.settings, self.fine, wanted, self.clearances):
+        for attempt in attempts(self.settings, self.outline, wanted, self.clearances):
             try:
                 if attempt.tightened:
                     self.starts = []
@@ -82,7 +87,7 @@ class LevelBuilder:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
         cages: list[_Cage] = []
-        turn = in_turn(self.starts, self.fine, attempt)
+        turn = in_turn(self.starts, self.outline, attempt, self.symmetry)
         start: Start | None = next(turn)
         tried: list[str] = []
         while start is not None:
@@ -123,9 +128,9 @@ class LevelBuilder:
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
         if isinstance(source, SeveralStarts):
-            search = source.starts(self.fine, attempt.count, clearance=clearance, most=attempt.starts)
+            search = source.starts(self.outline, attempt.count, clearance=clearance, most=attempt.starts)
             return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
-        return [Start(source.decimate(self.fine, attempt.count, clearance=clearance), in_words(source))]
+        return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
 
     def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, _Cage]:
         """Flow and reinflation from a coarse mesh."""

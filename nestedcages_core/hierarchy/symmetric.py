@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,16 +10,30 @@ import numpy as np
 from ..contact import SequentialQP
 from ..decimation import Decimation, OnCurve, OuterHull, Start
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import NestingError
+from ..errors import InvalidMeshError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.overlay import overlay
+from ..geometry.predicates import winding_number
 from ..geometry.symmetry import Orbits, Symmetry
 from ..geometry.symmetry_search import Found
+from ..geometry.vectors import rotated_right
 from ..solver.tied import Tie
+from ..verification.certificate import loops_in_words
 from .settings import Settings
 
 ALIKE_TOLERANCE = 1e-6
-"""Distance between vertices of a coarse mesh and the images of others, in diagonals, up to which it is symmetric."""
+"""Distance between vertices of a mesh and the images of others, in diagonals, up to which it is symmetric."""
+
+
+SPECK = 1e-3
+"""Area, as a fraction of the whole, below which holes that are left between a drawing and its images are filled."""
+
+BESIDE = 1e-6
+"""Distance of a point in a hole from the middle of its longest edge, in lengths of that."""
+
+NEGLIGIBLE_CHANGE = 1e-6
+"""Change of the area, in per cent, that is not worth a note."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +86,60 @@ def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
     if isinstance(decimation, OuterHull):
         return replace(decimation, symmetry=symmetry)
     raise NestingError(f"Symmetric cages need decimation=OnCurve() or OuterHull(), not {decimation!r}.")
+
+
+def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[str, ...]]:
+    """A symmetric mesh for the decimation: the fine mesh itself, or the union of it and its images; and a note if so.
+
+    inside: their intersection, for inner cages. Raises NestingError.
+    """
+    if orbits_of(fine, symmetry) is not None:
+        return fine, ()
+    images = [fine.moved(symmetry.image(fine.vertices, k)) for k in range(symmetry.order)]
+    if symmetry.reverses:
+        images = [Mesh(image.vertices, image.edges) for image in images]
+    try:
+        together = overlay(images, intersection=inside)
+        if not inside:
+            together = _without_pockets(together, images)
+        elif not together.has_loops_like(fine):
+            raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.")
+        orbits = orbits_of(together, symmetry)
+        if orbits is None:
+            raise InvalidMeshError("The images of its vertices are not vertices of it.")
+        together = together.moved(orbits.symmetrised(together.vertices)).validated()
+    except InvalidMeshError as error:
+        what = "inside" if inside else "around"
+        raise NestingError(
+            f"No symmetric cage {what} the drawing and its images was found with {symmetry}: {error} Leave out the "
+            "symmetry, or draw the shape more symmetric."
+        ) from error
+    change = 100.0 * (together.area / fine.area - 1.0)
+    if abs(change) < NEGLIGIBLE_CHANGE:
+        return together, ()
+    if inside:
+        note = f"The drawing and its images have {100.0 + change:.3g} % of its area in common: the cage lies in that."
+    else:
+        note = f"The drawing and its images cover {change:.3g} % more than the drawing: the cage encloses them all."
+    return together, (note,)
+
+
+def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
+    """The union of some images without holes that are not in a hole of each image, and without specks."""
+    holes = np.flatnonzero(union.loop_signs < 0)
+    kept = [k for k in holes.tolist() if abs(union.loop_areas[k]) >= SPECK * union.area]
+    longest = [union.loops[k][np.argmax(union.edge_lengths[union.loops[k]])] for k in kept]
+    start, end = union.vertices[longest], union.edge_ends[longest]
+    points = 0.5 * (start + end) + BESIDE * rotated_right(end - start)
+    for image in images:
+        around = [image.loops[k] for k in np.flatnonzero(image.loop_signs > 0)]
+        covered = np.zeros(len(points), bool)
+        for loop in around:
+            covered |= winding_number(points, image.vertices[loop], image.edge_ends[loop]) > 0
+        kept = [k for k, inside in zip(kept, covered, strict=True) if inside]
+        points = points[covered]
+    left = [loop for k, loop in enumerate(union.loops) if union.loop_signs[k] > 0 or k in kept]
+    return union if len(left) == len(union.loops) else Mesh.from_loops([union.vertices[loop] for loop in left])
 
 
 def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tuple[str, ...]]:

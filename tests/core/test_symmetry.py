@@ -6,12 +6,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import (
     Area,
     Found,
+    InvalidMeshError,
     Level,
     Mesh,
     Mirror,
@@ -25,6 +27,7 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.energies import Blocks
+from nestedcages_core.geometry.overlay import overlay
 from nestedcages_core.geometry.symmetry import Orbits, Symmetry
 from nestedcages_core.solver.banded import Rows
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
@@ -253,3 +256,71 @@ def test_an_energy_that_is_not_symmetric_gives_a_symmetric_cage() -> None:
 
     level = nested_cages(letter_a(), [24], Settings(symmetry=Mirror(), energy=Leaning())).levels[0]
     check(level, Mirror())
+
+
+def hand_drawn(amount: float = 0.02) -> Mesh:
+    """The letter A, not quite symmetric."""
+    fine = letter_a()
+    return fine.moved(fine.vertices + amount * np.sin(3.0 * fine.vertices[:, ::-1] + 1.0)).validated()
+
+
+@pytest.mark.parametrize("symmetry", [Mirror(), Found(tolerance=0.02)])
+def test_a_drawing_by_hand_is_enclosed_with_its_image(symmetry: Mirror | Found) -> None:
+    fine = hand_drawn()
+    level = nested_cages(fine, [30], Settings(symmetry=symmetry)).levels[0]
+    mirror = symmetry.of(fine)[0] if isinstance(symmetry, Found) else symmetry
+    check(level, mirror)
+    image = Mesh(mirror.image(fine.vertices), fine.edges)
+    assert verify(level.cage, image, 0.99 * level.report.wanted_clearance)
+    assert any("cover" in note for note in level.report.notes)
+    inner = inner_cages(fine, [30], Settings(symmetry=mirror)).levels[0]
+    assert verify(fine, inner.cage)
+    assert verify(image, inner.cage)
+    orbits(inner.cage, mirror)
+
+
+def test_other_vertices_on_both_sides_do_not_matter() -> None:
+    square = [(-1, -1), (0.3, -1), (1, -1), (1, 0.2), (1, 1), (-1, 1), (-1, -0.7)]
+    level = nested_cages(Mesh.from_loops([square]), [4], Settings(symmetry=Mirror())).levels[0]
+    check(level, Mirror())
+    assert level.report.excess < 1e-3
+    assert level.report.notes == ()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10_000), st.sampled_from([*AXES, Rotation((0.1, 0.0), 3)]), st.booleans())
+def test_overlays_are_those_of_shapely(seed: int, symmetry: Symmetry, intersection: bool) -> None:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(5, 40))
+    turn = np.sort(rng.uniform(0.0, 2.0 * np.pi, count)) + 1e-3 * np.arange(count)
+    loop = rng.uniform(0.3, 1.0, count)[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1) + [0.2, 0.1]
+    if rng.random() < 0.5:
+        loop = np.round(loop, 1)  # edges that touch and coincide
+    try:
+        meshes = [Mesh.from_loops([symmetry.image(loop, k)]) for k in range(symmetry.order)]
+    except InvalidMeshError:
+        return
+    wanted = polygon(meshes[0])
+    for mesh in meshes[1:]:
+        wanted = wanted.intersection(polygon(mesh)) if intersection else wanted.union(polygon(mesh))
+    try:
+        found = polygon(overlay(meshes, intersection=intersection))
+    except InvalidMeshError:
+        # nothing in common, or loops that touch
+        assert wanted.area < 1e-9 or not touching_free(wanted)
+        return
+    assert found.symmetric_difference(wanted).area < 1e-7
+
+
+def touching_free(shape: shapely.Geometry) -> bool:
+    """Whether no vertex of a shape is the vertex of two of its loops."""
+    parts = [ring.coords[:-1] for part in getattr(shape, "geoms", [shape]) if part.geom_type == "Polygon"
+             for ring in [part.exterior, *part.interiors]]  # fmt: skip
+    points = np.concatenate([np.array(part) for part in parts])
+    close = np.abs(points[:, None] - points[None]).max(axis=2) < 1e-6
+    return bool(close.sum() == len(points))
+
+
+def polygon(mesh: Mesh) -> shapely.Geometry:
+    """shapely's view of a mesh."""
+    return shapely.geometry.shape(mesh.__geo_interface__)
