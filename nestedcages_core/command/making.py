@@ -52,7 +52,7 @@ class Result:
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
     """The cages of a file; a shape that fails loses neither the others nor its own finished levels."""
-    settings = Settings(clearance=given.clearance, grid=given.grid)
+    settings = Settings(clearance=given.clearance, grid=given.grid, convex=given.convex)
     failures = list(source.failures)
     made: list[Made] = []
     meshes: list[Shape] = []

@@ -115,6 +115,11 @@ def parser() -> argparse.ArgumentParser:
         metavar="LENGTH",
         help="smallest distance between a cage and what it encloses (default: 1e-5 of the drawing's diagonal)",
     )
+    options.add_argument(
+        "--convex",
+        action="store_true",
+        help="convex cages: so many vertices around each part, holes filled",
+    )
     grids = options.add_mutually_exclusive_group()
     grids.add_argument(
         "--grid",
@@ -226,6 +231,8 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
             options.error(f"--{name.replace('_', '-')} is for collision outlines; write one with -o FILE.json")
     if given.decimals is not None:
         given.grid = Grid.of_decimals(given.decimals).spacing
+    if given.convex and (given.inside or given.borders):
+        options.error(f"--convex is for cages around a shape; leave out {'--inside' if given.inside else '--borders'}")
     if given.borders and given.grid is not None:
         options.error("--borders cuts cages where borders run, which is not on a grid; leave out one of them")
     given.jobs = given.jobs or 1

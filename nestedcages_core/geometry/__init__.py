@@ -10,6 +10,8 @@
 - `broad_phase`: the pairs of points and edges that are closer than a radius.
 - `symmetry`: mirrors and rotations, and the orbits of a mesh's vertices; `symmetry_search`: those of a drawing.
 - `overlay`: union and intersection of solids.
+- `shortest_cycle`: the cheapest choice of one candidate per layer.
+- `grid`: the multiples of a length.
 - `quadrature`: sample points along edges.
 - `triangulation/`: triangles inside a mesh, with or without extra points.
 - `arrays`: array types of all signatures.

@@ -14,6 +14,7 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
 from ..energies import Area, inwards
 from ..errors import NestingError
+from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.grid import Grid
 from ..geometry.mesh import Mesh
@@ -22,6 +23,7 @@ from ..tightening import put_on_grid
 from ..tightening.restoration import shift_edges
 from ..verification import verify
 from ..verification.motion import certify_motion
+from .convex_level import is_convex, without_dents
 from .progress import LevelProgress
 from .results import Level, Progress
 from .settings import Settings
@@ -91,7 +93,7 @@ class GridLevelBuilder:
         remedy = "ask for a finer one"
         for part in FINER:
             finer = Grid(float(self.grid.ratio * Fraction(part)))
-            if (yield from _moved(level, finer, self.progress)) is not None:
+            if (yield from self._moved(level, finer)) is not None:
                 remedy = f"a grid of {finer.spacing:.6g} works"
                 break
         raise NestingError(
@@ -102,45 +104,55 @@ class GridLevelBuilder:
     def on_grid(self, level: Level) -> Stage[Progress, Level | None]:
         """The level with its cage on the grid, certified; None where that is not found."""
         yield from self.progress.begin("verification")
-        found = yield from _moved(level, self.grid, self.progress)
+        found = yield from self._moved(level, self.grid)
         if found is None:
-            found = yield from _moved(
-                _widened(level, GRID_ROOM * self.grid.spacing, self.settings), self.grid, self.progress
-            )
+            found = yield from self._moved(_widened(level, GRID_ROOM * self.grid.spacing, self.settings), self.grid)
         if found is None:
             return None
         self.progress.stop_clock()
         return replace(found, report=replace(found.report, seconds=dict(self.progress.seconds)))
 
+    def _moved(self, level: Level, grid: Grid) -> Stage[Progress, Level | None]:
+        """The level with its cage on a grid, certified; None where that is not found."""
+        rounding = SolverUnits.of(level.fine)
+        search = put_on_grid(
+            level.cage,
+            level.fine,
+            grid,
+            clearance=rounding.clearance(level.report.wanted_clearance) * rounding.scale,
+            inside=level.inside,
+        )
+        vertices = yield from self.progress.follow(search, lambda done: (done, "grid"))
+        if vertices is None:
+            return None
+        cage = level.coarse.moved(vertices)
+        if self.settings.convex and not is_convex(cage):
+            return (yield from self._moved(_without_dents(level, cage), grid))  # of fewer vertices
+        outer, inner = (level.fine, cage) if level.inside else (cage, level.fine)
+        same_loops = level.coarse.has_loops_like(level.fine)
+        certificate = verify(outer, inner, level.report.wanted_clearance, same_loops=same_loops)
+        path = _path(level, vertices, grid) if certificate else None
+        if path is None:
+            logger.debug("grid %g: %s", grid.spacing, certificate.problems or "no free way")
+            return None
+        report = replace(
+            level.report,
+            clearance=certificate.clearance,
+            excess=cage.area / level.fine.area - 1.0,
+            grid=grid.spacing,
+        )
+        return replace(level, cage=cage, reinflation=path, report=report)
 
-def _moved(level: Level, grid: Grid, progress: LevelProgress) -> Stage[Progress, Level | None]:
-    """The level with its cage on a grid, certified; None where that is not found."""
-    rounding = SolverUnits.of(level.fine)
-    search = put_on_grid(
-        level.cage,
-        level.fine,
-        grid,
-        clearance=rounding.clearance(level.report.wanted_clearance) * rounding.scale,
-        inside=level.inside,
-    )
-    vertices = yield from progress.follow(search, lambda done: (done, "grid"))
-    if vertices is None:
-        return None
-    cage = level.coarse.moved(vertices)
-    outer, inner = (level.fine, cage) if level.inside else (cage, level.fine)
-    same_loops = level.coarse.has_loops_like(level.fine)
-    certificate = verify(outer, inner, level.report.wanted_clearance, same_loops=same_loops)
-    path = _path(level, vertices, grid) if certificate else None
-    if path is None:
-        logger.debug("grid %g: %s", grid.spacing, certificate.problems or "no free way")
-        return None
-    report = replace(
-        level.report,
-        clearance=certificate.clearance,
-        excess=cage.area / level.fine.area - 1.0,
-        grid=grid.spacing,
-    )
-    return replace(level, cage=cage, reinflation=path, report=report)
+
+def _without_dents(level: Level, cage: Mesh) -> Level:
+    """The level with the convex hull of a cage, from where it does not move."""
+    hull = without_dents(cage)
+    note = f"On the grid, {len(cage.vertices)} vertices make no convex cage: it has {len(hull.vertices)} at most."
+    flow = FlowResult(level.fine.vertices[None], 0, "inside")
+    resting = Reinflation(level.fine.vertices[None], hull.vertices[None], 0)
+    kept = [said for said in level.report.notes if not said.startswith("On the grid")]
+    report = replace(level.report, notes=(*kept, note))
+    return replace(level, coarse=hull, cage=hull, flow=flow, reinflation=resting, report=report)
 
 
 def _path(level: Level, vertices: FloatArray, grid: Grid) -> Reinflation | None:

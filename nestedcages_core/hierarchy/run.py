@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
 from ..stages import Run, Stage
 from ..verification import verify
 from .attempts import clearances_for
+from .convex_level import ConvexLevelBuilder
 from .inner_level import InnerLevelBuilder
 from .level import LevelBuilder
 from .on_grid import Builder, GridLevelBuilder
@@ -22,9 +24,12 @@ from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
 from .settings import Settings
 from .symmetric import with_symmetry
-from .tolerance import Within, fewest
+from .tolerance import Within, fewest, fewest_convex
 
 logger = logging.getLogger(__name__)
+
+AnyBuilder: TypeAlias = LevelBuilder | InnerLevelBuilder | ConvexLevelBuilder
+"""What makes each level."""
 
 
 def nested_cages(
@@ -82,7 +87,7 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
     >>> run.hierarchy.cages                             # doctest: +SKIP
     """
 
-    builder: type[LevelBuilder | InnerLevelBuilder] = LevelBuilder
+    builder: type[AnyBuilder] = LevelBuilder
     """What makes each level."""
 
     def __init__(
@@ -108,25 +113,30 @@ def _hierarchy(
     fine: MeshLike,
     levels: Sequence[int | MeshLike | Within],
     settings: Settings,
-    builder: type[LevelBuilder | InnerLevelBuilder],
+    builder: type[AnyBuilder],
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
-    fine, wanted = _checked(fine, levels)
+    fine, wanted = _checked(fine, levels, convex=settings.convex)
     settings, remarks = with_symmetry(settings, fine)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
         try:
             clearances = clearances_for(settings, fine)
-            with_clearances = partial(_builder, builder, inner, settings, LevelProgress(index, len(wanted)))
+            chosen = _chosen(builder, settings)
+            with_clearances = partial(_builder, chosen, inner, settings, LevelProgress(index, len(wanted)))
             work: Builder = with_clearances(clearances)
             if settings.grid is not None:
                 work = GridLevelBuilder(work, with_clearances)
             if isinstance(level, Within):
-                if builder is not LevelBuilder:
+                if builder is InnerLevelBuilder:
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
                 about = fine if level.of is None else _enclosed(level.of.validated(), inner, index)
-                made = fewest(level, about, work, strictly=settings.clearance or 0.0)
+                made = (
+                    fewest_convex(level, about, work)
+                    if settings.convex
+                    else fewest(level, about, work, strictly=settings.clearance or 0.0)
+                )
             else:
                 made = work.build(level)
             done = yield from made
@@ -147,8 +157,15 @@ def _enclosed(about: Mesh, inner: Mesh, index: int) -> Mesh:
     return about
 
 
+def _chosen(builder: type[AnyBuilder], settings: Settings) -> type[AnyBuilder]:
+    """What makes levels with certain settings. Raises NestingError."""
+    if settings.convex and builder is InnerLevelBuilder:
+        raise NestingError("Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.")
+    return ConvexLevelBuilder if settings.convex else builder
+
+
 def _builder(
-    builder: type[LevelBuilder | InnerLevelBuilder],
+    builder: type[AnyBuilder],
     fine: Mesh,
     settings: Settings,
     progress: LevelProgress,
@@ -158,7 +175,9 @@ def _builder(
     return builder(fine, clearances, settings, progress)
 
 
-def _checked(fine: MeshLike, levels: Sequence[int | MeshLike | Within]) -> tuple[Mesh, list[int | Mesh | Within]]:
+def _checked(
+    fine: MeshLike, levels: Sequence[int | MeshLike | Within], *, convex: bool
+) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
@@ -169,7 +188,7 @@ def _checked(fine: MeshLike, levels: Sequence[int | MeshLike | Within]) -> tuple
         raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
-    loops = len(fine.loops)
+    loops = 1 if convex else len(fine.loops)  # convex cages have so many vertices around each part
     for number, level in enumerate(levels, start=1):
         if isinstance(level, Within):
             checked.append(level)

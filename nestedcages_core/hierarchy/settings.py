@@ -14,6 +14,7 @@ from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..geometry.symmetry import Symmetry
 from ..geometry.symmetry_search import Found
+from ..parameters import check_flag
 from ..tightening import Tightening
 
 DEFAULT_CLEARANCE = 1e-5
@@ -54,6 +55,9 @@ class Settings:
     grid: float | None = None
     """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
     for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
+    convex: bool = False
+    """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
+    says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
     symmetry: Symmetry | Found | None = None
     """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing."""
 
@@ -67,6 +71,7 @@ class Settings:
             raise NestedCagesError(
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none."
             )
+        check_flag(self, "convex")
         if not isinstance(self.starts, int | np.integer) or self.starts < 1:
             raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
         for name, (method, example) in METHODS.items():
@@ -84,6 +89,8 @@ class Settings:
             raise NestedCagesError(
                 "A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid."
             )
+        if symmetry is not None and self.convex:
+            raise NestedCagesError("Convex cages have no symmetry of their own; leave out the symmetry or convex.")
         contact: object = self.contact
         several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
         if contact is not None and not (several and all(_can(each, "reinflate") for each in several)):

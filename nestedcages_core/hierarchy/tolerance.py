@@ -101,6 +101,23 @@ def fewest(need: Within, fine: Mesh, builder: Builder, *, strictly: float) -> St
     return replace(level, report=report)
 
 
+def fewest_convex(need: Within, fine: Mesh, builder: Builder) -> Stage[Progress, Level]:
+    """The level of the fewest vertices around each part, for convex cages. Raises NestingError."""
+    most = len(builder.fine.vertices)
+    for count in range(LEAST_PER_LOOP, most + 1):
+        level = yield from builder.build(count)
+        if need.is_met(level.cage, fine):
+            taken = need.measured(level.cage, fine)
+            said = f"{taken:.6g}" if need.distance is not None else f"{100.0 * taken:.4g} %"
+            note = f"{len(level.cage.vertices)} vertices, {need}: {said}."
+            return replace(level, report=replace(level.report, notes=(*level.report.notes, note)))
+        if len(level.cage.vertices) < count:  # the whole hull
+            break
+    raise NestingError(
+        f"No convex cage {need} was found: even the hull goes beyond it; ask for more, or not for convex."
+    )
+
+
 class _Search:
     """State of the search: the levels tried, and the best of them."""
 

@@ -44,6 +44,8 @@ class LevelMotion:
                 "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "
                 "leave out the grid."
             )
+        if settings.convex:
+            raise NestingError("A cage that follows a motion does not stay convex; leave out convex.")
         self.fine, self.wanted, self.settings, self.cyclic = fine, wanted, settings, cyclic
         self.notes: list[str] = []
 

@@ -19,6 +19,7 @@ from ..geometry.distance import point_edge
 from ..geometry.grid import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import winding_number
+from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import cross, norm, rotated_right
 from ..stages import Stage
@@ -39,7 +40,7 @@ MAX_LAYER = 72
 MAX_IMPROVEMENTS = 12
 """Maximum number of improvements."""
 
-CHUNK, MAX_CHUNK = 48, 384
+FIRST_CHUNK, MAX_CHUNK = 48, 384
 """Fine vertices or edges that are measured together, at first and later: edges that fail are left out then."""
 
 LENGTH_COST = 1e-6
@@ -246,33 +247,6 @@ class _Search:
         return np.asarray(winding == 0)
 
 
-def shortest_cycle(costs: list[FloatArray]) -> IntArray | None:
-    """(m,) for each of m layers the point of a cycle of least cost that visits one point of each; None if none is
-    finite.
-
-    costs: for each layer (K, K') of the steps to the next one, infinite where there is none; the last leads to the
-    first.
-    """
-    begin = int(np.argmin([len(cost) for cost in costs]))
-    order = np.roll(np.arange(len(costs)), -begin)
-    least = costs[begin]
-    back: list[IntArray] = []
-    for layer in order[1:]:
-        through = least[:, :, None] + costs[layer][None]
-        back.append(through.argmin(axis=1))
-        least = through.min(axis=1)
-    start = int(np.diagonal(least).argmin())
-    if not np.isfinite(least[start, start]):
-        return None
-    picked: IntArray = np.zeros(len(costs), np.int64)
-    place = start
-    for layer, before in zip(order[:0:-1], back[::-1], strict=True):
-        place = int(before[start, place])
-        picked[layer] = place
-    picked[begin] = start
-    return picked
-
-
 def _square(reach: int) -> IntArray:
     """(K, 2) steps of up to ``reach`` in both directions."""
     side = np.arange(-reach, reach + 1)
@@ -312,7 +286,7 @@ def _grouped(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
 
 def _chunks(indices: IntArray) -> Iterator[IntArray]:
     """Some at first, then more."""
-    begin, size = 0, CHUNK
+    begin, size = 0, FIRST_CHUNK
     while begin < len(indices):
         yield indices[begin : begin + size]
         begin, size = begin + size, min(2 * size, MAX_CHUNK)

@@ -36,8 +36,8 @@ from nestedcages_core import (
 from nestedcages_core.command import main
 from nestedcages_core.exchange.decimals import subtracted
 from nestedcages_core.geometry.grid import Grid
+from nestedcages_core.geometry.shortest_cycle import shortest_cycle
 from nestedcages_core.tightening import put_on_grid
-from nestedcages_core.tightening.on_grid import shortest_cycle
 from shapes import annulus, comb, islands, letter_a, polygon, ring, star
 
 

@@ -1,0 +1,187 @@
+"""Convex cages: the least polygons there are, certified, apart from each other, and what does not go with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nestedcages_core import (
+    Found,
+    Level,
+    Mesh,
+    NestedCagesError,
+    NestingError,
+    Settings,
+    Within,
+    animated_cages,
+    from_geojson,
+    inner_cages,
+    nested_cages,
+    to_geojson,
+    verify,
+    verify_motion,
+)
+from nestedcages_core.command import main
+from nestedcages_core.decimation.circumscribed import Hull, convex_hull, least_polygon
+from nestedcages_core.hierarchy.convex_level import is_convex
+from shapes import annulus, disc, islands, letter_a, polygon, ring, star
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+
+
+def assert_convex_cage(level: Level, count: int, parts: int = 1) -> None:
+    """Convex, certified, with so many vertices around each part, and apart from what it encloses all the time."""
+    cage, fine, clearance = level.cage, level.fine, level.report.wanted_clearance
+    assert is_convex(cage)
+    assert [len(loop) for loop in cage.loops] == [count] * parts
+    assert verify(cage, fine, clearance, same_loops=False)
+    assert polygon(cage).contains(polygon(fine))
+    assert polygon(cage).boundary.distance(polygon(fine)) >= clearance * (1.0 - 1e-6)
+    motion = level.reinflation
+    assert np.array_equal(motion.cage_steps[-1], cage.vertices)
+    assert np.array_equal(motion.cage_steps[0], level.coarse.vertices)
+    assert verify_motion(cage, fine, motion.cage_steps, motion.fine_steps)
+
+
+def cage_of(fine: Mesh, count: int, clearance: float = 1e-9) -> Level:
+    return nested_cages(fine, [count], Settings(convex=True, clearance=clearance)).levels[0]
+
+
+def test_known_optima() -> None:
+    """A triangle around a disc or a parallelogram, a square around a disc, a regular polygon around itself."""
+    disc = Mesh.from_loops([ring(240)])
+    for count in (3, 4, 6, 12):
+        level = cage_of(disc, count)
+        assert_convex_cage(level, count)
+        assert level.cage.area == pytest.approx(count * np.tan(np.pi / count), rel=2e-3)
+    slanted = Mesh.from_loops([[[0, 0], [3, 0], [4, 1], [1, 1]]])
+    assert cage_of(slanted, 3).cage.area == pytest.approx(6.0, rel=1e-6)
+    assert cage_of(slanted, 4).cage.area == pytest.approx(3.0, rel=1e-6)
+    heptagon = Mesh.from_loops([ring(7)])
+    assert cage_of(heptagon, 7).cage.area == pytest.approx(heptagon.area, rel=1e-6)
+    assert cage_of(annulus(48), 5).cage.area == pytest.approx(cage_of(Mesh.from_loops([ring(48)]), 5).cage.area)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_as_small_as_the_best_of_all_choices_of_edges(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    from needed.convex import least_by_trial
+
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(24, 2)) * [1.0, rng.uniform(0.1, 1.0)]
+    corners = points[convex_hull(points)]
+    fine = Mesh.from_loops([corners])
+    for count in range(3, min(7, len(corners)) + 1):
+        least = least_by_trial(corners, count)
+        assert cage_of(fine, count).cage.area <= least * (1.0 + 1e-6)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10_000), count=st.integers(3, 8), clearance=st.sampled_from([1e-7, 1e-3, 0.3]))
+def test_random_shapes(seed: int, count: int, clearance: float) -> None:
+    rng = np.random.default_rng(seed)
+    fine = Mesh.from_loops([ring(30) * rng.uniform(0.3, 1.0, size=(30, 1)) * [1.0, rng.uniform(0.1, 1.0)]])
+    level = cage_of(fine, count, clearance)
+    assert_convex_cage(level, min(count, len(level.cage.vertices)))
+    widened = polygon(fine).convex_hull.buffer(clearance, quad_segs=64)
+    # every edge touches, most of them at the middle or along an edge
+    for start, end in zip(level.cage.vertices, level.cage.edge_ends, strict=True):
+        assert shapely.LineString([start, end]).distance(widened) <= 1e-3 * clearance + 1e-6
+
+
+def test_the_hull_is_by_exact_predicates() -> None:
+    rng = np.random.default_rng(2)
+    points = rng.integers(-3, 4, size=(60, 2)) * 0.1 + 1e6
+    ours = points[convex_hull(points)]
+    theirs = shapely.MultiPoint(points).convex_hull
+    assert shapely.Polygon(ours).equals(theirs)
+    assert len(ours) == len(theirs.exterior.coords) - 1
+    assert shapely.Polygon(ours).exterior.is_ccw
+
+
+def test_every_part_gets_its_own() -> None:
+    level = cage_of(islands(), 5)
+    assert_convex_cage(level, 5, parts=2)
+    assert "2 outer loops and no holes" in level.report.notes[0]
+    hierarchy = nested_cages(letter_a(), [10, 6, 4], Settings(convex=True))
+    for level, count in zip(hierarchy.levels, (10, 6, 4), strict=True):
+        assert_convex_cage(level, count)
+        assert level.report.start == "convex hull"
+    assert hierarchy.levels[1].fine is hierarchy.levels[0].cage
+
+
+@pytest.mark.parametrize("count", [3, 4])
+def test_parts_close_to_each_other_keep_apart(count: int) -> None:
+    fine = Mesh.from_loops([ring(24), disc(24, 1.0, 2.05, 0.0), disc(20, 0.5, 1.025, 1.3)])
+    assert_convex_cage(cage_of(fine, count, 1e-3), count, parts=3)
+
+
+def test_a_part_in_the_bay_of_another_has_none() -> None:
+    bay = [[0, 0], [5, 0], [5, 5], [4, 5], [4, 1], [1, 1], [1, 5], [0, 5]]
+    fine = Mesh.from_loops([bay, [[2, 2], [3, 2], [3, 3], [2, 3]]])
+    with pytest.raises(NestingError, match=r"loop 0 and loop 1 would overlap.*unite them"):
+        cage_of(fine, 6)
+    close = Mesh.from_loops([ring(24), disc(24, 1.0, 2.05, 0.0)])
+    with pytest.raises(NestingError, match="overlap"):
+        cage_of(close, 6, clearance=0.1)
+
+
+def test_more_vertices_than_the_hull_has() -> None:
+    level = cage_of(star(5, 60), 50)
+    assert len(level.cage.vertices) < 50
+    assert any("50 vertices were asked for" in note for note in level.report.notes)
+
+
+def test_on_a_grid_and_within() -> None:
+    for fine in (star(), letter_a(), islands()):
+        for level in nested_cages(fine, [9, 5], Settings(convex=True, grid=0.05)).levels:
+            assert_convex_cage(level, len(level.cage.loops[0]), len(level.cage.loops))
+            assert np.array_equal(level.cage.vertices, np.round(level.cage.vertices, 2))
+    fine = star()
+    level = nested_cages(fine, [Within(excess=0.9)], Settings(convex=True)).levels[0]
+    count = len(level.cage.vertices)
+    assert level.cage.area <= 1.9 * fine.area < cage_of(fine, count - 1, 1e-5 * fine.diagonal).cage.area
+    with pytest.raises(NestingError, match="No convex cage within"):
+        nested_cages(fine, [Within(excess=0.01)], Settings(convex=True))
+
+
+def test_what_does_not_go_together() -> None:
+    fine = star(5, 40)
+    with pytest.raises(NestingError, match="around a shape, not inside"):
+        inner_cages(fine, [6], Settings(convex=True))
+    with pytest.raises(NestingError, match="does not stay convex"):
+        animated_cages(fine, [fine.vertices, fine.vertices + 0.1], [6], Settings(convex=True))
+    with pytest.raises(NestingError, match="by a number of vertices"):
+        nested_cages(fine, [Mesh.from_loops([ring(6, 3.0)])], Settings(convex=True))
+    with pytest.raises(NestingError, match="at least 3"):
+        nested_cages(fine, [2], Settings(convex=True))
+    with pytest.raises(NestedCagesError, match="convex"):
+        Settings(convex=1)
+    with pytest.raises(NestedCagesError, match="leave out the symmetry or convex"):
+        Settings(convex=True, symmetry=Found())
+
+
+def test_polygons_do_not_depend_on_place_or_scale() -> None:
+    points = star(7, 60).vertices
+    base = Hull.of(points, 0.0)
+    area = base.area(least_polygon(base, 5))
+    for scale, place in ((1e-6, 0.0), (1e6, 1e7), (1.0, -500.0)):
+        hull = Hull.of(scale * points + place, 0.0)
+        assert hull.area(least_polygon(hull, 5)) == pytest.approx(scale**2 * area, rel=1e-5)
+
+
+def test_the_command(tmp_path: Path) -> None:
+    source, out = tmp_path / "a.geojson", tmp_path / "cages.geojson"
+    source.write_text(to_geojson(letter_a()))
+    assert main([str(source), "--levels", "6", "--convex", "-o", str(out), "--quiet"]) == 0
+    cage = from_geojson(out.read_text())
+    assert is_convex(cage)
+    assert len(cage.vertices) == 6
+    for wrong in ("--inside", "--borders"):
+        with pytest.raises(SystemExit):
+            main([str(source), "--levels", "6", "--convex", wrong])
