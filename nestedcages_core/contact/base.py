@@ -37,6 +37,7 @@ class Contact(Protocol):
         to pass; clearance: wanted distance, for guidance only.
 
         A generator: yields every accepted x, the linear motion from the one before being free of collisions, and
-        returns the outcome. Failure is part of the outcome, not an exception.
+        returns the outcome. It may yield the same array again while it works, which adds no step. Failure is part of
+        the outcome, not an exception.
         """
         ...

@@ -97,7 +97,8 @@ def reinflate(
     distance = float(np.abs(flow_steps[-1] - flow_steps[0]).sum())
 
     def fraction(x: FloatArray) -> float:
-        steps.append(x)
+        if x is not steps[-1]:
+            steps.append(x)
         return 1.0 - float(np.abs(x[bodies.m :] - flow_steps[0]).sum()) / distance if distance > 0.0 else 1.0
 
     steps, reason = [start], ""

@@ -148,6 +148,7 @@ class _Motion:
             if fraction <= REJECTED_FRACTION and may_reject:
                 stride = REJECTED_STRIDE * longest
                 rejected += 1
+                yield self.x
                 continue
             rejected = 0
             slowed = kept[self.m :]

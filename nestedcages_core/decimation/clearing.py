@@ -132,7 +132,7 @@ def _covered(count: int, first: IntArray, last: IntArray, begin: IntArray, size:
 def without_gaps(outline: Outline, width: float) -> Outline:
     """The outline with all gaps narrower than `width` filled."""
     unwanted = _in_narrow_gaps(outline, np.ones(len(outline.vertices), dtype=bool), width)
-    return _without(outline, unwanted, exact=True) if unwanted.any() else outline
+    return _without(outline, unwanted, exact=True)
 
 
 def without_small_details(outline: Outline, area: float) -> Outline:
@@ -143,6 +143,8 @@ def without_small_details(outline: Outline, area: float) -> Outline:
 
 def _without(outline: Outline, unwanted: BoolArray, *, exact: bool = False) -> Outline:
     """The outline without the unwanted (n,) vertices that can be dropped, which fills the pockets they line."""
+    if not unwanted.any():
+        return outline
     loops = LinkedLoops(outline, reach=1.0)
     waiting = deque(np.flatnonzero(unwanted).tolist())
     while waiting:

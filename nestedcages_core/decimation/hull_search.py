@@ -148,9 +148,11 @@ def _stages(
 ) -> Stage[float, list[Outline]]:
     """Outlines to restart from, made without pivots, which would cost area and a third of the time."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
-    stages = []
+    stages: list[Outline] = []
     for chosen in weights:
-        stages.append((yield from greedy(outline, replace(chosen, pivot=None), minimum).steps(size)))
+        run = greedy(outline, replace(chosen, pivot=None), minimum)
+        yield len(stages) / len(weights)
+        stages.append((yield from run.steps(size)))
     return stages
 
 

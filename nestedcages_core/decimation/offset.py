@@ -9,6 +9,7 @@ from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.predicates import BoxTree, orientation, segments_intersect
 from ..geometry.vectors import cross, norm, rotated_right
+from ..stages import Stage, drain
 from .outline import Outline
 
 MITRE_LIMIT = 2.5
@@ -37,15 +38,23 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
     The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
     input vertices, is empty, its moved edges touch neither each other nor the obstacle, exactly.
     """
+    return drain(offsetting(outline, distance, obstacle))
+
+
+def offsetting(
+    outline: Outline, distance: FloatArray | float, obstacle: BoxTree
+) -> Stage[None, tuple[Outline, IntArray]]:
+    """`strict_offset` as a generator that yields between its searches."""
     lengths = norm(outline.vertices[outline.successor] - outline.vertices)
     distance = np.broadcast_to(distance, len(lengths))
     longest = np.minimum(MITRE_LIMIT * distance, EDGE_FRACTION * np.minimum(lengths, lengths[outline.predecessor]))
-    longest = np.minimum(longest, _room_in_gaps(outline, longest))
+    longest = np.minimum(longest, (yield from _room_in_gaps(outline, longest)))
     outline, source, direction = _mitred(outline, longest > 0.0)
     step = np.minimum(distance[source], longest[source] / norm(direction))
     changed = step > 0.0
     touching = np.zeros(0, dtype=np.int64)
     for _ in range(HALVINGS):
+        yield
         moved = outline.moved(outline.vertices + step[:, None] * direction)
         touching = _touching_edges(moved, np.flatnonzero(changed | changed[outline.successor]), obstacle)
         if len(touching) == 0:
@@ -57,7 +66,7 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
     return moved, np.unique(source[np.concatenate((touching, outline.successor[touching]))])
 
 
-def _room_in_gaps(outline: Outline, reach: FloatArray) -> FloatArray:
+def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray]:
     """(n,) upper bound on each step: a fraction of the gaps between the vertex, or its edges, and what faces them.
 
     reach: (n,) upper bound on each step without gaps; much wider gaps are not searched.
@@ -78,6 +87,7 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> FloatArray:
             (np.flatnonzero(of_scale(reach)), np.arange(len(starts))),
             (np.arange(len(starts)), np.flatnonzero(of_scale(edge_reach))),
         ):
+            yield
             point, edge = near_pairs(starts[points], starts[edges], ends[edges], radius)
             vertex, edge = points[point], edges[edge]
             end = outline.successor[edge]

@@ -16,11 +16,11 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place as in_words
 from ..geometry.symmetry import Symmetry
 from ..parameters import check_count
-from ..stages import Stage, drain
+from ..stages import Stage, drain, mapped
 from .base import Count, Start
 from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
 from .hull_search import search_hulls
-from .offset import strict_offset
+from .offset import offsetting
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 from .request import Request
@@ -90,6 +90,7 @@ class OuterHull:
     def _best(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
         """Up to `most` meshes of one request, least area first. Raises NestingError."""
         search = _Search(self, request, clearance)
+        yield 0.0
         too_large: list[Outline] = []
         for hulls in (search.with_clearance, search.around_offset, search.without_small_details):
             try:
@@ -177,9 +178,11 @@ class _Search:
         )
 
     def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> Stage[float, list[Outline]]:
-        start, self.stuck = strict_offset(self.start, distance, self.fine.edge_tree)
+        offset = offsetting(self.start, distance, self.fine.edge_tree)
+        start, self.stuck = yield from mapped(offset, lambda _: 0.0)
         if len(self.stuck):
             return []
+        yield 0.0
         search = search_hulls(
             self._alike(start),
             self.target,

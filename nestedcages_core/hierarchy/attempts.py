@@ -86,7 +86,8 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
             settings.decimation, wanted, settings.starts, flow, contacts, clearances, may_fall_back=may_fall_back
         )
     yield last
-    if settings.fallback is not None and settings.fallback not in (last.source, getattr(last.source, "hull", None)):
+    searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
+    if settings.fallback is not None and settings.fallback not in searched:
         counts = _counts(fine, wanted)
         last = Attempt(settings.fallback, counts, settings.starts, flow, contacts, clearances, fallback=True)
         yield last

@@ -20,7 +20,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.symmetry_search import Found
 from ..stages import Stage
 from ..verification import Certificate, verify
-from ..verification.motion import certify_motion
+from ..verification.motion import certifying
 from .early_stop import EarlyStop
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
@@ -164,7 +164,8 @@ class InnerLevelBuilder:
         if not certificate:
             raise NestingError(_failed(certificate, clearance))
         resting = Reinflation(self.fine.vertices[None], steps, 0)
-        motion = certify_motion(Bodies.of(result, self.fine), list(steps), resting.fine_path)
+        motion_check = certifying(Bodies.of(result, self.fine), list(steps), resting.fine_path)
+        motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
             raise NestingError(
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "

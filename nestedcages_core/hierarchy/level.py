@@ -22,7 +22,7 @@ from ..geometry.symmetry_search import Found
 from ..stages import Stage
 from ..verification import Certificate, verify
 from ..verification.certificate import loops_in_words
-from ..verification.motion import certify_motion
+from ..verification.motion import certifying
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .clearance_bounds import too_narrow
 from .early_stop import EarlyStop
@@ -212,7 +212,8 @@ class LevelBuilder:
                 break
         if not certificate.holds:
             raise NestingError(_failed(certificate, self.fine, clearance, wanted))
-        motion = certify_motion(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
+        motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
+        motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
             raise NestingError(
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "

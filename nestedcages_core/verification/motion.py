@@ -23,6 +23,7 @@ from ..contact.pairs import Bodies, CandidateList, Pairs
 from ..errors import NestedCagesError
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh, MeshLike
+from ..stages import Stage, drain
 
 MAX_HALVINGS = 40
 """Maximum number of halvings: an interval is then about as short as a rounding of s."""
@@ -81,8 +82,16 @@ def certify_motion(
     bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
 ) -> MotionCertificate:
     """`verify_motion` for steps, (m, 2) and (n, 2) each, that need no check or copy."""
+    return drain(certifying(bodies, cage_steps, fine_steps))
+
+
+def certifying(
+    bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
+) -> Stage[float, MotionCertificate]:
+    """`certify_motion` as a generator: yields the fraction done before every step and returns the certificate."""
     candidates = CandidateList(bodies)
     for step in range(len(cage_steps) - 1):
+        yield step / (len(cage_steps) - 1)
         before = np.concatenate([cage_steps[step], fine_steps[step]])
         after = np.concatenate([cage_steps[step + 1], fine_steps[step + 1]])
         motion = after - before

@@ -292,7 +292,7 @@ MeshLike: TypeAlias = Mesh | Sequence[ArrayLike] | NDArray[Any] | Mapping[str, A
 
 def is_mesh_like(shape: object) -> TypeGuard[MeshLike]:
     """Whether `Mesh.of` can try to read a value."""
-    if isinstance(shape, list | tuple | np.ndarray | Mapping):
+    if isinstance(shape, Mesh | list | tuple | np.ndarray | Mapping):
         return True
     return not isinstance(shape, type) and hasattr(shape, "__geo_interface__")
 

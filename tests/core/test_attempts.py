@@ -1,0 +1,234 @@
+"""What a level tries, in which order, and what is left out; no cage is computed here but where it says so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nestedcages_core import (
+    IPC,
+    Area,
+    DouglasPeucker,
+    InitialDisplacement,
+    Mesh,
+    NestingError,
+    OnCurve,
+    OuterHull,
+    SequentialQP,
+    Settings,
+    TwoSidedFlow,
+    nested_cages,
+)
+from nestedcages_core.decimation import Start
+from nestedcages_core.hierarchy.attempts import (
+    IPC_FIRST,
+    MAX_CLEARANCE,
+    MIN_DEFAULT_CLEARANCE,
+    Attempt,
+    StartOutcome,
+    attempts,
+    clearances_for,
+    contacts_for,
+    in_turn,
+)
+from nestedcages_core.published.gurditta_jacobson_2022 import SignedDistanceFlow
+from shapes import annulus, islands, letter_a, resampled, ring
+
+CLEARANCES = (1e-3, 1e-4)
+
+
+def tried(settings: Settings, wanted: int | Mesh, fine: Mesh | None = None) -> list[Attempt]:
+    return list(attempts(settings, annulus(24) if fine is None else fine, wanted, CLEARANCES))
+
+
+def kinds(found: list[Attempt]) -> list[tuple[str, bool, bool]]:
+    """Source, whether it is a fallback, and whether it is tightened."""
+    return [(type(attempt.source).__name__, attempt.fallback, attempt.tightened) for attempt in found]
+
+
+class TestOrder:
+    def test_meshes_on_the_curve_have_searched_the_fallback_already(self) -> None:
+        assert kinds(tried(Settings(), 12)) == [("OnCurve", False, True), ("OnCurve", False, False)]
+
+    def test_another_hull_than_that_of_the_decimation_is_tried(self) -> None:
+        found = tried(Settings(fallback=OuterHull(restarts=2)), 12)
+        assert [attempt.source for attempt in found] == [OnCurve(), *2 * [OuterHull(restarts=2)]]
+        assert kinds(
+            tried(Settings(decimation=OnCurve(OuterHull(restarts=2)), fallback=OuterHull(restarts=2)), 12)
+        ) == [
+            ("OnCurve", False, True),
+            ("OnCurve", False, False),
+        ]
+
+    def test_another_decimation_is_followed_by_the_fallback_and_that_untightened(self) -> None:
+        found = tried(Settings(decimation=DouglasPeucker()), 12)
+        assert kinds(found) == [
+            ("DouglasPeucker", False, True),
+            ("OuterHull", True, True),
+            ("OuterHull", True, False),
+        ]
+        assert [attempt.count for attempt in found] == [12, 12, 12]
+
+    def test_a_fallback_that_is_the_decimation_is_left_out(self) -> None:
+        assert kinds(tried(Settings(decimation=OuterHull()), 12)) == [
+            ("OuterHull", False, True),
+            ("OuterHull", False, False),
+        ]
+
+    def test_without_a_fallback_nothing_else_is_tried(self) -> None:
+        found = tried(Settings(decimation=DouglasPeucker(), fallback=None), 12)
+        assert kinds(found) == [("DouglasPeucker", False, True), ("DouglasPeucker", False, False)]
+        assert not any(attempt.may_fall_back for attempt in found)
+
+    def test_all_have_the_same_clearances(self) -> None:
+        for settings in (Settings(), Settings(decimation=DouglasPeucker())):
+            assert {attempt.clearances for attempt in tried(settings, 12)} == {CLEARANCES}
+
+
+class TestOwnMeshes:
+    def test_they_are_tried_once_then_the_fallback_with_as_many_vertices_per_loop(self) -> None:
+        own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
+        found = tried(Settings(), own)
+        assert [attempt.source for attempt in found] == [own, OuterHull(), OuterHull()]
+        assert found[0].starts == 1 and found[0].flow == TwoSidedFlow()
+        assert list(found[1].count) == [9, 4]  # type: ignore[arg-type]
+
+    def test_without_a_fallback_they_are_the_only_attempt(self) -> None:
+        own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
+        assert [attempt.source for attempt in tried(Settings(fallback=None), own)] == [own]
+
+    def test_other_loops_give_the_fallback_their_total_and_at_least_triangles(self) -> None:
+        assert tried(Settings(), Mesh.from_loops([ring(9, 1.2)]))[1].count == 9
+        assert tried(Settings(), Mesh.from_loops([ring(4, 1.5)]))[1].count == 6
+
+    def test_loops_that_do_not_match_give_their_total_too(self) -> None:
+        aside = Mesh.from_loops([ring(9, 1.2) + 50.0, 0.4 * ring(4) + 50.0])
+        assert tried(Settings(), aside)[1].count == 13
+
+
+class TestFlowAndContact:
+    def test_where_hulls_compete_flow_and_contact_are_given_up_early(self) -> None:
+        quick, untightened = tried(Settings(), 12)
+        assert isinstance(quick.flow, TwoSidedFlow)
+        assert quick.flow.limit < TwoSidedFlow().limit and not quick.flow.detours
+        assert len(quick.contacts) == 1 and untightened.flow == quick.flow
+
+    def test_elsewhere_they_are_as_they_were_chosen(self) -> None:
+        for settings in (Settings(decimation=DouglasPeucker()), Settings(fallback=None)):
+            first = tried(settings, 12)[0]
+            assert first.flow == TwoSidedFlow() and len(first.contacts) == 2
+
+    def test_a_chosen_flow_and_contact_are_not_changed(self) -> None:
+        contacts = (SequentialQP(), IPC())
+        first = tried(Settings(flow=SignedDistanceFlow(), contact=contacts), 12)[0]
+        assert first.flow == SignedDistanceFlow() and first.contacts == contacts
+
+    def test_contacts_by_size_each_backed_by_the_other(self) -> None:
+        settings = Settings(energy=InitialDisplacement())
+        small, large = contacts_for(settings, 10, IPC_FIRST // 10), contacts_for(settings, 10, IPC_FIRST // 10 + 1)
+        assert [type(contact) for contact in small] == [IPC, SequentialQP]
+        assert [type(contact) for contact in large] == [SequentialQP, IPC]
+        assert small[0].energy == large[1].energy == InitialDisplacement()  # type: ignore[attr-defined]
+        assert small[0].max_pairs is not None and large[1].max_pairs is None  # type: ignore[attr-defined]
+
+    def test_a_single_contact_is_the_only_one(self) -> None:
+        assert contacts_for(Settings(contact=SequentialQP()), 10, 10) == (SequentialQP(),)
+
+
+class TestClearances:
+    def test_only_the_default_one_is_reduced(self) -> None:
+        fine = annulus(24)
+        assert clearances_for(Settings(clearance=0.01), fine) == (0.01,)
+        reduced = clearances_for(Settings(), fine)
+        assert reduced[0] == pytest.approx(1e-5 * fine.diagonal)
+        assert np.array(reduced[:-1]) == pytest.approx(10.0 * np.array(reduced[1:]))
+        assert reduced[-1] >= 0.99 * MIN_DEFAULT_CLEARANCE * fine.diagonal
+
+    def test_they_scale_with_the_mesh(self) -> None:
+        near, far = (clearances_for(Settings(), Mesh.from_loops([scale * ring(5)])) for scale in (1.0, 1000.0))
+        assert np.array(far) == pytest.approx(1000.0 * np.array(near))
+
+    def test_one_that_leaves_nothing_of_the_shape_is_rejected(self) -> None:
+        fine = annulus(24)
+        with pytest.raises(NestingError, match="ask for less"):
+            clearances_for(Settings(clearance=1.01 * MAX_CLEARANCE * fine.diagonal), fine)
+
+
+def starts_for(*, on_curve: bool) -> tuple[list[Start], Mesh]:
+    fine = annulus(24)
+    hulls = [Mesh.from_loops([ring(6, 1.3 + 0.1 * k), 0.3 * ring(3)]) for k in range(3)]
+    curve = Mesh.from_loops([ring(6), 0.5 * ring(3)])
+    return [Start(hull, "outer hull", curve if on_curve and k == 0 else None) for k, hull in enumerate(hulls)], fine
+
+
+def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> list[str]:
+    """The starts that are tried if they have these ranks, by name and number."""
+    attempt = Attempt(OnCurve(), 9, 3, TwoSidedFlow(), (SequentialQP(),), CLEARANCES, **options)
+    turn = in_turn(starts, fine, attempt)
+    names, start = [], next(turn)
+    while True:
+        number = next((k for k, one in enumerate(starts) if one.coarse is start.coarse), None)
+        names.append(f"{start.source} {number}")
+        rank = ranks[len(names) - 1] if len(names) <= len(ranks) else inf
+        try:
+            start = turn.send(StartOutcome(rank, start.coarse if rank < inf else None))
+        except StopIteration:
+            return names
+
+
+class TestInTurn:
+    def test_hulls_are_tried_one_after_the_other(self) -> None:
+        starts, fine = starts_for(on_curve=False)
+        assert ran(starts, fine, [0.3, 0.2, 0.1]) == ["outer hull 0", "outer hull 1", "outer hull 2"]
+
+    def test_the_best_one_on_the_curve_stands_for_its_hull(self) -> None:
+        starts, fine = starts_for(on_curve=True)
+        assert ran(starts, fine, [0.1, 0.3, 0.2]) == ["on the curve None", "outer hull 1", "outer hull 2"]
+
+    def test_where_it_fails_its_hull_is_tried_too(self) -> None:
+        starts, fine = starts_for(on_curve=True)
+        names = ran(starts, fine, [inf, inf, inf, inf])
+        assert names == ["on the curve None", "outer hull 0", "outer hull 1", "outer hull 2"]
+
+    def test_without_falling_back_a_failure_ends_it(self) -> None:
+        starts, fine = starts_for(on_curve=True)
+        assert ran(starts, fine, [inf], may_fall_back=False) == ["on the curve None"]
+
+    def test_a_better_cage_from_a_hull_is_put_on_the_curve(self) -> None:
+        starts, fine = starts_for(on_curve=True)
+        names = ran(starts, fine, [0.3, 0.2, 0.25])
+        assert names == ["on the curve None", "outer hull 1", "outer hull 2", "on the curve None"]
+
+
+@dataclass(frozen=True)
+class Failing:
+    """A decimation that never succeeds."""
+
+    def decimate(self, fine: Mesh, count: Any, *, clearance: float = 0.0) -> Mesh:
+        raise NestingError("This decimation makes nothing.")
+
+
+class TestRun:
+    """Attempts as a run makes them."""
+
+    def test_the_report_says_what_was_used_instead(self) -> None:
+        level = nested_cages(annulus(24), [12], Settings(decimation=Failing())).levels[0]
+        assert level.report.start == "outer hull"
+        assert any("This decimation makes nothing." in note for note in level.report.notes)
+
+    def test_without_a_fallback_its_error_is_raised(self) -> None:
+        with pytest.raises(NestingError, match="This decimation makes nothing"):
+            nested_cages(annulus(24), [12], Settings(decimation=Failing(), fallback=None))
+
+    def test_an_own_mesh_is_preferred(self) -> None:
+        own = resampled(islands(), 40)
+        level = nested_cages(islands(), [own]).levels[0]
+        assert level.coarse is own and level.report.start == "flow"
+
+    def test_the_tightest_energy_is_that_of_the_settings(self) -> None:
+        level = nested_cages(letter_a(2), [24], Settings(energy=Area(), contact=SequentialQP())).levels[0]
+        assert level.report.start in ("flow", "outer hull")

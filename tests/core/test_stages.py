@@ -1,0 +1,156 @@
+"""Stages are generators: drained, mapped, and stopped between any two of their yields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from nestedcages_core import (
+    InnerCagesRun,
+    Mesh,
+    NestedCagesRun,
+    NestingError,
+    animated_cages,
+    inner_cages,
+    nested_cages,
+)
+from nestedcages_core.motion.animated import AnimatedCagesRun
+from nestedcages_core.stages import Run, Stage, drain, mapped
+from shapes import letter_a, ring, star
+
+
+def counting(log: list[str], count: int = 3) -> Stage[int, str]:
+    try:
+        yield from range(count)
+    finally:
+        log.append("cleaned up")
+    return "result"
+
+
+def failing() -> Stage[int, str]:
+    yield 0
+    raise NestingError("it went wrong")
+
+
+class TestStages:
+    def test_drain_returns_the_result(self) -> None:
+        assert drain(counting([])) == "result"
+        assert drain(counting([], 0)) == "result"
+
+    def test_mapped_applies_a_function_to_what_is_yielded(self) -> None:
+        stage = mapped(counting([]), lambda number: 10 * number)
+        assert [next(stage), next(stage), next(stage)] == [0, 10, 20]
+        with pytest.raises(StopIteration) as end:
+            next(stage)
+        assert end.value.value == "result"
+
+    def test_closing_the_outer_stage_closes_the_inner_one(self) -> None:
+        log: list[str] = []
+        stage = mapped(counting(log), str)
+        next(stage)
+        del stage
+        assert log == ["cleaned up"]
+
+    def test_errors_come_through(self) -> None:
+        with pytest.raises(NestingError, match="it went wrong"):
+            drain(mapped(failing(), str))
+
+
+class TestRun:
+    def test_it_iterates_over_progress_and_has_a_result_at_the_end(self) -> None:
+        run = Run(counting([]))
+        with pytest.raises(RuntimeError, match="iterate over it to its end"):
+            _ = run.result
+        assert list(run) == [0, 1, 2] and run.result == "result"
+        assert list(run) == [] and run.result == "result"
+
+    def test_it_is_cancelled_between_two_yields(self) -> None:
+        log: list[str] = []
+        run = Run(counting(log))
+        assert next(run) == 0
+        run.close()
+        assert log == ["cleaned up"] and list(run) == []
+        with pytest.raises(RuntimeError, match="it was cancelled"):
+            _ = run.result
+
+    def test_closing_a_finished_run_keeps_its_result(self) -> None:
+        run = Run(counting([]))
+        list(run)
+        run.close()
+        assert run.result == "result"
+
+    def test_an_error_is_raised_and_remembered(self) -> None:
+        run = Run(failing())
+        with pytest.raises(NestingError):
+            list(run)
+        with pytest.raises(RuntimeError, match="it went wrong"):
+            _ = run.result
+
+
+class StopError(Exception):
+    """Raised by a listener to cancel."""
+
+
+RUNS: dict[str, Callable[[], Run[Any, Any]]] = {
+    "cages": lambda: NestedCagesRun(letter_a(2), [24, 14]),
+    "inner cages": lambda: InnerCagesRun(star(5, 60), [20, 12]),
+    "a motion": lambda: AnimatedCagesRun(star(5, 60), [(1.0 + 0.1 * k) * star(5, 60).vertices for k in range(3)], [12]),
+}
+
+
+@pytest.mark.parametrize("make", RUNS.values(), ids=RUNS.keys())
+def test_a_run_can_be_stopped_at_every_yield(make: Callable[[], Run[Any, Any]]) -> None:
+    """At places spread over the whole run; what was yielded before is the same each time."""
+    whole = list(make())
+    for stop in sorted({round(k * (len(whole) - 1) / 4) for k in range(5)}):
+        run = make()
+        seen = [next(run) for _ in range(stop + 1)]
+        assert seen == whole[: stop + 1]
+        run.close()
+        assert list(run) == []
+        with pytest.raises(RuntimeError, match="it was cancelled"):
+            _ = run.result
+
+
+def test_a_listener_that_raises_stops_the_work_at_once() -> None:
+    def after(count: int) -> Iterator[None]:
+        for _ in range(count):
+            yield
+        raise StopError
+
+    for work in (nested_cages, inner_cages):
+        for count in (0, 1, 7):
+            calls = after(count)
+            seen: list[object] = []
+
+            def listen(progress: object, seen: list[object] = seen, calls: Iterator[None] = calls) -> None:
+                seen.append(progress)
+                next(calls)
+
+            with pytest.raises(StopError):
+                work(star(), [24], progress=listen)
+            assert len(seen) == count + 1
+    with pytest.raises(StopError):
+        fine = star(5, 60)
+        animated_cages(fine, [fine.vertices, 1.1 * fine.vertices], [12], progress=lambda _: next(after(0)))
+
+
+def test_every_stage_yields_often_enough_to_cancel() -> None:
+    """Set-up, certificates and rejected steps yield as well: their numbers of yields, not times, are looked at.
+
+    The set-up of a decimation has a part of its own for gaps, for each scale of them and for the touching edges; a
+    certificate has one for each step of the motion.
+    """
+    turn = ring(4000)
+    fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
+    run = NestedCagesRun(fine, [24])
+    stages = [progress.stage for progress in run]
+    level = run.hierarchy.levels[0]
+    moves = (4000 - 24) // 512  # of the first run of the hull, at least
+    assert stages.count("decimation") >= moves + 5
+    assert stages.count("reinflation") >= len(level.reinflation.moving_steps) - 1
+    assert stages.count("verification") >= len(level.reinflation.cage_steps)
+    first_move = next(k for k, progress in enumerate(NestedCagesRun(fine, [24])) if progress.fraction > 0.0)
+    assert first_move >= 5
