@@ -4,28 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeAlias
 
 import bpy
 
 from . import keys
 from .animation import stage
-from .scene import convert, ownership
+from .core import core
+from .scene import convert, ownership, units
 from .scene.selection import scene_of
 
-Levels = str | int | float | Sequence[str | int | float | bpy.types.Object]
+Level: TypeAlias = "str | int | float | core.Within | bpy.types.Object"
+Levels: TypeAlias = "str | int | float | core.Within | Sequence[Level]"
 
 
 def cages(
     objects: Sequence[bpy.types.Object], levels: Levels = "20%, 8%", **settings: Any
 ) -> list[list[bpy.types.Object]]:
-    """Makes cages around each object and returns them, innermost first.
+    """Makes cages around each object and returns them, finest first.
 
     objects: curves, texts, Grease Pencil drawings, hair curves or flat meshes, in the current view layer.
-    levels: vertex counts (int), fractions of the vertices (float below 1) or objects of your own, or a text such as
-    "64, 24" or "20%, 8%".
+    levels: vertex counts (int), fractions of the vertices (float below 1), `Within` of the core in units of the scene,
+    or objects of your own; or a text such as "64, 24", "20%, 8%" or "5mm, +25%".
     settings: properties of the operator `object.nested_cages_generate`, by the same names: clearance, decimation,
-    energy, together, close_open ... All others have the operator's defaults, whatever the panel shows.
+    energy, inside, together, close_open ... All others have the operator's defaults, whatever the panel shows.
 
     An object that cannot be caged has an empty list if others can be; with ``together=True`` there is one list for all
     objects. Earlier cages of the same objects are replaced. Selection, active object and current frame stay.
@@ -56,40 +58,43 @@ def _cages(
     unknown = [name for name in settings if name not in known]
     if unknown:
         raise ValueError(f"There is no setting '{unknown[0]}'")
-    before = {obj: _meshes(context, obj) for obj in chosen}
+    inside = bool(settings.get("inside", False))
+    before = {obj: _meshes(context, obj, inside) for obj in chosen}
     with _selected(context, chosen):
         try:
             operator(**{"levels": text, "level_objects": "\n".join(own), "show_result": False, **settings})
         except RuntimeError as error:
             raise ValueError(str(error).removeprefix("Error: ").strip()) from error
     wanted = chosen[:1] if settings.get("together") or settings.get("use_selected_as_levels") else chosen
-    return [_cages_of(context, obj) if _meshes(context, obj) != before[obj] else [] for obj in wanted]
+    return [_cages_of(context, obj, inside) if _meshes(context, obj, inside) != before[obj] else [] for obj in wanted]
 
 
-def _cages_of(context: bpy.types.Context, obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """The cages around an object, innermost first."""
-    collection = ownership.collection_of(scene_of(context), obj)
+def _cages_of(context: bpy.types.Context, obj: bpy.types.Object, inside: bool) -> list[bpy.types.Object]:
+    """The cages around an object or inside of it, finest first."""
+    collection = ownership.collection_of(scene_of(context), obj, inside=inside)
     return ownership.members(collection)[1:] if collection is not None else []
 
 
-def _meshes(context: bpy.types.Context, obj: bpy.types.Object) -> list[int]:
+def _meshes(context: bpy.types.Context, obj: bpy.types.Object, inside: bool) -> list[int]:
     """The session IDs of the meshes of an object's cages: new cages have new ones."""
-    return [cage.data.session_uid for cage in _cages_of(context, obj) if cage.data is not None]
+    return [cage.data.session_uid for cage in _cages_of(context, obj, inside) if cage.data is not None]
 
 
 def _levels(levels: Levels) -> tuple[str, list[str]]:
     """The operator's text for levels, and the names of own objects."""
     if isinstance(levels, str):
         return levels, []
-    listed = [levels] if isinstance(levels, int | float) else list(levels)
+    listed = [levels] if isinstance(levels, int | float | core.Within) else list(levels)
     own = [level.name for level in listed if isinstance(level, bpy.types.Object)]
     return ", ".join(map(_word, listed)), own
 
 
-def _word(level: str | float | bpy.types.Object) -> str:
+def _word(level: Level) -> str:
     """One level as text for the operator. Raises: ValueError."""
     if isinstance(level, bpy.types.Object):
         return "*"
+    if isinstance(level, core.Within):
+        return f"+{100.0 * level.excess!r}%" if level.excess is not None else f"{level.limit!r}{units.OWN_UNIT}"
     if isinstance(level, float):
         if not 0.0 < level < 1.0:
             raise ValueError(f"A level given as a fraction is between 0 and 1, not {level!r}")
@@ -100,8 +105,8 @@ def _word(level: str | float | bpy.types.Object) -> str:
 @contextmanager
 def _shown(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
     """Temporarily shows drawings that the animation of earlier cages hides."""
-    outputs = [ownership.collection_of(scene_of(context), obj) for obj in objects]
-    hiding = [found for found in outputs if found is not None and keys.has(found, keys.HIDES)]
+    outputs = [output for obj in objects for output in ownership.outputs_of(scene_of(context), obj)]
+    hiding = [found for found in outputs if keys.has(found, keys.HIDES)]
     for collection in hiding:
         stage.leave(collection)
     context.view_layer.update()

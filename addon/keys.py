@@ -38,6 +38,9 @@ RANGE = "nested_cages_range"
 # Whether the cages of a collection follow the drawing's own animation.
 MOVING = "nested_cages_moving"
 
+# Of an output collection and its cages: whether they lie inside the drawing.
+INSIDE = "nested_cages_inside"
+
 # Of the objects of an output: the level, 0 for the fine mesh, and the number of vertices. Of cages: the report.
 LEVEL = "nested_cages_level"
 VERTICES = "nested_cages_vertices"
@@ -46,6 +49,7 @@ EXCESS = "nested_cages_excess"
 BEGINS_FROM = "nested_cages_begins_from"
 SECONDS = "nested_cages_seconds"
 NOTES = "nested_cages_notes"
+NEED = "nested_cages_need"
 CERTIFICATE = "nested_cages_certificate"
 # The result of Verify Cages: in a few words, and as a sentence.
 CHECK = "nested_cages_check"

@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs, segments_intersect, winding_number
 
 SOURCE, LEVEL = "nested_cages_source", "nested_cages_level"  # the add-on's marks on collections and objects
+INSIDE = "nested_cages_inside"  # of cages that lie inside the drawing
 DOUBLED = 1e-6  # of the drawing's size: points of a curve that are closer are one point, where two pieces meet
 
 
@@ -74,7 +75,9 @@ def checked_poses(scene: bpy.types.Scene, collection: bpy.types.Collection) -> I
             outer = next((item for item in levels if item[LEVEL] == cage[LEVEL] + 1), None)
             if frame >= cage["nested_cages_reinflation_start"] and not flows(outer, frame):
                 name = f"frame {frame:g}, level {inner[LEVEL]} in level {cage[LEVEL]}"
-                yield name, nesting_problems(evaluated(inner, graph), evaluated(cage, graph))
+                pair = (evaluated(inner, graph), evaluated(cage, graph))
+                problems = nesting_problems(*(pair[::-1] if cage.get(INSIDE) else pair))
+                yield name, problems + self_problems(pair[1])
 
 
 def flows(outer: bpy.types.Object | None, frame: float) -> bool:
@@ -100,17 +103,21 @@ def nesting_problems(inner: Pose, cage: Pose) -> list[str]:
     crossings = len(crossing_pairs(inner.tree, cage.tree)[0])
     if crossings:
         problems.append(f"{crossings} pairs of edges cross")
-    first, second = cage.tree.self_pairs()
-    a, b = cage.edges[first], cage.edges[second]
-    apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))  # neighbours share a vertex and are meant to touch there
-    a, b = cage.points[a[apart]], cage.points[b[apart]]
-    if segments_intersect(a[:, 0], a[:, 1], b[:, 0], b[:, 1]).any():
-        problems.append("the cage crosses itself")
     starts, ends = cage.points[cage.edges[:, 0]], cage.points[cage.edges[:, 1]]
     outside = np.count_nonzero(winding_number(inner.points, starts, ends) != 1)
     if outside:
         problems.append(f"{outside} vertices are outside of the cage")
     return problems
+
+
+def self_problems(cage: Pose) -> list[str]:
+    """Whether a cage crosses itself."""
+    first, second = cage.tree.self_pairs()
+    a, b = cage.edges[first], cage.edges[second]
+    apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))  # neighbours share a vertex and are meant to touch there
+    a, b = cage.points[a[apart]], cage.points[b[apart]]
+    crosses = segments_intersect(a[:, 0], a[:, 1], b[:, 0], b[:, 1]).any()
+    return ["the cage crosses itself"] if crosses else []
 
 
 def home_problems(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[str]:

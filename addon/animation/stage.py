@@ -12,10 +12,13 @@ from . import shape_keys, timeline, visibility
 
 
 def enter(collection: bpy.types.Collection) -> None:
-    """Hides the originals of an output before and after its result, and shows the moving copy instead."""
+    """Hides the originals of an output before and after its result, and shows the moving copy instead.
+
+    Around inner cages the drawing does not move.
+    """
     leave(collection)
     frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
-    if frames is None or fine is None or ownership.is_bound(collection):
+    if frames is None or fine is None or ownership.is_bound(collection) or ownership.is_inside(collection):
         return
     first, result, last = frames
     # Before the way back, if there is one, the result is held for a step.

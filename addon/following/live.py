@@ -154,7 +154,7 @@ class Live:
         clearance = self._clearance(drawing, drawing.mesh()) if self.options.clearance > 0.0 else 0.0
 
         def work() -> Work[list[Result]]:
-            generation = Generation([Request(drawing)], Options(levels, clearance, self.options.methods))
+            generation = Generation([Request(drawing)], Options(levels, clearance, methods=self.options.methods))
             yield from generation
             return generation.results
 
@@ -182,6 +182,8 @@ class Live:
 
 def why_not(collection: bpy.types.Collection) -> str:
     """Why the cages of an output cannot follow edits; empty if they can."""
+    if ownership.is_inside(collection):
+        return "Only cages around a drawing follow its edits: make inner cages again with Generate"
     if ownership.is_bound(collection):
         return "Unbind the drawing from its cages first"
     if keys.flag(collection, keys.MOVING):

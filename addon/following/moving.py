@@ -22,7 +22,7 @@ from ..generation.generate import (
     Request,
 )
 from ..generation.job import Progress, Work
-from ..generation.levels import OWN, Level, Wanted, wanted_levels
+from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
 from .poses import Poses
 
 
@@ -65,6 +65,8 @@ def wanted_cages(levels: Sequence[Level], poses: Poses) -> tuple[Wanted, ...]:
     """Vertex counts of the cages, with notes. Raises: UserError."""
     if OWN in levels:
         raise UserError("Cages that follow have vertex counts: leave own objects (*) out of the levels")
+    if not are_counts(levels):
+        raise UserError("Cages that follow have vertex counts: leave distances and excesses out of the levels")
     if not levels:
         raise UserError("Give a vertex count for at least one level, such as 64")
     return wanted_levels(levels, poses.drawing.mesh(), (), poses.drawing.name)
@@ -87,6 +89,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     cages: list[MovingCage] = []
     for number, level in enumerate(wanted, 1):
         name = f"{poses.drawing.name}, level {number}"
+        assert not isinstance(level.level, core.Within)
         for step in _level(name, inner, frames, points, level.level, options, cyclic):
             if isinstance(step, MovingCage):
                 cages.append(replace(step, notes=(*level.notes, *step.notes)))

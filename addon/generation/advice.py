@@ -38,7 +38,7 @@ def smallest_found(message: str) -> int | None:
     return int(found[1]) if found else None
 
 
-def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: int | core.Mesh, clearance: float) -> tuple[str, ...]:
+def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[str, ...]:
     """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
     excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
     if excess <= LOOSE or not isinstance(wanted, int):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from operator import attrgetter
 
 import bpy
@@ -33,24 +34,39 @@ class Finding:
     fine_faults: NDArray[np.float32]
 
 
-def check(
-    context: bpy.types.Context, objects: Sequence[bpy.types.Object], originals: Sequence[bpy.types.Object] = ()
-) -> list[Finding]:
-    """Checks each object against the one before it, evaluated on the current frame, and the second one also against the
-    originals of the first one; these findings come first. Raises: UserError.
+@dataclass(frozen=True)
+class Chain:
+    """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of."""
+
+    objects: Sequence[bpy.types.Object]
+    originals: Sequence[bpy.types.Object] = ()
+    fine: int = 0
+
+
+def check(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
+    """Checks each object of each chain against the one before it, evaluated on the current frame, and the neighbours of
+    a copy also against its originals; these findings come first. Raises: UserError.
     """
-    outlines = [read(context, obj) for obj in objects]
+    return [_finding(*pair, context.scene.frame_current) for chain in chains for pair in _pairs(context, chain)]
+
+
+def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, Drawing, Outline, Drawing]]:
+    """What is inside and what is around it, in the plane of the first object. Raises: UserError."""
+    outlines = [read(context, obj) for obj in chain.objects]
     frame = fine_drawing(outlines[0]).frame
-    drawings = [drawing_in(frame, outline) for outline in outlines]
-    pairs = list(zip(outlines[:-1], drawings[:-1], outlines[1:], drawings[1:], strict=True))
-    seen = [read(context, original) for original in originals]
-    first = [(outline, drawing_in(frame, outline), outlines[1], drawings[1]) for outline in seen]
-    return [_finding(*pair, context.scene.frame_current) for pair in (*first, *pairs)]
+    found = [(outline, drawing_in(frame, outline)) for outline in outlines]
+    for original in chain.originals:
+        seen = read(context, original)
+        copied = (seen, drawing_in(frame, seen))
+        if chain.fine > 0:
+            yield (*found[chain.fine - 1], *copied)
+        if chain.fine < len(found) - 1:
+            yield (*copied, *found[chain.fine + 1])
+    for inner, outer in pairwise(found):
+        yield (*inner, *outer)
 
 
-def check_animation(
-    context: bpy.types.Context, objects: Sequence[bpy.types.Object], originals: Sequence[bpy.types.Object] = ()
-) -> Work[list[Finding]]:
+def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work[list[Finding]]:
     """Checks all frames of the scene's range, up to the first with a fault, which becomes the current one. Raises:
     UserError, with the frame.
     """
@@ -61,7 +77,7 @@ def check_animation(
         yield Progress((frame - first) / (last + 1 - first), "checking frames")
         scene.frame_set(frame)
         try:
-            found = check(context, objects, originals)
+            found = check(context, chains)
         except UserError as error:
             raise UserError(f"Frame {frame}: {error}") from error
         if not all(finding.holds for finding in found):

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from ..core import core
 from ..errors import UserError
 from ..scene.convert import Drawing
+from . import needs
 from .advice import check_room, excess_note, smallest_found
 from .job import Progress
-from .levels import Level, Wanted, wanted_levels
+from .levels import Level, Wanted, are_counts, wanted_levels
 from .memory import Memory, key_of
 from .methods import Methods
 
@@ -27,6 +28,8 @@ FLOAT32_ROUNDING = float(np.finfo(np.float32).eps) / 2.0
 MARGIN = 2.0 * np.sqrt(2.0)
 # Multiples of this margin to try: rounding can also close gaps between parts of the cage.
 MARGINS = (1.0, 64.0)
+# How much stricter, in these margins, a distance or an excess is asked for with each of them.
+SLACKS = (0.0, 64.0)
 
 # Names of the core's stages for users.
 STAGES = {
@@ -41,12 +44,13 @@ Steps = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Options:
-    """`levels`: vertex counts (int), percentages of the drawing's vertices (float), or `OWN`, finest first.
-    `clearance`: a length of the scene, 0 = automatic.
+    """`levels`: vertex counts, shares of the drawing's vertices, distances and excesses, or `OWN`, finest first.
+    `clearance`: a length of the scene, as distances are; 0 = automatic. `inside`: whether cages lie inside the drawing.
     """
 
     levels: tuple[Level, ...] = ()
     clearance: float = 0.0
+    inside: bool = False
     methods: Methods = field(default_factory=Methods)
 
 
@@ -63,7 +67,7 @@ class Request:
 @dataclass(frozen=True)
 class CageLevel:
     """One level as Blender stores it: `fine_steps` (S, n, 2) and `cage_steps` (S, m, 2), float32, of flow (up to index
-    `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result.
+    `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result. `need`: a sentence on the distance or the excess that was asked for.
     """
 
     fine_edges: NDArray[np.int64]
@@ -74,12 +78,25 @@ class CageLevel:
     tightening: int
     certificate: core.Certificate
     report: core.NestingReport
+    inside: bool = False
+    need: str = ""
+
+    @property
+    def excess(self) -> float:
+        """How much more area the cage has than what it is around or inside of, as a part of that; negative inside."""
+        found = float(self.certificate.excess)  # inside, that of the drawing around the cage
+        return 1.0 / (1.0 + found) - 1.0 if self.inside else found
 
     @property
     def cage(self) -> NDArray[np.float32]:
         """The cage's vertices (m, 2)."""
         vertices: NDArray[np.float32] = self.cage_steps[-1]
         return vertices
+
+    @property
+    def mesh(self) -> core.Mesh:
+        """The cage as the core's ``Mesh``."""
+        return core.Mesh(self.cage.astype(np.float64), self.cage_edges)
 
     @property
     def last(self) -> int:
@@ -89,10 +106,15 @@ class CageLevel:
 
 @dataclass(frozen=True)
 class Result:
-    """All levels around one drawing."""
+    """All levels around one drawing, or inside of it."""
 
     drawing: Drawing
     levels: tuple[CageLevel, ...]
+
+    @property
+    def inside(self) -> bool:
+        """Whether the cages lie inside the drawing."""
+        return self.levels[0].inside
 
 
 known_levels: Memory[tuple[CageLevel, ...]] = Memory()
@@ -110,6 +132,8 @@ class Generation:
     def __init__(self, requests: Sequence[Request], options: Options) -> None:
         self.options = options
         options.methods.check()
+        if options.inside and not are_counts(options.levels):
+            raise UserError("Inner cages have vertex counts: leave distances and excesses out of the levels")
         self.results: list[Result] = []
         self.problems: list[UserError] = []
         self._plans: list[tuple[Request, core.Mesh, tuple[Wanted, ...]]] = []
@@ -126,8 +150,8 @@ class Generation:
         own = tuple(drawing.mesh() for drawing in request.coarse)
         if not own and not options.levels:
             raise UserError("Give a vertex count for at least one level, such as 64")
-        wanted = wanted_levels(options.levels, fine, own, request.fine.name)
-        if options.clearance > 0.0 and not own and options.methods.keeps_loops():
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name, request.fine.frame.scale)
+        if options.clearance > 0.0 and not own and not options.inside and options.methods.keeps_loops():
             check_room(fine, self._clearances(request, fine)[0], len(wanted), request.fine)
         return request, fine, wanted
 
@@ -140,7 +164,7 @@ class Generation:
         total = sum(len(levels) for _, _, levels in self._plans)
         done, reached = 0, 0.0
         for request, fine, levels in self._plans:
-            key = key_of(fine, levels, self._clearances(request, fine), self.options.methods)
+            key = key_of(fine, levels, self._clearances(request, fine), self.options)
             known = known_levels.get(key)
             if known is None:
                 finished: list[CageLevel] = []
@@ -169,10 +193,10 @@ class Generation:
         for number, wanted in enumerate(levels, 1):
             name = f"{request.fine.name}, level {number}"
             yield Progress(number - 1.0, name)  # shown before anything is computed
-            for step in self._level(name, inner, wanted.level, clearances):
+            for step in self._level(name, inner, wanted.level, clearances, request.fine.frame.scale):
                 if isinstance(step, CageLevel):
-                    cage = core.Mesh(step.cage.astype(np.float64), step.cage_edges)
-                    advice = excess_note(fine, cage, wanted.level, clearances[0])
+                    cage = step.mesh
+                    advice = () if step.inside else excess_note(fine, cage, wanted.level, clearances[0])
                     notes = (*wanted.notes, *step.report.notes, *advice)
                     finished.append(replace(step, report=replace(step.report, notes=tuple(dict.fromkeys(notes)))))
                     inner = cage
@@ -187,16 +211,22 @@ class Generation:
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
 
     def _level(
-        self, name: str, fine: core.Mesh, wanted: int | core.Mesh, clearances: Sequence[float]
+        self,
+        name: str,
+        fine: core.Mesh,
+        wanted: int | core.Mesh | core.Within,
+        clearances: Sequence[float],
+        scale: float,
     ) -> Iterator[core.Progress | CageLevel]:
         """Yields the core's progress of one level, and returns its `CageLevel`. Raises: UserError."""
         problem = ""
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
         settings = self.options.methods.settings()
+        cages_run = core.InnerCagesRun if self.options.inside else core.NestedCagesRun
         for clearance in clearances:
-            for margins in MARGINS:
+            for margins, slack in zip(MARGINS, SLACKS, strict=True):
                 asked = replace(settings, clearance=clearance + margins * margin)
-                run = core.NestedCagesRun(fine, [wanted], asked)
+                run = cages_run(fine, [needs.stricter(wanted, slack * margin)], asked)
                 try:
                     yield from run
                     level = self._stored(fine, run.hierarchy.levels[0], clearance)
@@ -204,17 +234,18 @@ class Generation:
                     least = smallest_found(str(error))
                     if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):
                         note = f"{wanted} vertices are too few for loops in each other's way: the cage has {least}."
-                        for step in self._level(name, fine, least, clearances):
+                        for step in self._level(name, fine, least, clearances, scale):
                             yield _noted(step, note) if isinstance(step, CageLevel) else step
                         return
                     problem = problem or str(error)
                     break
                 finally:
                     run.close()
-                if level.certificate.holds:
-                    yield level
+                missed = needs.missed(wanted, level.mesh)
+                if level.certificate.holds and not missed:
+                    yield replace(level, need=needs.sentence(wanted, level.mesh, clearance, scale))
                     return
-                problem = (
+                problem = missed or (
                     "the cage does not hold in Blender's single precision "
                     f"({'; '.join(level.certificate.problems)}); move the drawing closer to its object's origin, or "
                     "ask for more clearance"
@@ -231,19 +262,21 @@ class Generation:
         cage_steps = np.concatenate([standing, reinflation.cage_steps]).astype(np.float32)
         same_loops = level.coarse.has_loops_like(fine)
         cage = level.cage.moved(cage_steps[-1].astype(np.float64))
-        inside = self._inside_from(cage, fine, cage_steps, fine_steps, len(flow) - 1)
+        outer, inner = (fine, cage) if level.inside else (cage, fine)
+        nested = self._nested_from(cage, fine, cage_steps, fine_steps, len(flow) - 1)
         return CageLevel(
             fine_edges=fine.edges,
             cage_edges=level.cage.edges,
             fine_steps=fine_steps,
             cage_steps=cage_steps,
-            flow_end=inside,
-            tightening=max(inside, len(flow) - 1 + reinflation.tightening_start),
-            certificate=core.verify(cage, fine, clearance, same_loops=same_loops),
+            flow_end=nested,
+            tightening=max(nested, len(flow) - 1 + reinflation.tightening_start),
+            certificate=core.verify(outer, inner, clearance, same_loops=same_loops),
             report=level.report,
+            inside=level.inside,
         )
 
-    def _inside_from(self, cage: core.Mesh, fine: core.Mesh, cage_steps: Steps, fine_steps: Steps, first: int) -> int:
+    def _nested_from(self, cage: core.Mesh, fine: core.Mesh, cage_steps: Steps, fine_steps: Steps, first: int) -> int:
         """The step from which on the motion is certified collision-free in float32 too.
 
         This is the last step of the flow, unless rounding closed a gap later: then all earlier steps count as flow.

@@ -1,51 +1,46 @@
-"""Levels as the user gives them: vertex counts, percentages and own drawings, clamped to what a drawing allows."""
+"""Levels as the user gives them: vertex counts, percentages, distances, excesses and own drawings, clamped to what a
+drawing allows.
+"""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from ..core import core
 from ..errors import UserError
 
-Percent = float
 # Stands for an own coarse drawing in a list of levels.
 OWN = "*"
-Level = int | Percent | str
-# Vertices per loop that a percentage comes to at least, if the loop has them: a triangle around a rectangle is twice as
-# large. Whoever wants one asks for three.
-LEAST_OF_A_PERCENTAGE = 4
+# A vertex count, a percentage, a distance (in units of the scene) or an excess, or `OWN`.
+Level: TypeAlias = "int | core.hierarchy.Share | core.Within | str"
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A vertex count or own ``Mesh``, and what is to be said about it."""
+    """A vertex count, own ``Mesh`` or need of a drawing, in its units, and what is to be said about it."""
 
-    level: int | core.Mesh
+    level: int | core.Mesh | core.Within
     notes: tuple[str, ...] = ()
 
 
-def parse_levels(text: str) -> tuple[Level, ...]:
-    """Counts, percentages and own drawings from a text such as "64, 24", "10% 3%" or "64, *". Raises: UserError."""
-    levels: list[Level] = []
-    words = re.findall(r"[^\s,;]+", re.sub(r"\s+%", "%", text)) or [text]
-    for word in words:
-        if re.fullmatch(r"\d+", word):
-            levels.append(int(word))
-        elif re.fullmatch(r"\d+(\.\d*)?%|\.\d+%", word):
-            levels.append(float(word[:-1]))
-        elif word == OWN:
-            levels.append(OWN)
-        else:
-            raise UserError(
-                "Levels are vertex counts such as 64, 24 or percentages such as 10%, separated by commas, or * for an "
-                f"object of your own; '{word}' is none of these"
-            )
-    return tuple(levels)
+def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
+    """The levels of a text such as "64, 24", "10% 3%", "2mm +25%" or "64, *". Raises: UserError.
+
+    units: what may mark a distance, and its length in units of the scene.
+    """
+    words = core.hierarchy.level_words(text, units) or [text]
+    try:
+        return tuple(
+            OWN if word == OWN else core.hierarchy.parse_level(word, units, f"{OWN} for an object of your own")
+            for word in words
+        )
+    except core.NestedCagesError as error:
+        raise UserError(str(error)) from error
 
 
-def counted(level: int | Percent, fine: core.Mesh) -> Wanted:
+def counted(level: int | core.hierarchy.Share, fine: core.Mesh) -> Wanted:
     """The vertex count that a level comes to for a drawing's ``Mesh``: enough for each loop."""
     total, sizes = len(fine.vertices), [len(loop) for loop in fine.loops]
     loops = "an outline needs" if len(sizes) == 1 else f"its {len(sizes)} loops need"
@@ -53,19 +48,15 @@ def counted(level: int | Percent, fine: core.Mesh) -> Wanted:
         least = 3 * len(sizes)
         note = f"A level of {level} is too small: {loops} {least} vertices, and so many are used."
         return Wanted(level) if level >= least else Wanted(least, (note,))
-    count = count_of(level, sizes)
-    note = f"{level:g} % of {total} vertices is too few: {loops} {count} for a close fit, and so many are used."
-    return Wanted(count, () if count == round(total * level / 100.0) else (note,))
+    count, share = level.of(sizes), 100.0 * level.fraction
+    note = f"{share:g} % of {total} vertices is too few: {loops} {count} for a close fit, and so many are used."
+    return Wanted(count, () if count == round(total * level.fraction) else (note,))
 
 
-def count_of(level: Percent, sizes: Sequence[int]) -> int:
-    """The vertices that a percentage comes to for loops of these sizes."""
-    least = sum(min(size, LEAST_OF_A_PERCENTAGE) for size in sizes)
-    return max(round(sum(sizes) * level / 100.0), least)
-
-
-def wanted_levels(levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.Mesh], name: str) -> tuple[Wanted, ...]:
-    """The vertex count or own ``Mesh`` of each level. Raises: UserError."""
+def wanted_levels(
+    levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.Mesh], name: str, scale: float = 1.0
+) -> tuple[Wanted, ...]:
+    """What is to be made for each level of a drawing; scale: the scene's length of its unit. Raises: UserError."""
     if not levels:
         return tuple(Wanted(mesh) for mesh in own)
     if levels.count(OWN) != len(own):
@@ -73,5 +64,36 @@ def wanted_levels(levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.M
             f"'{name}': own objects (*) in the levels: {levels.count(OWN)}, objects named: {len(own)}; "
             "name one for each"
         )
-    meshes = iter(own)
-    return tuple(Wanted(next(meshes)) if isinstance(level, str) else counted(level, fine) for level in levels)
+    meshes, found = iter(own), []
+    for level in levels:
+        if isinstance(level, str):
+            found.append(Wanted(next(meshes)))
+        elif isinstance(level, core.Within):
+            distance = None if level.distance is None else level.distance / scale
+            found.append(Wanted(replace(level, distance=distance, of=fine)))
+        else:
+            found.append(counted(level, fine))
+    return tuple(found)
+
+
+def are_counts(levels: Sequence[Level]) -> bool:
+    """Whether no level is a distance or an excess."""
+    return not any(isinstance(level, core.Within) for level in levels)
+
+
+def meanings(levels: Sequence[Level], sizes: Sequence[int], size: float, unit: tuple[str, float]) -> list[str]:
+    """What levels come to for a drawing, such as "20 % = 93 vertices"; one line on all where they are counts.
+
+    sizes: vertices of its loops. size: its diagonal in units of the scene. unit: what the scene marks lengths with, and
+    its length.
+    """
+    name, length = unit
+    found = []
+    for level in levels:
+        if isinstance(level, core.hierarchy.Share):
+            found.append(f"{100.0 * level.fraction:.4g} % = {level.of(sizes)} vertices")
+        elif isinstance(level, core.Within) and level.excess is not None:
+            found.append(f"+{100.0 * level.excess:.4g} % = {1.0 + level.excess:.4g} times the area")
+        elif isinstance(level, core.Within) and size > 0.0:
+            found.append(f"{level.limit / length:.4g} {name} = {100.0 * level.limit / size:.3g} % of the size")
+    return found or [f"of {sum(sizes)} vertices"]

@@ -5,12 +5,15 @@ from __future__ import annotations
 import hashlib
 from collections import OrderedDict
 from collections.abc import Sequence
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
 from ..core import core
 from .levels import Wanted
+
+if TYPE_CHECKING:
+    from .generate import Options
 
 Value = TypeVar("Value")
 
@@ -42,14 +45,16 @@ class Memory(Generic[Value]):
         self._values.clear()
 
 
-def key_of(fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], methods: object) -> str:
+def key_of(fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], options: Options) -> str:
     """Everything that a result depends on, exactly."""
-    chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in vars(methods).items()]
-    found = hashlib.sha256(repr((tuple(clearances), chosen)).encode())
+    methods = vars(options.methods).items()
+    chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in methods]
+    found = hashlib.sha256(repr((tuple(clearances), options.inside, chosen)).encode())
     for part in (fine, *(wanted.level for wanted in levels)):
         if isinstance(part, core.Mesh):
             found.update(np.ascontiguousarray(part.vertices).tobytes())
             found.update(np.ascontiguousarray(part.edges).tobytes())
         else:
-            found.update(f" {part} ".encode())
+            need = (part.distance, part.excess) if isinstance(part, core.Within) else part
+            found.update(f" {need!r} ".encode())
     return found.hexdigest()

@@ -78,7 +78,8 @@ def _home(scene: bpy.types.Scene, results: Sequence[Result]) -> bpy.types.Collec
 def _new_collection(home: bpy.types.Collection, result: Result) -> bpy.types.Collection:
     """A collection for the output of a drawing."""
     source = result.drawing.source
-    collection = bpy.data.collections.new(f"{source.name if source is not None else result.drawing.name} Cages")
+    kind = "Inner Cages" if result.inside else "Cages"
+    collection = bpy.data.collections.new(f"{source.name if source is not None else result.drawing.name} {kind}")
     home.children.link(collection)
     return collection
 
@@ -99,7 +100,7 @@ def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: 
 def earlier_output(scene: bpy.types.Scene, result: Result) -> bpy.types.Collection | None:
     """The output that the result will replace."""
     source = result.drawing.source
-    return collection_of(scene, source) if source is not None else None
+    return collection_of(scene, source, inside=result.inside) if source is not None else None
 
 
 def _check_replaceable(collection: bpy.types.Collection | None) -> None:
@@ -127,14 +128,17 @@ def _write_one(
     timeline.restore_scene(scene, collection)
     played = timeline.spans(result.levels, timing)
 
-    fine = _member_with_mesh(collection, 0, f"{name} Fine", first.fine_edges, first.fine_steps[-1], result, rollback)
+    inner = "Inner " if result.inside else ""
+    fine = _member_with_mesh(
+        collection, 0, f"{name} {inner}Fine", first.fine_edges, first.fine_steps[-1], result, rollback
+    )
     _play(fine, first.fine_steps, first, played, timing, 1)
     keys.store(fine, {keys.LEVEL: 0, keys.VERTICES: len(fine.data.vertices)})
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
         cage = _member_with_mesh(
             collection,
             number,
-            f"{name} Cage {number}",
+            f"{name} {inner}Cage {number}",
             level.cage_edges,
             level.cage,
             result,
@@ -142,8 +146,8 @@ def _write_one(
         )
         _play(cage, level.cage_steps, level, played, timing, number)
         if number < len(result.levels):
-            inner = result.levels[number]
-            _play(cage, inner.fine_steps, inner, played, timing, number + 1, from_rest=True)
+            following = result.levels[number]
+            _play(cage, following.fine_steps, following, played, timing, number + 1, from_rest=True)
         gone = timeline.mirrored(span.flow, played[-1].end, timing)
         visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
         keys.store(cage, _facts(result, level, span, number))
@@ -158,7 +162,10 @@ def _write_one(
     keys.remove(collection, [keys.OTHERS, keys.MOVING])
     if others:
         collection[keys.OTHERS] = others
-    keys.store(collection, {keys.NAME: name, keys.LEVELS: len(result.levels), keys.END: played[-1].end})
+    keys.store(
+        collection,
+        {keys.NAME: name, keys.LEVELS: len(result.levels), keys.END: played[-1].end, keys.INSIDE: result.inside},
+    )
     timeline.extend_scene(scene, collection, played, timing)
     return collection
 
@@ -217,15 +224,16 @@ def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[st
     certificate, report = level.certificate, level.report
     clearance = certificate.clearance * result.drawing.frame.scale
     loops = "all loops kept" if certificate.loops_kept else "with loops of its own"
-    sentence = (
-        f"Certified as stored: simple, {loops}, strictly encloses level {number - 1}; clearance {clearance:.3g}, "
-        f"excess {100.0 * certificate.excess:.2f} %"
-    )
+    nested = "strictly inside" if level.inside else "strictly encloses"
+    area = f"{-100.0 * level.excess:.2f} % less area" if level.inside else f"excess {100.0 * level.excess:.2f} %"
+    sentence = f"Certified as stored: simple, {loops}, {nested} level {number - 1}; clearance {clearance:.3g}, {area}"
     return {
         keys.LEVEL: number,
         keys.VERTICES: len(level.cage),
         keys.CLEARANCE: clearance,
-        keys.EXCESS: float(certificate.excess),
+        keys.EXCESS: level.excess,
+        keys.INSIDE: level.inside,
+        keys.NEED: level.need,
         keys.BEGINS_FROM: str(report.start),
         keys.SECONDS: float(sum(report.seconds.values())),
         keys.NOTES: "; ".join(report.notes),

@@ -9,6 +9,7 @@ from bpy.props import BoolProperty
 
 from ..errors import Fault, UserError
 from ..generation.job import TICK, Job, Work, completed, running
+from ..scene import ownership
 from ..scene.selection import collection_of_active
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
@@ -57,7 +58,9 @@ class Reporting(Mixin):
 
 
 class OnOutput(Reporting):
-    """Works on the output of the active object."""
+    """Works on the output of the active object. `purpose`: what inner cages cannot be used for, if they cannot."""
+
+    purpose = ""
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -66,6 +69,8 @@ class OnOutput(Reporting):
             return "Switch to Object Mode"
         if collection is None:
             return "Select a drawing that has cages, or one of its cages"
+        if cls.purpose and ownership.is_inside(collection):
+            return f"Inner cages do not contain the drawing, so they cannot {cls.purpose}"
         return cls.unsuitable(collection)
 
     @classmethod

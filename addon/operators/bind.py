@@ -35,6 +35,7 @@ class OnBinding(OnOutput):
 
     bl_options = {"REGISTER", "UNDO"}
     needs_bound = True
+    purpose = "move it: select cages around it"
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:

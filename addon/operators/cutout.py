@@ -25,7 +25,7 @@ from ..io.cutout import Canvas
 from ..io.image_outline import Picture
 from ..properties import conversion
 from ..properties.settings import settings_of
-from ..scene import ownership
+from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import found_object, scene_of, select
@@ -113,7 +113,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         parts, settings = self._parts(context), settings_of(context)
-        levels = parse_levels(self.levels)
+        levels = parse_levels(self.levels, units.lengths(scene_of(context)))
         frames = [part.canvas.frame() for part in parts]
         outlines: list[core.Mesh] = []
         requests: list[Request] = []

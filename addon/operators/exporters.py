@@ -142,12 +142,14 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected outlines from the inside out; for a single drawing with cages, the drawing and all its cages."""
+    """The selected outlines, the coarsest last; for a single drawing with cages, the drawing and all its cages."""
     selected = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(selected) == 1 and not ownership.level_of(selected[0]):
-        collection = ownership.collection_about(scene_of(context), selected[0])
-        if collection is not None:
-            return ownership.members(collection)
+        found = [ownership.members(output) for output in ownership.outputs_about(scene_of(context), selected[0])]
+        if len(found) == 2:  # around it and inside: one copy of the drawing is enough
+            return sorted(found[0] + found[1][1:], key=ownership.depth_of)
+        if found:
+            return found[0]
     return sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name))
 
 

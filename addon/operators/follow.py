@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import bpy
@@ -9,7 +10,6 @@ from bpy.props import BoolProperty, IntProperty
 
 from ..errors import UserError, counted
 from ..following import moving, poses, writing
-from ..generation.generate import Options
 from ..generation.job import Progress, Work
 from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties
@@ -73,7 +73,9 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         scene, reading = scene_of(context), conversion.reading_options(self)
-        options = conversion.options(self)
+        options = conversion.options(self, scene)
+        if options.inside:
+            raise UserError("Cages that follow a motion lie around the drawing: leave 'Inside' off")
         name = scene.name
         self._set_range(scene)
         frames = list(range(self.frame_start, self.frame_end + 1, 1 if self.still else self.frame_step))
@@ -90,7 +92,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
         self.exclusive = False
         results = []
         for number, found in enumerate(read):
-            asked = Options(options.levels, options.clearance / found.scale, options.methods)
+            asked = replace(options, clearance=options.clearance / found.scale)
             work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
             result = yield from _part(work, number, len(read), READING_PART)
             results.append(result)

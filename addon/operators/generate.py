@@ -51,7 +51,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
                 groups.draw(body.column(), self, names)
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        options, name = conversion.options(self), context.scene.name
+        options, name = conversion.options(self, scene_of(context)), context.scene.name
         with originals.unposed(sources(context)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
@@ -105,8 +105,11 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         cages = [level for result in results for level in result.levels]
         for note in dict.fromkeys(note for level in cages for note in level.report.notes):
             self.report({"WARNING"}, note)
-        excess = ", ".join(f"{100.0 * level.certificate.excess:.2f} %" for level in cages)
-        self.report({"INFO"}, f"{counted(len(cages), 'certified cage')}; excess {excess}")
+        for need in filter(None, (level.need for level in cages)):
+            self.report({"INFO"}, need)
+        sizes = ", ".join(f"{100.0 * abs(level.excess):.2f} %" for level in cages)
+        kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
+        self.report({"INFO"}, f"{counted(len(cages), kind)}; {measure} {sizes}")
         return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:
@@ -171,7 +174,7 @@ def why_nothing(context: bpy.types.Context) -> str:
 
 def _has_cages(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     """Whether an object is a drawing with cages."""
-    return convert.readable(obj) and ownership.collection_of(scene_of(context), obj) is not None
+    return convert.readable(obj) and bool(ownership.outputs_of(scene_of(context), obj))
 
 
 def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:

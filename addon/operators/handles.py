@@ -24,6 +24,7 @@ class OBJECT_OT_nested_cages_add_handles(OnOutput, bpy.types.Operator):
     bl_label = "Add Handles"
     bl_description = "Add a bone or an empty per corner of the coarsest cage to move that corner and the drawing"
     bl_options = {"REGISTER", "UNDO"}
+    purpose = "move it: select cages around it"
 
     kind: EnumProperty(name="Handles", description="What moves a corner", items=KIND_ITEMS, default=handles.BONES)
 

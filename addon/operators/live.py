@@ -45,7 +45,7 @@ class OBJECT_OT_nested_cages_live(Reporting, bpy.types.Operator):
         source = ownership.source_of(collection)
         assert source is not None
         try:
-            options = Options((), settings.clearance, conversion.methods(settings))
+            options = Options(clearance=settings.clearance, methods=conversion.methods(settings))
             if bake.is_animated(collection):
                 bake.remove(scene, collection)
                 self.report({"INFO"}, "The animation was removed: Generate makes it again")

@@ -23,7 +23,7 @@ NUMBERS = (
     ("tightening from frame", keys.TIGHTENING_START),
     ("result on frame", keys.END),
 )
-SENTENCES = (keys.BEGINS_FROM, keys.CERTIFICATE, keys.LINK, keys.NOTES, keys.FINDING)
+SENTENCES = (keys.BEGINS_FROM, keys.CERTIFICATE, keys.NEED, keys.LINK, keys.NOTES, keys.FINDING)
 
 
 class OBJECT_OT_nested_cages_report(OnOutput, bpy.types.Operator):

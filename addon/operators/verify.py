@@ -11,10 +11,10 @@ from bpy.props import BoolProperty
 from .. import keys
 from ..animation import bake, shape_keys
 from ..errors import UserError
-from ..generation.checking import Finding, check, check_animation, same_frame, select_points
+from ..generation.checking import Chain, Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
 from ..scene import convert, ownership
-from ..scene.selection import collection_of_active, scene_of, select
+from ..scene.selection import outputs_of_active, scene_of, select
 from .base import JobOperator, Outcome
 
 
@@ -42,30 +42,34 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     def unavailable(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
             return "Switch to Object Mode"
-        if len(_nested(context)) < 2:
+        if not _nested(context):
             return "Select a drawing with its cages, or at least two objects of which one encloses the other"
         return ""
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        objects, scene = _nested(context, self.whole), scene_of(context)
-        originals = _originals(context, objects)
+        scene = scene_of(context)
+        chains = [_with_originals(context, objects) for objects in _nested(context, self.whole)]
+        objects = [obj for chain in chains for obj in chain.objects]
+        originals = list(dict.fromkeys(obj for chain in chains for obj in chain.originals))
         checked = [*objects, *originals]
         if self.whole:
             _check_not_stepping(scene, objects)
             with same_frame(scene):
-                findings = yield from check_animation(context, objects, originals)
+                findings = yield from check_animation(context, chains)
                 at_fault = _select_faults(context, checked, findings)
         else:
-            findings = check(context, objects, originals)
+            findings = check(context, chains)
             at_fault = _select_faults(context, checked, findings)
         # Failures last: the status bar shows, and the cage keeps, the last finding.
         findings.sort(key=lambda finding: not finding.holds)
+        by_name = {obj.name: obj for obj in checked}
         for finding in findings:
-            cage = next(obj for obj in objects if obj.name == finding.cage)
+            outer, inner = by_name[finding.cage], by_name[finding.fine]
+            cage = outer if ownership.depth_of(outer) > 0 else inner
             if ownership.level_of(cage) is not None:
                 keys.store(cage, {keys.CHECK: _verdict(finding), keys.FINDING: finding.sentence})
-        names = [original.name for original in originals]
-        shown = [found for found in findings if not found.holds or found.fine not in names]
+        names = {original.name for original in originals}
+        shown = [found for found in findings if not found.holds or names.isdisjoint((found.fine, found.cage))]
         for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault:
@@ -73,23 +77,26 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _originals(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
-    """The originals of the first object, if they are visible too: not while the animation plays on a copy, nor if they
-    cannot follow exactly.
+def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Chain:
+    """The objects with the originals of the fine mesh among them, if they are visible too: not while the animation plays
+    on a copy, nor if they cannot follow exactly.
     """
-    fine = objects[0]
-    collection = ownership.collection_about(scene_of(context), fine) if ownership.level_of(fine) == 0 else None
-    if collection is None or any(
-        shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None
+    fine = next((obj for obj in objects if ownership.level_of(obj) == 0), None)
+    collection = ownership.collection_about(scene_of(context), fine) if fine is not None else None
+    if (
+        fine is None
+        or collection is None
+        or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
     ):
-        return []
+        return Chain(objects)
     bound = ownership.is_bound(collection)
-    return [
+    originals = [
         original
         for original in ownership.originals(collection)
         if original not in objects and original.visible_get() and _is_readable(context, original)
         if not bound or (original.get(keys.FOLLOWS) == collection and not _is_in_prism(original))
     ]
+    return Chain(objects, originals, objects.index(fine))
 
 
 def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
@@ -142,13 +149,15 @@ def _verdict(finding: Finding) -> str:
     return f"Holds on {first} – {last}"
 
 
-def _nested(context: bpy.types.Context, hidden: bool = False) -> list[bpy.types.Object]:
-    """The objects to check, from the inside out: the selected ones, or the output of the active one; without objects
+def _nested(context: bpy.types.Context, hidden: bool = False) -> list[list[bpy.types.Object]]:
+    """The objects to check, from the inside out: the selected ones, or the outputs of the active one; without objects
     hidden on this frame unless `hidden`.
     """
     chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
     if len(chosen) > 1:
-        return sorted(chosen, key=lambda obj: (ownership.level_of(obj) or 0, obj.dimensions.length))
-    collection = collection_of_active(context)
-    members = ownership.members(collection) if collection is not None else []
-    return [obj for obj in members if hidden or not obj.hide_viewport]
+        return [sorted(chosen, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
+    found = [
+        sorted((obj for obj in ownership.members(output) if hidden or not obj.hide_viewport), key=ownership.depth_of)
+        for output in outputs_of_active(context)
+    ]
+    return [objects for objects in found if len(objects) > 1]

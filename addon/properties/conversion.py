@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any, TypeVar
 
+import bpy
+
 from ..animation.timeline import Timing
 from ..generation.generate import Options
 from ..generation.levels import parse_levels
 from ..generation.methods import Methods
+from ..scene import units
 from ..scene.convert import ReadingOptions
 from . import level_list
 from .settings import GenerationProperties
@@ -21,10 +24,10 @@ def reading_options(values: GenerationProperties) -> ReadingOptions:
     return _filled(ReadingOptions, values)
 
 
-def options(values: GenerationProperties) -> Options:
-    """Levels and clearance. Raises: UserError if the levels cannot be read."""
-    levels = () if values.use_selected_as_levels else parse_levels(values.levels)
-    return Options(levels=levels, clearance=values.clearance, methods=methods(values))
+def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
+    """Levels and clearance, in units of the scene, and methods. Raises: UserError if the levels cannot be read."""
+    levels = () if values.use_selected_as_levels else parse_levels(values.levels, units.lengths(scene))
+    return Options(levels=levels, clearance=values.clearance, inside=values.inside, methods=methods(values))
 
 
 def methods(values: GenerationProperties) -> Methods:

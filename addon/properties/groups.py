@@ -10,7 +10,7 @@ import bpy
 from . import conversion
 from .settings import GenerationProperties
 
-SPACE: tuple[str, ...] = ("clearance",)
+SPACE: tuple[str, ...] = ("clearance", "inside")
 WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
 SHAPE: tuple[str, ...] = ("decimation", "energy")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")

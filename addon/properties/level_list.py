@@ -7,14 +7,24 @@ from typing import Any, Protocol
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 
+from ..core import core
 from ..errors import UserError
 from ..generation.levels import OWN, parse_levels
+from ..scene import units
 
 KIND_ITEMS = (
     ("COUNT", "Vertices", "A vertex count"),
     ("PERCENT", "Percent", "A fraction of the drawing's vertex count"),
+    (
+        "DISTANCE",
+        "Distance",
+        "The fewest vertices with which no point of the cage is farther than this from the drawing",
+    ),
+    ("EXCESS", "More Area", "The fewest vertices with which the cage's area is larger by at most this"),
     ("OBJECT", "Object", "A coarse mesh of your own"),
 )
+# The property that holds what a level of each kind asks for.
+VALUES = {"COUNT": "count", "PERCENT": "percent", "DISTANCE": "distance", "EXCESS": "excess", "OBJECT": "own"}
 # Significant digits of a percentage; float32 has no more.
 DIGITS = 6
 
@@ -26,6 +36,10 @@ class LevelSettings(Protocol):
     level_objects: str
     level_list: Any  # a collection of NestedCagesLevel
     level_index: int
+
+    @property
+    def id_data(self) -> Any:
+        """The scene."""
 
 
 # Settings that are being written, to break the cycle between text and list.
@@ -61,6 +75,26 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
         precision=1,
         update=_write,
     )
+    distance: FloatProperty(
+        name="Distance",
+        description="Largest distance of the cage from the drawing",
+        default=0.1,
+        min=1e-6,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+        update=_write,
+    )
+    excess: FloatProperty(
+        name="More Area",
+        description="Area that the cage has more than the drawing, in per cent",
+        default=10.0,
+        min=0.01,
+        soft_max=100.0,
+        precision=1,
+        update=_write,
+    )
     own: PointerProperty(
         name="Object",
         description="Coarse mesh that becomes this cage",
@@ -87,7 +121,7 @@ def write(settings: LevelSettings) -> None:
         return
     _busy.append(settings)
     try:
-        settings.levels = ", ".join(_text(level) for level in settings.level_list)
+        settings.levels = ", ".join(_text(level, settings.id_data) for level in settings.level_list)
         settings.level_objects = own_objects(settings)
     finally:
         _busy.clear()
@@ -98,7 +132,7 @@ def fill(settings: LevelSettings) -> None:
     if _busy:
         return
     try:
-        levels = parse_levels(settings.levels)
+        levels = parse_levels(settings.levels, units.lengths(settings.id_data))
     except UserError:
         return
     names = iter(names_of(settings.levels, settings.level_objects))
@@ -111,23 +145,31 @@ def fill(settings: LevelSettings) -> None:
                 item.kind, item.own = "OBJECT", bpy.data.objects.get(next(names, ""))
             elif isinstance(level, int):
                 item.kind, item.count = "COUNT", level
-            else:
-                item.kind, item.percent = "PERCENT", level
+            elif isinstance(level, core.hierarchy.Share):
+                item.kind, item.percent = "PERCENT", 100.0 * level.fraction
+            elif isinstance(level, core.Within) and level.excess is not None:
+                item.kind, item.excess = "EXCESS", 100.0 * level.excess
+            elif isinstance(level, core.Within):
+                item.kind, item.distance = "DISTANCE", level.limit
         settings.level_index = min(settings.level_index, len(levels) - 1)
     finally:
         _busy.clear()
 
 
 def add(settings: LevelSettings) -> None:
-    """Adds a level with half the vertices of the last one; first fills an empty list from the text."""
+    """Adds a level half as fine as the last one; first fills an empty list from the text."""
     if not len(settings.level_list):
         fill(settings)
     last = settings.level_list[-1] if len(settings.level_list) else None
-    values = (last.kind, last.count, last.percent) if last is not None else ("COUNT", 48, 20.0)
+    names = ("kind", "count", "percent", "distance", "excess")
+    before = {name: getattr(last, name) for name in names} if last is not None else {}
     _busy.append(settings)
     try:
         item = settings.level_list.add()
-        item.kind, item.count, item.percent = values[0], max(3, values[1] // 2), max(0.01, values[2] / 2.0)
+        for name, value in before.items():
+            setattr(item, name, value)
+        item.count, item.percent = max(3, item.count // 2), max(0.01, item.percent / 2.0)
+        item.distance, item.excess = 2.0 * item.distance, 2.0 * item.excess
         settings.level_index = len(settings.level_list) - 1
     finally:
         _busy.clear()
@@ -149,9 +191,12 @@ def move(settings: LevelSettings, step: int) -> None:
     write(settings)
 
 
-def _text(level: NestedCagesLevel) -> str:
+def _text(level: NestedCagesLevel, scene: bpy.types.Scene) -> str:
     if level.kind == "OBJECT":
         return OWN
     if level.kind == "COUNT":
         return str(level.count)
-    return f"{level.percent:.{DIGITS - 2}f}".rstrip("0").rstrip(".") + "%"
+    if level.kind == "DISTANCE":
+        return units.written(level.distance, scene)
+    sign, value = ("+", level.excess) if level.kind == "EXCESS" else ("", level.percent)
+    return f"{sign}{value:.{DIGITS - 2}f}".rstrip("0").rstrip(".") + "%"

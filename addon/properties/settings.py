@@ -43,7 +43,8 @@ class GenerationProperties:
     levels: StringProperty(
         name="Levels",
         description=(
-            "Vertices of each cage, innermost first: absolute (64, 24) or relative to the drawing (20%, 8%). * is an "
+            "What each cage has, finest first: a number of vertices (64), a share of the drawing's (20%), or the "
+            "fewest within a distance of the drawing (5mm, 0.2ft, 2u for units) or so much more area (+25%). * is an "
             "own object"
         ),
         default=DEFAULT_LEVELS,
@@ -63,6 +64,11 @@ class GenerationProperties:
     together: BoolProperty(
         name="All in One",
         description="Wrap all selected drawings in common cages, in the plane of the active one; united if they cross",
+        default=False,
+    )
+    inside: BoolProperty(
+        name="Inside",
+        description="Make cages inside the drawing, as large as their vertices allow, each inside the one before",
         default=False,
     )
     clearance: FloatProperty(

@@ -23,6 +23,12 @@ TRANSFORM = (
 )
 
 
+def depth_of(obj: bpy.types.Object) -> int:
+    """The place of an object in its nest, from the inside out: inner cages below 0, 0 for the drawing, cages above."""
+    level = level_of(obj) or 0
+    return -level if is_inside(obj) else level
+
+
 def level_of(obj: bpy.types.Object) -> int | None:
     """The level of an output object, 0 for the fine mesh; None for other objects."""
     level = keys.integer(obj, keys.LEVEL) if obj.type == "MESH" else None
@@ -44,17 +50,35 @@ def is_bound(collection: bpy.types.Collection) -> bool:
     return bool(keys.text(collection, keys.BOUND))
 
 
-def collection_of(scene: bpy.types.Scene, source: bpy.types.Object) -> bpy.types.Collection | None:
-    """The collection that holds the output of an object, if there is one in the scene."""
-    return next((c for c in scene.collection.children_recursive if c.get(keys.SOURCE) == source), None)
+def is_inside(owner: bpy.types.ID) -> bool:
+    """Whether an output, or a cage, lies inside the drawing."""
+    return keys.flag(owner, keys.INSIDE)
+
+
+def outputs_of(scene: bpy.types.Scene, source: bpy.types.Object) -> list[bpy.types.Collection]:
+    """The collections that hold the output of an object in the scene: of the cages around it, and of those inside."""
+    found = [c for c in scene.collection.children_recursive if c.get(keys.SOURCE) == source]
+    return sorted(found, key=is_inside)
+
+
+def collection_of(
+    scene: bpy.types.Scene, source: bpy.types.Object, *, inside: bool = False
+) -> bpy.types.Collection | None:
+    """The collection of the cages around an object, or of those inside, if there is one in the scene."""
+    return next((c for c in outputs_of(scene, source) if is_inside(c) == inside), None)
+
+
+def outputs_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.types.Collection]:
+    """The output that an object belongs to, or those that it is the source of."""
+    obj = keys.block(obj, keys.HANDLES_OF, bpy.types.Object) or obj
+    if level_of(obj) is not None:
+        return [c for c in obj.users_collection if is_output(c)][:1]
+    return outputs_of(scene, obj)
 
 
 def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
-    """The output that an object belongs to or is the source of."""
-    obj = keys.block(obj, keys.HANDLES_OF, bpy.types.Object) or obj
-    if level_of(obj) is not None:
-        return next((c for c in obj.users_collection if keys.has(c, keys.SOURCE)), None)
-    return collection_of(scene, obj)
+    """The same; of the cages around an object and those inside, the former."""
+    return next(iter(outputs_about(scene, obj)), None)
 
 
 def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:

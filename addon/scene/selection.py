@@ -19,6 +19,12 @@ def collection_of_active(context: bpy.types.Context) -> bpy.types.Collection | N
     return ownership.collection_about(scene_of(context), active) if active is not None else None
 
 
+def outputs_of_active(context: bpy.types.Context) -> list[bpy.types.Collection]:
+    """The same, and of a drawing with cages around it and inside both."""
+    active = context.view_layer.objects.active
+    return ownership.outputs_about(scene_of(context), active) if active is not None else []
+
+
 def output_of_active(context: bpy.types.Context) -> bpy.types.Collection:
     """The output of the active object where it is known to have one."""
     collection = collection_of_active(context)

@@ -15,7 +15,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """The button that follows an animation."""
     button: Any = layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
     copy_values(settings_of(context), button)
-    button.use_selected_as_levels = False
+    button.use_selected_as_levels = button.inside = False
 
 
 def draw_live(layout: bpy.types.UILayout, width: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -11,19 +10,18 @@ from .. import keys
 from ..errors import UserError
 from ..generation import output
 from ..generation.job import running
-from ..generation.levels import count_of, parse_levels
+from ..generation.levels import meanings, parse_levels
 from ..operators.base import last_fault
 from ..presets import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
 from ..properties import conversion, groups
+from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
-from ..scene import ownership
+from ..scene import ownership, units
 from ..scene.counting import loop_sizes
-from ..scene.selection import collection_of_active, output_of_active
-from . import motion
+from ..scene.selection import collection_of_active, output_of_active, outputs_of_active, scene_of
+from . import motion, result
 
 CATEGORY = "Nested Cages"
-# Letters per line of a note: fits into the sidebar at its default width.
-NOTE_WIDTH = 36
 
 
 # Blender only reads properties of bases that are not registered.
@@ -157,20 +155,16 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         return collection_of_active(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        collection, layout = output_of_active(context), self.layout
-        layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
-        for obj in ownership.members(collection):
-            box = layout.box().column(align=True)
-            box.label(text=obj.name, icon="MOD_MESHDEFORM" if ownership.level_of(obj) else "MESH_DATA", translate=False)
-            box.label(text=_in_short(obj), translate=False)
-            for line in _notes(obj):
-                box.label(text=line, translate=False)
+        collection = output_of_active(context)
+        layout: Any = self.layout
+        for found in outputs_of_active(context):
+            result.draw(layout, found)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
         if ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
-        motion.draw_live(column, NOTE_WIDTH)
+        motion.draw_live(column, result.NOTE_WIDTH)
 
 
 class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
@@ -231,23 +225,7 @@ class NESTEDCAGES_UL_levels(bpy.types.UIList):
     ) -> None:
         row = layout.row(align=True)
         row.prop(item, "kind", text="")
-        row.prop(item, {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}[item.kind], text="")
-
-
-def _in_short(obj: bpy.types.Object) -> str:
-    """The most important facts about an output object; all numbers are in the report."""
-    vertices, excess = keys.integer(obj, keys.VERTICES), keys.number(obj, keys.EXCESS)
-    parts = [] if vertices is None else [f"{vertices} vertices"]
-    if excess is not None:
-        parts.append(f"{100.0 * excess:.3g} % larger")
-    return ", ".join(parts)
-
-
-def _notes(obj: bpy.types.Object) -> list[str]:
-    """Lines of the notes about an output object."""
-    method, _, _ = keys.text(obj, keys.LINK).partition(",")
-    sentences = [f"Follows by {method}" if method else "", keys.text(obj, keys.CHECK), keys.text(obj, keys.NOTES)]
-    return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
+        row.prop(item, VALUES[item.kind], text="")
 
 
 def _said_of_levels(context: bpy.types.Context, settings: NestedCagesSettings) -> list[str]:
@@ -255,16 +233,12 @@ def _said_of_levels(context: bpy.types.Context, settings: NestedCagesSettings) -
     active = context.view_layer.objects.active
     if active is None or active.mode != "OBJECT" or ownership.level_of(active) is not None:
         return []
-    sizes = loop_sizes(active, settings.resolution)
+    sizes, known = loop_sizes(active, settings.resolution), units.lengths(scene_of(context))
     try:
-        levels = parse_levels(settings.levels)
+        levels = parse_levels(settings.levels, known) if sum(sizes) else ()
     except UserError:
         return []
-    if not sum(sizes):
-        return []
-    return [f"{level:g} % = {count_of(level, sizes)} vertices" for level in levels if isinstance(level, float)] or [
-        f"of {sum(sizes)} vertices"
-    ]
+    return meanings(levels, sizes, active.dimensions.length, next(iter(known.items()))) if levels else []
 
 
 def _draw_binding(layout: bpy.types.UILayout, collection: bpy.types.Collection | None) -> None:

@@ -142,8 +142,13 @@ class _Search:
         yield from self.builder.progress.begin("decimation")
         loops = range(len(self.fine.loops))
         self.bound = sum(fewest_links(self.fine, k, distance, strictly) for k in loops)
+        for around, room in self._rooms(distance):
+            yield from self._try_walks_around(around, room)
+
+    def _try_walks_around(self, around: Mesh, room: float) -> Stage[Progress, None]:
+        """Polygons of longest links within so much room around a mesh."""
         for share in SHARES:
-            polygons = [walks(self.fine, k, share * distance, self.builder.clearances[0]) for k in loops]
+            polygons = [walks(around, k, share * room, self.builder.clearances[0]) for k in range(len(around.loops))]
             tried = 0
             for number in range(min(MAX_TESTED, *map(len, polygons))):
                 if tried == MAX_POLYGONS or self.count <= self.bound:
@@ -155,13 +160,21 @@ class _Search:
             if self.best is not None:
                 return
 
+    def _rooms(self, distance: float) -> Iterator[tuple[Mesh, float]]:
+        """Meshes to walk around, and how far: what is within the rest around the mesh inside is within the distance."""
+        yield self.fine, distance
+        if self.inner is not self.fine and self.inner.has_loops_like(self.fine):
+            rest = distance - reach(self.inner, self.fine)
+            if rest > 0.0:
+                yield self.inner, rest
+
     def try_counts(self) -> Stage[Progress, None]:
         """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
         least, most = self.bound, len(self.inner.vertices)
         low = least - 1
-        if self.best is None:
+        if self.best is None or self.inner is not self.fine:
             count = min(least, most)
-            while not (yield from self._try(count)):
+            while count < self.count and not (yield from self._try(count)):
                 low = count
                 if count == most:
                     return

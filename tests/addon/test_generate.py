@@ -8,6 +8,8 @@ import pytest
 
 from drawings import circle, poly_curve, star
 
+UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
+
 
 @pytest.mark.parametrize(
     ("text", "levels"),
@@ -15,21 +17,28 @@ from drawings import circle, poly_curve, star
         ("64, 24", (64, 24)),
         ("64 24", (64, 24)),
         (" 64;24 ", (64, 24)),
-        ("10%", (10.0,)),
-        ("12.5 %, 5%", (12.5, 5.0)),
-        ("64, 5%", (64, 5.0)),
+        ("64, *", (64, "*")),
         ("7", (7,)),
         ("64,, 24,", (64, 24)),
     ],
 )
-def test_levels_are_counts_or_percentages(addon, text, levels) -> None:
-    assert addon.generation.levels.parse_levels(text) == levels
+def test_levels_are_counts_or_own_objects(addon, text, levels) -> None:
+    assert addon.generation.levels.parse_levels(text, UNITS) == levels
 
 
-@pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3"])
+def test_levels_are_percentages_distances_and_excesses(addon, core) -> None:
+    found = addon.generation.levels.parse_levels("12.5 %, 5 mm 2u;+25%", UNITS)
+    within = core.Within
+    assert found == (
+        core.hierarchy.Share(0.125), within(distance=0.005), within(distance=2.0), within(excess=0.25)
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["", "  ", "x", "64, x", "-3", "1.5", "%", ",", "1e3", "0", "120%", "2 px", "+2m"])
 def test_other_texts_are_refused(addon, text) -> None:
-    with pytest.raises(addon.errors.UserError, match="Levels are vertex counts such as 64, 24"):
-        addon.generation.levels.parse_levels(text)
+    kinds = r"a whole number of at least 1, a percentage such as 8%, a distance such as 2m, an excess such as \+25%"
+    with pytest.raises(addon.errors.UserError, match=rf"A level is {kinds}, or \* for an object of your own;"):
+        addon.generation.levels.parse_levels(text, UNITS)
 
 
 def request(addon, loops, name="Drawing"):
@@ -40,25 +49,26 @@ def request(addon, loops, name="Drawing"):
 
 @pytest.mark.parametrize(
     ("levels", "counts"),
-    [((24, 9), (24, 9)), ((50.0, 10.0), (30, 8)), ((1.0,), (8,)), ((100.0, 60), (60, 60)), ((5,), (6,))],
+    [("24, 9", (24, 9)), ("50%, 10%", (30, 8)), ("1%", (8,)), ("100%, 60", (60, 60)), ("5", (6,))],
 )
 def test_percentages_are_of_the_drawing_and_leave_enough_vertices_per_loop(addon, levels, counts) -> None:
     fine = request(addon, [circle(48), circle(12, 0.3)]).fine.mesh()
-    found = addon.generation.levels.wanted_levels(levels, fine, (), "Drawing")
+    asked = addon.generation.levels.parse_levels(levels, UNITS)
+    found = addon.generation.levels.wanted_levels(asked, fine, (), "Drawing")
     assert tuple(wanted.level for wanted in found) == counts
 
 
 @pytest.mark.parametrize(
     ("levels", "counts", "note"),
     [
-        ((61,), [60], "61 vertices were asked for, but the mesh inside has 60"),
-        ((20, 21), [20, 20], "21 vertices were asked for, but the mesh inside has 20"),
-        ((5,), [6], "A level of 5 is too small: its 2 loops need 6 vertices"),
-        ((1.0,), [8], "1 % of 60 vertices is too few: its 2 loops need 8 for a close fit"),
+        ("61", [60], "61 vertices were asked for, but the mesh inside has 60"),
+        ("20, 21", [20, 20], "21 vertices were asked for, but the mesh inside has 20"),
+        ("5", [6], "A level of 5 is too small: its 2 loops need 6 vertices"),
+        ("1%", [8], "1 % of 60 vertices is too few: its 2 loops need 8 for a close fit"),
     ],
 )
 def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, counts, note) -> None:
-    options = addon.generation.generate.Options(levels=levels)
+    options = addon.generation.generate.Options(levels=addon.generation.levels.parse_levels(levels, UNITS))
     generation = addon.generation.generate.Generation([request(addon, [circle(48), circle(12, 0.3)])], options)
     for _ in generation:
         pass
@@ -134,5 +144,5 @@ def test_steps_that_rounding_spoils_count_as_flow(addon, core) -> None:
     sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
     fine_steps = (circle(48)[None] * sizes[:, None, None]).astype(np.float32)
     cage_steps = np.repeat(circle(8)[None], len(sizes), axis=0).astype(np.float32)
-    assert generation._inside_from(cage, fine, cage_steps, fine_steps, 0) == 2
-    assert generation._inside_from(cage, fine, cage_steps, fine_steps, 3) == 3
+    assert generation._nested_from(cage, fine, cage_steps, fine_steps, 0) == 2
+    assert generation._nested_from(cage, fine, cage_steps, fine_steps, 3) == 3

@@ -15,7 +15,7 @@ def settings():
 
 
 def shown(settings):
-    values = {"COUNT": "count", "PERCENT": "percent", "OBJECT": "own"}
+    values = {"COUNT": "count", "PERCENT": "percent", "DISTANCE": "distance", "EXCESS": "excess", "OBJECT": "own"}
     return [(level.kind, getattr(level, values[level.kind])) for level in settings.level_list]
 
 
@@ -55,6 +55,28 @@ def test_the_list_writes_the_text(settings) -> None:
     assert (settings.levels, settings.level_objects, settings.level_index) == ("33.3%, 7", "", 1)
     bpy.ops.scene.nested_cages_level_remove()
     assert not bpy.ops.scene.nested_cages_level_remove.poll()
+
+
+def test_distances_and_excesses_in_the_list(settings) -> None:
+    settings.levels = "64, 5 mm, 2u + 12.5 %"
+    assert shown(settings) == [
+        ("COUNT", 64), ("DISTANCE", pytest.approx(0.005)), ("DISTANCE", 2.0), ("EXCESS", 12.5)
+    ]  # fmt: skip
+    settings.level_list[0].kind = "EXCESS"
+    settings.level_list[0].excess = 5.0
+    settings.level_index = 3
+    bpy.ops.scene.nested_cages_level_add()
+    assert settings.levels == "+5%, 0.005m, 2m, +12.5%, +25%"
+    unit = bpy.context.scene.unit_settings
+    unit.scale_length = 0.001  # a unit is a millimetre
+    settings.level_list[2].distance = 3.0
+    assert settings.levels == "+5%, 5e-06m, 0.003m, +12.5%, +25%"
+    unit.system = "NONE"
+    settings.level_list[1].distance = 0.25
+    assert settings.levels == "+5%, 0.25u, 3u, +12.5%, +25%"
+    unit.system, unit.scale_length = "IMPERIAL", 1.0
+    settings.levels = "1 ft, 2 in"
+    assert shown(settings) == [("DISTANCE", pytest.approx(0.3048)), ("DISTANCE", pytest.approx(0.0508))]
 
 
 def test_the_list_follows_objects_that_are_renamed(addon, settings) -> None:

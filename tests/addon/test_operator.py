@@ -532,7 +532,7 @@ REFUSALS = {
     "no edges": (lambda: add("Empty", bpy.data.meshes.new("Empty")), {}, "'Empty' has no outline"),
     "closed surface": (lambda: bpy.ops.mesh.primitive_cube_add(), {}, "'Cube' is a solid"),
     "crossing loops": (lambda: poly_curve("Two", [circle(20), circle(20, 1.0, (1.0, 0.0))]), {}, "'Two': "),
-    "no number": (lambda: poly_curve("Drawing", [star()]), {"levels": "many"}, "Levels are vertex counts"),
+    "no number": (lambda: poly_curve("Drawing", [star()]), {"levels": "many"}, "A level is a whole number"),
     "no levels selected": (
         lambda: poly_curve("Drawing", [star()]), {"use_selected_as_levels": True}, "'Selected as Levels' needs"
     ),

@@ -1,0 +1,55 @@
+"""Distances and excesses: asked for with room for Blender's rounding, and measured as stored."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..core import core
+from ..errors import UserError
+
+
+def stricter(level: int | core.Mesh | core.Within, slack: float) -> int | core.Mesh | core.Within:
+    """What to ask for so that points may move by a slack, in the drawing's units. Raises: UserError if that is all."""
+    if not isinstance(level, core.Within) or level.of is None:
+        return level
+    if level.distance is not None:
+        if level.distance <= slack:
+            raise UserError(f"A distance must be more than {slack:.3g}, what Blender's single precision can tell apart")
+        return replace(level, distance=level.distance - slack)
+    boundary = float(np.hypot(*(level.of.edge_ends - level.of.vertices).T).sum())
+    excess = level.limit - slack * boundary / level.of.area
+    if excess <= 0.0:
+        raise UserError("An excess so small is less than Blender's single precision can tell apart: ask for more")
+    return replace(level, excess=excess)
+
+
+def missed(level: int | core.Mesh | core.Within, cage: core.Mesh) -> str:
+    """Why a cage is not what was asked for; empty if it is."""
+    if not isinstance(level, core.Within) or level.of is None or level.is_met(cage, level.of):
+        return ""
+    return (
+        "the cage is not within what was asked for in Blender's single precision; move the drawing closer to its "
+        "object's origin, or ask for more"
+    )
+
+
+def sentence(level: int | core.Mesh | core.Within, cage: core.Mesh, clearance: float, scale: float) -> str:
+    """What the cage takes of a distance or an excess, and how few vertices there can be; empty for other levels.
+
+    clearance: what every cage keeps, in the drawing's units. scale: the scene's length of such a unit.
+    """
+    if not isinstance(level, core.Within) or level.of is None:
+        return ""
+    count, taken = len(cage.vertices), level.measured(cage, level.of)
+    if level.distance is None:
+        return (
+            f"{count} vertices, the fewest found within {100.0 * level.limit:.4g} % more area: {100.0 * taken:.4g} %."
+        )
+    fewest_links = core.decimation.minimal_nested.fewest_links
+    least = sum(fewest_links(level.of, k, level.distance, clearance) for k in range(len(level.of.loops)))
+    return (
+        f"{count} vertices, the fewest found within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}; no "
+        f"cage within it has fewer than {least}."
+    )

@@ -1,0 +1,41 @@
+"""What the sidebar says of an output: each object in short, with notes."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+from .. import keys
+from ..scene import ownership
+
+# Letters per line of a note: fits into the sidebar at its default width.
+NOTE_WIDTH = 36
+
+
+def draw(layout: bpy.types.UILayout, collection: bpy.types.Collection) -> None:
+    """The drawing and its cages, with what is known of them."""
+    layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
+    for obj in ownership.members(collection):
+        box = layout.box().column(align=True)
+        box.label(text=obj.name, icon="MOD_MESHDEFORM" if ownership.level_of(obj) else "MESH_DATA", translate=False)
+        box.label(text=_in_short(obj), translate=False)
+        for line in _notes(obj):
+            box.label(text=line, translate=False)
+
+
+def _in_short(obj: bpy.types.Object) -> str:
+    """The most important facts about an output object; all numbers are in the report."""
+    vertices, excess = keys.integer(obj, keys.VERTICES), keys.number(obj, keys.EXCESS)
+    parts = [] if vertices is None else [f"{vertices} vertices"]
+    if excess is not None:
+        parts.append(f"{100.0 * abs(excess):.3g} % {'smaller' if excess < 0.0 else 'larger'}")
+    return ", ".join(parts)
+
+
+def _notes(obj: bpy.types.Object) -> list[str]:
+    """Lines of the notes about an output object."""
+    method, _, _ = keys.text(obj, keys.LINK).partition(",")
+    follows = f"Follows by {method}" if method else ""
+    sentences = [follows, *(keys.text(obj, key) for key in (keys.CHECK, keys.NEED, keys.NOTES))]
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
