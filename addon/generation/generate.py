@@ -67,7 +67,8 @@ class Request:
 @dataclass(frozen=True)
 class CageLevel:
     """One level as Blender stores it: `fine_steps` (S, n, 2) and `cage_steps` (S, m, 2), float32, of flow (up to index
-    `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result. `need`: a sentence on the distance or the excess that was asked for.
+    `flow_end`), reinflation and tightening (from index `tightening`); the last ones are the result. `need`: a sentence
+    on the distance or the excess that was asked for.
     """
 
     fine_edges: NDArray[np.int64]

@@ -78,8 +78,8 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
 
 def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Chain:
-    """The objects with the originals of the fine mesh among them, if they are visible too: not while the animation plays
-    on a copy, nor if they cannot follow exactly.
+    """The objects with the originals of the fine mesh among them, if they are visible too: not while the animation
+    plays on a copy, nor if they cannot follow exactly.
     """
     fine = next((obj for obj in objects if ownership.level_of(obj) == 0), None)
     collection = ownership.collection_about(scene_of(context), fine) if fine is not None else None
