@@ -165,7 +165,8 @@ class Generation:
         total = sum(len(levels) for _, _, levels in self._plans)
         done, reached = 0, 0.0
         for request, fine, levels in self._plans:
-            key = key_of(fine, levels, self._clearances(request, fine), self.options)
+            choices = {"inside": self.options.inside, **vars(self.options.methods)}
+            key = key_of(fine, levels, self._clearances(request, fine), choices)
             known = known_levels.get(key)
             if known is None:
                 finished: list[CageLevel] = []

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Generic, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from ..core import core
 from .levels import Wanted
-
-if TYPE_CHECKING:
-    from .generate import Options
 
 Value = TypeVar("Value")
 
@@ -45,11 +42,12 @@ class Memory(Generic[Value]):
         self._values.clear()
 
 
-def key_of(fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], options: Options) -> str:
+def key_of(
+    fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], choices: Mapping[str, object]
+) -> str:
     """Everything that a result depends on, exactly."""
-    methods = vars(options.methods).items()
-    chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in methods]
-    found = hashlib.sha256(repr((tuple(clearances), options.inside, chosen)).encode())
+    chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in choices.items()]
+    found = hashlib.sha256(repr((tuple(clearances), chosen)).encode())
     for part in (fine, *(wanted.level for wanted in levels)):
         if isinstance(part, core.Mesh):
             found.update(np.ascontiguousarray(part.vertices).tobytes())
