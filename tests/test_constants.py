@@ -1,7 +1,4 @@
-"""Every number with a name says what it is for, and next to each other no two constants share a name.
-
-A published method may name its constants as its paper does, whatever the names elsewhere.
-"""
+"""Every number with a name says what it is for, and in each room a name stands for one constant."""
 
 from __future__ import annotations
 
@@ -47,7 +44,13 @@ def _target(statement: ast.stmt) -> ast.expr | None:
 
 
 def _has_number(value: ast.expr) -> bool:
-    return any(isinstance(node, ast.Constant) and type(node.value) in (int, float) for node in ast.walk(value))
+    """Whether a value is a number, or made of numbers; those that are indices of something do not count."""
+    nodes = list(ast.walk(value))
+    indices = {id(part) for node in nodes if isinstance(node, ast.Subscript) for part in ast.walk(node.slice)}
+    return any(
+        isinstance(node, ast.Constant) and type(node.value) in (int, float) and id(node) not in indices
+        for node in nodes
+    )
 
 
 def _has_string_after(body: list[ast.stmt], number: int) -> bool:
@@ -85,22 +88,18 @@ def ambiguous(sources: Mapping[str, str]) -> list[str]:
     return [f"{name}: {', '.join(c.where for c in found)}" for name, found in places.items() if len(found) > 1]
 
 
-PUBLISHED = "nestedcages_core/published/"
-
-
-def sources(room: str) -> dict[str, str]:
-    files = sorted((ROOT / room).rglob("*.py"))
+def sources(folder: str) -> dict[str, str]:
+    files = sorted((ROOT / folder).rglob("*.py"))
     return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
 
 
-def neighbours() -> Iterator[dict[str, str]]:
-    """The add-on, the core without the published methods, and each of these by itself."""
-    core = sources("nestedcages_core")
-    yield sources("addon")
-    yield {where: source for where, source in core.items() if not where.startswith(PUBLISHED)}
-    published = [where for where in core if where.startswith(PUBLISHED)]
-    for paper in sorted({where.removeprefix(PUBLISHED).split("/")[0] for where in published}):
-        yield {where: core[where] for where in published if where.startswith(PUBLISHED + paper)}
+def rooms() -> Iterator[dict[str, str]]:
+    """The files of each room. Each published method is a room, since it names its constants as its paper does."""
+    found: defaultdict[str, dict[str, str]] = defaultdict(dict)
+    for where, source in (sources("nestedcages_core") | sources("addon")).items():
+        folders = where.split("/")[:-1]
+        found["/".join(folders[: 3 if "published" in folders else 2])][where] = source
+    yield from found.values()
 
 
 def test_every_constant_says_what_it_is_for() -> None:
@@ -108,7 +107,7 @@ def test_every_constant_says_what_it_is_for() -> None:
 
 
 def test_a_name_stands_for_one_constant() -> None:
-    assert [found for room in neighbours() for found in ambiguous(room)] == []
+    assert [found for room in rooms() for found in ambiguous(room)] == []
 
 
 def test_a_number_without_a_word_is_found() -> None:

@@ -30,7 +30,7 @@ def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 
     for result in results:
         source = result.poses.drawing.source
         if source is None:
-            raise UserError(f"'{result.poses.drawing.name}' was deleted meanwhile, so its cages were dropped")
+            raise UserError(f"'{result.poses.drawing.name}' was deleted meanwhile, so its cages were discarded")
         earlier = ownership.collection_of(scene, source)
         if earlier is not None and ownership.is_bound(earlier):
             raise UserError(f"'{earlier.name}' is bound to its cages, which move it: unbind it first")
@@ -100,7 +100,7 @@ def write_still(scene: bpy.types.Scene, result: Result) -> None:
     """Writes the finished cages of a drawing in its object's space, without animation. Raises: UserError."""
     source = result.drawing.source
     if source is None:
-        raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were dropped")
+        raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
     levels = [
         replace(level, fine_steps=level.fine_steps[-1:], cage_steps=level.cage_steps[-1:], flow_end=0, tightening=0)
         for level in result.levels

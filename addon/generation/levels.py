@@ -46,7 +46,7 @@ def counted(level: int | core.hierarchy.Share, fine: core.Mesh) -> Wanted:
     loops = "an outline needs" if len(sizes) == 1 else f"its {len(sizes)} loops need"
     if isinstance(level, int):
         least = 3 * len(sizes)
-        note = f"A level of {level} is too small: {loops} {least} vertices, and so many are used."
+        note = f"A level of {level} is too small: {loops} {least} vertices, and that many are used."
         return Wanted(level) if level >= least else Wanted(least, (note,))
     count, share = level.of(sizes), 100.0 * level.fraction
     note = f"{share:g} % of {total} vertices is too few: {loops} {count} for a close fit, and so many are used."

@@ -78,7 +78,7 @@ def outline(
     name = objects[0].name
     if not areas:
         raise UserError(f"'{name}' is seen from the side: choose another plane")
-    yield Progress(0.5, "uniting what is painted")
+    yield Progress(0.5, "uniting painted areas")
     loops = united(name, areas)
     if options.gap > 0.0:
         loops = _changed(name, core.exchange.joined(core.Mesh.from_loops(loops), options.gap / frame.scale))

@@ -23,7 +23,7 @@ class OBJECT_OT_nested_cages_select_fault(Reporting, bpy.types.Operator):
     def unavailable(cls, context: bpy.types.Context) -> str:
         fault = last_fault()
         if fault is None:
-            return "No message so far has named a place"
+            return "No message has named a place yet"
         obj = found_object(fault.identity)
         if obj is None or obj.name not in context.view_layer.objects:
             return "The object of the last message is gone"

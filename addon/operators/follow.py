@@ -98,7 +98,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
             results.append(result)
         after = bpy.data.scenes.get(name)
         if after is None:
-            raise UserError("The scene of the drawing is gone, so its cages were dropped")
+            raise UserError("The scene of the drawing is gone, so its cages were discarded")
         for sentence in writing.write(after, results, self.thickness):
             self.report({"WARNING"}, sentence)
         self._tell(results)

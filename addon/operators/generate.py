@@ -59,7 +59,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         problems += generation.problems
         scene = bpy.data.scenes.get(name)
         if scene is None:
-            raise UserError("The scene of the drawing is gone, so its cages were dropped")
+            raise UserError("The scene of the drawing is gone, so its cages were discarded")
         done = self._write(scene, generation.results)
         self._tell_skipped(problems)
         return done
@@ -70,9 +70,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         for problem in problems:
             self.report({"WARNING"}, f"Skipped: {problem}")
         if problems:
-            self.report(
-                {"WARNING"}, f"{counted(len(problems), 'drawing')} skipped, see the Info editor; the rest is made"
-            )
+            self.report({"WARNING"}, f"{counted(len(problems), 'drawing')} skipped, see the Info editor")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
@@ -84,7 +82,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         """Puts the results into the scene. Raises: UserError."""
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
         if gone is not None:
-            raise UserError(f"'{gone}' was deleted meanwhile, so its cages were dropped")
+            raise UserError(f"'{gone}' was deleted meanwhile, so its cages were discarded")
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode only covers the edited mesh.
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -119,7 +117,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
                 with unmoved(ownership.members(collection)):
                     completed(binding.bind(bpy.context, collection, method))
             except UserError as error:
-                self.report({"WARNING"}, f"Not bound again, and poses were dropped: {error}")
+                self.report({"WARNING"}, f"Not bound again, and poses were lost: {error}")
 
 
 class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):

@@ -22,7 +22,7 @@ class OBJECT_OT_nested_cages_live(Reporting, bpy.types.Operator):
     bl_label = "Live"
     bl_description = (
         "Let the cages of the active object follow the edits of its drawing, in any mode, until it is switched off or "
-        "another file is opened. Removes the animation of how the cages came about"
+        "another file is opened. Removes the animation of how the cages form"
     )
     bl_options = {"REGISTER", "UNDO"}
 

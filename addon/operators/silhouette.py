@@ -68,7 +68,7 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         loops = yield from silhouette.outline(context, objects, frame, options)
         first = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
         if first is None:
-            raise UserError("The active object was deleted meanwhile, so its silhouette was dropped")
+            raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
         made = silhouette.place(context, first, frame, loops)
         select(context, made)
         self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {len(loops)} loops")

@@ -120,7 +120,7 @@ def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Obje
             continue
         if bake.is_animated(collection):
             raise UserError(
-                f"'{collection.name}' plays how its cages came about, and there they are crossed on purpose: "
+                f"'{collection.name}' plays how its cages form, which the drawing crosses on purpose: "
                 "bind the drawing or remove the animation first, or check single frames"
             )
 

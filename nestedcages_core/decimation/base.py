@@ -63,14 +63,16 @@ def clamped(count: int, fine: Mesh) -> tuple[int, tuple[str, ...]]:
     available = len(fine.vertices)
     if count <= available:
         return count, ()
-    return available, (f"{count} vertices were asked for, but the mesh inside has {available}: so has the cage.",)
+    return available, (
+        f"{count} vertices were asked for, but the mesh inside has {available}: so the cage has as many.",
+    )
 
 
 def shared_anew(count: Count, coarse: Mesh) -> tuple[str, ...]:
     """A note if the numbers of vertices per loop of a coarse mesh differ from the request."""
     if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
         return ()
-    return ("The vertices per loop of the coarse mesh do not fit the mesh inside: their sum is shared out anew.",)
+    return ("The vertices per loop of the coarse mesh do not fit the mesh inside: their total is distributed anew.",)
 
 
 @dataclass(frozen=True)

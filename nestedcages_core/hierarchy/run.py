@@ -153,7 +153,9 @@ def _enclosed(about: Mesh, inner: Mesh, index: int) -> Mesh:
     """The mesh that a level is to stay near, which the mesh inside the level encloses or is. Raises NestingError."""
     same = np.array_equal(about.vertices, inner.vertices) and np.array_equal(about.edges, inner.edges)
     if not same and not verify(inner, about, same_loops=False):
-        raise NestingError(f"Level {index + 1}: the mesh that Within(of=...) names is not inside of what is enclosed.")
+        raise NestingError(
+            f"Level {index + 1}: the mesh that Within(of=...) names does not lie inside the enclosed mesh."
+        )
     return about
 
 

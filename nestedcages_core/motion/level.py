@@ -137,7 +137,7 @@ class LevelMotion:
                 f"The cage cannot follow to pose {pose.number}: the drawing blocks its way, and no cage with the same "
                 "vertices was found there; give more poses before it, or use more cage vertices."
             ) from error
-        self.notes.append(f"The way to pose {pose.number} is blocked: its cage was made anew.")
+        self.notes.append(f"The way to pose {pose.number} is blocked: a new cage was made there.")
         return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:

@@ -238,7 +238,7 @@ def test_a_drawing_that_is_deleted_meanwhile_ends_in_a_sentence(addon, modal) ->
     while outcome == {"PASS_THROUGH"}:
         outcome = operator.modal(context, TIMER)
     assert outcome == {"CANCELLED"}
-    assert modal.log[-1] == ("ERROR", "'Drawing' was deleted meanwhile, so its cages were dropped")
+    assert modal.log[-1] == ("ERROR", "'Drawing' was deleted meanwhile, so its cages were discarded")
     assert not bpy.data.objects and addon.generation.job.running() is None
 
 

@@ -199,7 +199,7 @@ def test_a_frame_that_cannot_be_read_is_named(addon) -> None:
 def test_steps_that_cross_on_purpose_are_no_fault(cages) -> None:
     scene = bpy.context.scene
     before = scene.frame_current
-    with pytest.raises(RuntimeError, match="'Drawing Cages' plays how its cages came about"):
+    with pytest.raises(RuntimeError, match="'Drawing Cages' plays how its cages form"):
         bpy.ops.object.nested_cages_verify(whole=True)
     assert scene.frame_current == before
     bpy.ops.object.nested_cages_remove_animation()

@@ -34,7 +34,7 @@ def test_clamping_is_noted() -> None:
     assert clamped(16, fine) == (16, ())
     count, (note,) = clamped(64, fine)
     assert count == 16
-    assert note == "64 vertices were asked for, but the mesh inside has 16: so has the cage."
+    assert note == "64 vertices were asked for, but the mesh inside has 16: so the cage has as many."
 
 
 @pytest.mark.parametrize("levels", [[64], [64, 500], [12, 16]])
@@ -63,7 +63,7 @@ def test_numbers_per_loop_that_do_not_fit_are_shared_out_anew() -> None:
     assert sum(sizes) == 60
     assert sizes != wanted
     assert_nested(coarse, fine)
-    assert "shared out anew" in shared_anew(wanted, coarse)[0]
+    assert "distributed anew" in shared_anew(wanted, coarse)[0]
     assert shared_anew(sizes, coarse) == shared_anew(60, coarse) == ()
 
 
