@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -14,7 +15,7 @@ from ..animation import visibility
 from ..core import core, triangulation
 from ..errors import UserError
 from ..scene import convert, display, filling, ownership, strokes
-from ..scene.plane import PLANARITY, size
+from ..scene.plane import PLANARITY, Frame, size
 
 # Radius of strokes, as a fraction of the size.
 STROKE_RADIUS = 0.004
@@ -65,13 +66,18 @@ def make(
         if shape == "GREASE_PENCIL":
             strokes.set_colour(new, tuple(obj.color))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
-        standing = _standing(obj)
-        if frame.own and standing is not None:
-            ownership.copy_transform(standing, new)
-        else:
-            new.matrix_world = Matrix(frame.matrix.tolist())
+        put(new, obj, frame)
         made.append(new)
     return made
+
+
+def put(new: bpy.types.Object, obj: bpy.types.Object, frame: Frame) -> None:
+    """Gives a new object the place of one with this frame."""
+    standing = _standing(obj)
+    if frame.own and standing is not None:
+        ownership.copy_transform(standing, new)
+    else:
+        new.matrix_world = Matrix(frame.matrix.tolist())
 
 
 def _standing(obj: bpy.types.Object) -> bpy.types.Object | None:
@@ -154,36 +160,45 @@ def _seen(drawing: convert.Drawing) -> list[int]:
     return [axis for axis in range(3) if axis != away]
 
 
-def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, triangles: bool) -> int:
+@dataclass(frozen=True)
+class Extras:
+    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none."""
+
+    triangles: bool = False
+    pieces: int = 0
+
+
+def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, extras: Extras = Extras()) -> int:
     """Writes meshes by name, from the inside out, to a file of a kind of `WRITERS`; returns how many.
 
     flip_y: y pointing down as in pictures. Raises: UserError.
     """
     try:
-        text, count = WRITERS[kind](shapes, flip_y, triangles)
+        text, count = WRITERS[kind](shapes, flip_y, extras)
         core.exchange.write_whole(path, text)
     except (core.NestedCagesError, OSError) as error:
         raise UserError(f"'{path.name}' cannot be written: {error}") from error
     return count
 
 
-def _svg(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tuple[str, int]:
+def _svg(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:
     return core.exchange.to_svg(_turned(shapes, flip_y)), len(shapes)
 
 
-def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _triangles: bool) -> tuple[str, int]:
+def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:
     turned = _turned(shapes, flip_y)
     features = [core.exchange.Feature(mesh, {"name": name, keys.Y_DOWN: flip_y}) for name, mesh in turned.items()]
     return core.exchange.to_geojson(features), len(shapes)
 
 
-def _engine(shapes: dict[str, core.Mesh], flip_y: bool, triangles: bool) -> tuple[str, int]:
+def _engine(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
     """The last mesh only, the outermost."""
     outermost = list(shapes.values())[-1]
-    return core.exchange.to_engine_json(outermost, flip_y=0.0 if flip_y else None, triangles=triangles), 1
+    flip, pieces = 0.0 if flip_y else None, extras.pieces or None
+    return core.exchange.to_engine_json(outermost, flip_y=flip, triangles=extras.triangles, pieces=pieces), 1
 
 
-WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, bool], tuple[str, int]]] = {
+WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, Extras], tuple[str, int]]] = {
     "SVG": _svg,
     "GEOJSON": _geojson,
     "ENGINE": _engine,

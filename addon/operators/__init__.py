@@ -18,6 +18,7 @@ from . import (
     importers,
     levels,
     live,
+    pieces,
     report,
     silhouette,
 )
@@ -37,6 +38,7 @@ CLASSES = (
     *live.CLASSES,
     *importers.CLASSES,
     *exporters.CLASSES,
+    *pieces.CLASSES,
     *levels.CLASSES,
     *image_outline.CLASSES,
     *cutout.CLASSES,

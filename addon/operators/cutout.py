@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..animation import bake
@@ -23,16 +23,14 @@ from ..generation.levels import parse_levels
 from ..io import cutout
 from ..io.cutout import Canvas
 from ..io.image_outline import Picture
-from ..properties import conversion
+from ..properties import conversion, picture
+from ..properties.picture import PictureProperties
 from ..properties.settings import settings_of
 from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import found_object, scene_of, select
 from .base import DialogJobOperator, Outcome
-
-# Properties with the same names in the core.
-OPTIONS = ("padding", "threshold", "holes")
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class Part:
     shown_by: int | None
 
 
-class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
+class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Cuts pictures out and binds them."""
 
     bl_idname = "object.nested_cages_cutout"
@@ -76,22 +74,6 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
     vertices: IntProperty(
         name="Vertices", description="Vertex count of the mesh's outline", default=64, min=3, soft_max=256
     )
-    padding: FloatProperty(
-        name="Padding",
-        description="Distance in pixels between the outline and opaque pixels",
-        default=1.0,
-        min=0.0,
-        soft_max=32.0,
-    )
-    threshold: FloatProperty(
-        name="Threshold",
-        description="Opacity above which a pixel counts as opaque",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    holes: BoolProperty(name="Holes", description="Keep holes open instead of filling them", default=False)
     levels: StringProperty(
         name="Cages", description="Vertices of each cage, innermost first, such as 16 or 32, 12", default="16"
     )
@@ -108,7 +90,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
-        for name in ("vertices", *OPTIONS, "levels", "bind", "handles"):
+        for name in ("vertices", *picture.NAMES, "levels", "bind", "handles"):
             self.layout.prop(self, name)
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
@@ -118,9 +100,9 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, ImportHelper, bpy.types.O
         outlines: list[core.Mesh] = []
         requests: list[Request] = []
         for part, frame in zip(parts, frames, strict=True):
-            picture = Picture.of(part.image)
-            found = yield from picture.outline(self.vertices, **{name: getattr(self, name) for name in OPTIONS})
-            points = part.canvas.placed(np.asarray(found.vertices) / picture.size)
+            shown = Picture.of(part.image)
+            found = yield from shown.outline(self.vertices, **picture.values(self))
+            points = part.canvas.placed(np.asarray(found.vertices) / shown.size)
             drawing = Drawing(_stem(part.image), frame, tuple(points[loop] for loop in found.loops))
             outlines.append(drawing.mesh())
             requests.append(Request(drawing))

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..errors import UserError, counted
@@ -29,7 +29,7 @@ SHAPE_ITEMS = (
 FILE_ITEMS = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
     ("GEOJSON", "GeoJSON", "One feature per outline, for maps and shapely"),
-    ("ENGINE", "Collision Outline", "Polygons with holes of the outermost outline as JSON for game engines"),
+    ("ENGINE", "Collision Outline", "Polygons with holes of the coarsest outline as JSON for game engines"),
 )
 SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json"}
 
@@ -112,8 +112,18 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     )
     triangles: BoolProperty(
         name="Triangles",
-        description="Add triangles to a collision outline, for engines that need convex pieces",
+        description="Add triangles to a collision outline, for engines that need them",
         default=False,
+    )
+    pieces: IntProperty(
+        name="Convex Pieces",
+        description=(
+            "Add convex pieces of at most so many vertices to a collision outline, for engines that need these, such "
+            "as Box2D, which takes 8; 0 adds none"
+        ),
+        default=0,
+        min=0,
+        soft_max=16,
     )
 
     @property
@@ -134,7 +144,8 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
                 raise UserError("Choose a file to write")
             path = Path(bpy.path.abspath(self.filepath))
             shapes = exporters.meshes(context, chosen(context), world=self.world, scale=self.scale)
-            count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, triangles=self.triangles)
+            extras = exporters.Extras(self.triangles, max(3, self.pieces) if self.pieces else 0)
+            count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, extras=extras)
         except UserError as error:
             return self.fail(error)
         self.report({"INFO"}, f"{counted(count, 'outline')} written to {path.name}")

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import IntProperty, StringProperty
 
 from ..errors import UserError
 from ..generation.job import Work
 from ..io import image_outline
+from ..properties import picture
+from ..properties.picture import PictureProperties
 from ..scene.selection import found_object, select
 from .base import DialogJobOperator, Outcome
 
-# Properties with the same names in the core.
-OPTIONS = ("padding", "threshold", "holes")
 
-
-class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):
     """Makes an outline around the opaque pixels of an image."""
 
     bl_idname = "object.nested_cages_from_image"
@@ -29,22 +28,6 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
         default="",
     )
     vertices: IntProperty(name="Vertices", description="Vertex count of the outline", default=16, min=3, soft_max=256)
-    padding: FloatProperty(
-        name="Padding",
-        description="Distance in pixels between the outline and opaque pixels",
-        default=1.0,
-        min=0.0,
-        soft_max=32.0,
-    )
-    threshold: FloatProperty(
-        name="Threshold",
-        description="Opacity above which a pixel counts as opaque",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    holes: BoolProperty(name="Holes", description="Keep holes open instead of filling them", default=False)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -61,7 +44,7 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         self.layout.prop_search(self, "image", bpy.data, "images")
-        for name in ("vertices", *OPTIONS):
+        for name in ("vertices", *picture.NAMES):
             self.layout.prop(self, name)
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
@@ -70,11 +53,11 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, bpy.types.Operator):
             raise UserError("Choose an image: none is named, and the active object is no image empty")
         active = context.view_layer.objects.active
         shows_it = active is not None and active.type == "EMPTY" and active.data == image
-        picture, target = image_outline.Picture.of(image), active.session_uid if shows_it else None
-        mesh = yield from picture.outline(self.vertices, **{name: getattr(self, name) for name in OPTIONS})
-        obj = image_outline.place(context, picture, mesh, found_object(target))
+        shown, target = image_outline.Picture.of(image), active.session_uid if shows_it else None
+        mesh = yield from shown.outline(self.vertices, **picture.values(self))
+        obj = image_outline.place(context, shown, mesh, found_object(target))
         select(context, obj)
-        self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{picture.name}'")
+        self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{shown.name}'")
         return {"FINISHED"}
 
 

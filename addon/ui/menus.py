@@ -35,6 +35,7 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
                 "object.nested_cages_to_objects", text=f"Convert Cages to {name}", icon="OUTLINER_OB_MESH"
             )
             convert.shape = shape
+        layout.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
         layout.separator()
         layout.operator("object.nested_cages_from_image", icon="IMAGE_DATA")
         layout.operator("object.nested_cages_cutout", icon="IMAGE_PLANE")

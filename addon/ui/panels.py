@@ -185,6 +185,7 @@ class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):
             "object.nested_cages_to_objects", text="Convert Cages to Curves", icon="OUTLINER_OB_CURVE"
         ).shape = "CURVE"
         column.operator_menu_enum("object.nested_cages_to_objects", "shape", icon="OUTLINER_OB_MESH")
+        column.operator("object.nested_cages_pieces", icon="MOD_EXPLODE")
         layout.operator("object.nested_cages_export", icon="EXPORT")
 
 

@@ -1,0 +1,119 @@
+"""Convex pieces of cages as objects, for collisions: faces or prisms, and rigid bodies if wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ..core import core, triangulation
+from ..errors import UserError
+from ..scene import convert, display, filling
+from ..scene.plane import size
+from . import exporters
+
+# Kinds of rigid bodies: pieces that collide and stay, and one body per cage that falls and is as hollow as its pieces.
+PASSIVE, ACTIVE = "PASSIVE", "ACTIVE"
+
+
+@dataclass(frozen=True)
+class Tiles:
+    """The convex pieces of a cage, each the numbers of its vertices."""
+
+    drawing: convert.Drawing
+    mesh: core.Mesh
+    pieces: Sequence[Sequence[int]]
+
+
+def make(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], most: int, height: float, body: str = ""
+) -> list[list[bpy.types.Object]]:
+    """The pieces of each object as evaluated now, in a collection of their own next to it. Raises: UserError.
+
+    most: vertices of a piece. height: that of prisms, a length of the scene; 0 makes faces, and rigid bodies a fifth of
+    the outline's size high. body: `PASSIVE`, `ACTIVE` or none; an active body comes before its pieces.
+    """
+    tiles = [_tiles(convert.fine_drawing(convert.read(context, obj)), most) for obj in objects]
+    made = [_write(context, obj, each, height, body) for obj, each in zip(objects, tiles, strict=True)]
+    for group in made if body else ():
+        bodies = group[:1] if body == ACTIVE else []
+        for obj in group:
+            _add_body(obj, body, "COMPOUND" if obj in bodies else "CONVEX_HULL")
+    return made
+
+
+def _tiles(drawing: convert.Drawing, most: int) -> Tiles:
+    mesh = drawing.mesh()
+    try:
+        return Tiles(drawing, mesh, triangulation.piece_vertices(mesh, most))
+    except core.NestedCagesError as error:
+        raise UserError(f"'{drawing.name}': {error}") from error
+
+
+def _write(
+    context: bpy.types.Context, obj: bpy.types.Object, tiles: Tiles, height: float, body: str
+) -> list[bpy.types.Object]:
+    """The pieces of one object, and before them the body that they make up if it is active."""
+    frame = tiles.drawing.frame
+    points = frame.points(tiles.mesh.vertices)
+    half = 0.5 * height / frame.scale if height > 0.0 or not body else filling.HALF_HEIGHT * size(points)
+    home = bpy.data.collections.new(f"{obj.name} Pieces")
+    (obj.users_collection or [context.scene.collection])[0].children.link(home)
+    made = []
+    for number, piece in enumerate(tiles.pieces, 1):
+        name = f"{obj.name} Piece {number}"
+        new = bpy.data.objects.new(name, _data(name, points[list(piece)], half))
+        new.color = display.colour(1, number)
+        home.objects.link(new)
+        exporters.put(new, obj, frame)
+        made.append(new)
+    if body != ACTIVE:
+        return made
+    middle = Matrix.Translation((*_centroid(tiles.mesh), frame.height))  # bodies turn around their origin
+    name = f"{obj.name} Body"
+    data = filling.prism(name, points, tiles.mesh, half)
+    data.transform(middle.inverted())
+    whole = bpy.data.objects.new(name, data)
+    home.objects.link(whole)
+    whole.matrix_world = Matrix(frame.matrix.tolist()) @ middle
+    for new in made:
+        new.matrix_world = Matrix()
+        new.parent, new.matrix_parent_inverse = whole, middle.inverted()
+        new.display_type, new.hide_render = "WIRE", True
+    return [whole, *made]
+
+
+def _data(name: str, points: filling.Points, half: float) -> bpy.types.Mesh:
+    """A face with corners (k, 3), or a prism of twice this height."""
+    face, data = np.arange(len(points)), bpy.data.meshes.new(name)
+    if half > 0.0:
+        raised, after = np.array([0.0, 0.0, half]), np.roll(face, -1)
+        above = face + len(points)
+        walls = np.column_stack([face, after, after + len(points), above])
+        corners = np.concatenate([points - raised, points + raised])
+        data.from_pydata(corners.tolist(), [], [face[::-1].tolist(), above.tolist(), *walls.tolist()])
+    else:
+        data.from_pydata(points.tolist(), [], [face.tolist()])
+    data.update()
+    return data
+
+
+def _centroid(mesh: core.Mesh) -> tuple[float, float]:
+    """The centre of mass of an outline's area, without its holes."""
+    starts, ends = mesh.vertices, mesh.edge_ends
+    twice = starts[:, 0] * ends[:, 1] - starts[:, 1] * ends[:, 0]
+    x, y = (twice @ (starts + ends)) / (6.0 * mesh.area)
+    return float(x), float(y)
+
+
+def _add_body(obj: bpy.types.Object, kind: Any, shape: Any) -> None:
+    """Makes an object a rigid body, in the scene's world of these, a new one if there is none."""
+    if bpy.context.scene.rigidbody_world is None:
+        bpy.ops.rigidbody.world_add()
+    with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+        bpy.ops.rigidbody.object_add(type=kind)
+    obj.rigid_body.collision_shape = shape

@@ -1,0 +1,66 @@
+"""Convex Pieces: cages as convex polygons for collisions."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+
+from ..errors import UserError, counted
+from ..io import pieces
+from ..scene.selection import select
+from .base import Outcome
+from .exporters import OnOutlines, chosen
+
+BODY_ITEMS = (
+    ("NONE", "None", "Objects alone"),
+    (pieces.PASSIVE, "Passive", "Each piece is a rigid body with the shape of its convex hull that stays where it is"),
+    (pieces.ACTIVE, "Active", "One rigid body per cage, compounded of its pieces, that falls and is pushed"),
+)
+
+
+class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
+    """Makes convex pieces of cages."""
+
+    bl_idname = "object.nested_cages_pieces"
+    bl_label = "Convex Pieces"
+    bl_description = (
+        "Make objects that tile the selected cages, or the coarsest cage of a drawing, with convex polygons of few "
+        "vertices, for collisions"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    most: IntProperty(
+        name="Vertices",
+        description="Maximum number of vertices of a piece; Box2D takes 8",
+        default=8,
+        min=3,
+        soft_max=32,
+    )
+    height: FloatProperty(
+        name="Height",
+        description="Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
+        default=0.0,
+        min=0.0,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+    body: EnumProperty(name="Rigid Body", description="What the pieces do in a simulation", items=BODY_ITEMS)
+
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        objects = chosen(context)
+        if len(context.selected_objects) == 1:
+            objects = objects[-1:]
+        try:
+            made = pieces.make(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
+        except UserError as error:
+            return self.fail(error)
+        if self.body == pieces.ACTIVE:
+            select(context, *(group[0] for group in made))
+        else:
+            select(context, *(obj for group in made for obj in group))
+        number = sum(len(group) - (self.body == pieces.ACTIVE) for group in made)
+        self.report({"INFO"}, f"{counted(number, 'convex piece')} of at most {self.most} vertices")
+        return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_nested_cages_pieces,)

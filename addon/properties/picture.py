@@ -1,0 +1,37 @@
+"""What the operators on pictures ask for alike: how opaque pixels are outlined."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bpy.props import BoolProperty, FloatProperty
+
+
+class PictureProperties:
+    """The properties, for a class of Blender to inherit."""
+
+    padding: FloatProperty(
+        name="Padding",
+        description="Distance in pixels between the outline and opaque pixels",
+        default=1.0,
+        min=0.0,
+        soft_max=32.0,
+    )
+    threshold: FloatProperty(
+        name="Threshold",
+        description="Opacity above which a pixel counts as opaque",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    holes: BoolProperty(name="Holes", description="Keep holes open instead of filling them", default=False)
+
+
+# Their names, which are those of the core's options.
+NAMES = tuple(PictureProperties.__annotations__)
+
+
+def values(owner: PictureProperties) -> dict[str, Any]:
+    """The options for the core."""
+    return {name: getattr(owner, name) for name in NAMES}
