@@ -20,6 +20,7 @@ from ..stages import Stage, drain, mapped
 from .base import Count, Start
 from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
 from .hull_search import search_hulls
+from .importance import Importance
 from .offset import offsetting
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
@@ -52,6 +53,8 @@ class OuterHull:
     """Seed of the random weights."""
     symmetry: Symmetry | None = None
     """Symmetry of the fine mesh that the hulls have too; None: the hulls need not be symmetric."""
+    importance: Importance | None = None
+    """Where vertices matter; None: everywhere alike."""
 
     def __post_init__(self) -> None:
         check_count(self, "restarts")
@@ -118,7 +121,9 @@ class _Search:
         self.target = request.target
         self.clearance = clearance
         self.symmetry = method.symmetry
-        self.start = self._alike(without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter))
+        self.importance = method.importance
+        start = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+        self.start = self._alike(start if self.importance is None else self.importance.with_vertices(start))
         self.distance = HULL_OFFSET * self.start.diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
@@ -196,8 +201,8 @@ class _Search:
 
     def _greedy(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:
         if self.symmetry is None:
-            return ProgressiveHull(outline, weights, minimum)
-        return SymmetricHull(outline, weights, minimum, symmetry=self.symmetry)
+            return ProgressiveHull(outline, weights, minimum, self.importance)
+        return SymmetricHull(outline, weights, minimum, self.importance, symmetry=self.symmetry)
 
     def _alike(self, outline: Outline) -> Outline:
         """The outline with the symmetry, if there is one. Raises AsymmetricError."""

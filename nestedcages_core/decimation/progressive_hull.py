@@ -18,9 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, hypot, inf
 
-from ..geometry.arrays import FloatArray
 from ..geometry.predicates import orientation_sign
 from ..stages import Stage, drain
+from .importance import PIN_REACH, Importance
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue
 from .outline import Outline
@@ -79,9 +79,9 @@ class ProgressiveHull:
     """State of the greedy: the loops and a queue of moves, those of vertex v in slot 2 v, of its edge in 2 v + 1."""
 
     def __init__(
-        self, outline: Outline, weights: Weights, minimum: Sequence[int], importance: FloatArray | None = None
+        self, outline: Outline, weights: Weights, minimum: Sequence[int], importance: Importance | None = None
     ) -> None:
-        """minimum: vertices that each loop keeps, at least 3; importance: (n,) factors on the cost per vertex."""
+        """minimum: vertices that each loop keeps, at least 3; importance: weights and pins of the shape."""
         self.weights = weights
         self.minimum = list(minimum)
         self.loops = loops = LinkedLoops(outline, weights.reach)
@@ -90,8 +90,12 @@ class ProgressiveHull:
         self.factor = [exp(weights.noise * draw(0.0, 1.0)) if weights.noise else 1.0 for _ in range(loops.total)]
         if weights.loops:
             self.factor = [f * weights.loops[k] for f, k in zip(self.factor, loops.loop_of, strict=True)]
+        self.pinned: list[bool] | None = None
         if importance is not None:
-            self.factor = [f * w for f, w in zip(self.factor, importance.tolist(), strict=True)]
+            factors = importance.at(outline.vertices).tolist()
+            self.factor = [f * w for f, w in zip(self.factor, factors, strict=True)]
+            self.pinned = importance.pinned(outline).tolist()
+            self._pin_reach = PIN_REACH * importance.fine.diagonal
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
         self._blocked: set[tuple[float, ...]] = set()
         self._consider_all()
@@ -148,6 +152,8 @@ class ProgressiveHull:
         self.queue.renew(2 * b)
         X, Y = loops.x, loops.y
         a, c = loops.previous[b], loops.next[b]
+        if self.pinned is not None and self.pinned[b]:
+            return
         ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
         ux, uy, wx, wy = bx - ax, by - ay, cx - bx, cy - by
         turn = ux * wy - uy * wx
@@ -161,6 +167,8 @@ class ProgressiveHull:
         fx, fy, gx, gy = ax - X[z], ay - Y[z], cx - X[d], cy - Y[d]
         turn_a, turn_c, den = fx * uy - fy * ux, wy * gx - wx * gy, fx * gy - fy * gx
         if turn_a < 0.0 or turn_c < 0.0 or abs(den) < SMALLEST_DIVISOR:
+            return
+        if self.pinned is not None and (self.pinned[a] or self.pinned[c]):
             return
         for ratio in PIVOT_RATIOS if size <= PIVOT_RATIO_LOOP else PIVOT_RATIOS[:1]:
             # (a + s f) + ratio (c + t g) = (1 + ratio) b
@@ -194,10 +202,18 @@ class ProgressiveHull:
         s, t = turn_c / den, -turn_b / den  # b + s u = c + t q
         nearer_b = abs(s) * (abs(ux) + abs(uy)) <= abs(t) * (abs(qx) + abs(qy))
         x, y = (bx + s * ux, by + s * uy) if nearer_b else (cx + t * qx, cy + t * qy)
+        if self.pinned is not None and self._unpins(b, c, x, y):
+            return
         if self._within_reach(x, y):
             area = 0.5 * abs(s * turn_b)
             height_squared = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
             self.queue.push(2 * b + 1, self.factor[b] * (weight * area + weights.spike * height_squared), x, y)
+
+    def _unpins(self, b: int, c: int, x: float, y: float) -> bool:
+        """Whether replacing both ends of an edge by a new vertex leaves the place of a pin, or joins two."""
+        assert self.pinned is not None
+        X, Y, held = self.loops.x, self.loops.y, [v for v in (b, c) if self.pinned[v]]
+        return len(held) == 2 or any(hypot(x - X[v], y - Y[v]) > self._pin_reach for v in held)
 
     def _within_reach(self, x: float, y: float) -> bool:
         x, y = x - self.loops.centre[0], y - self.loops.centre[1]
@@ -247,6 +263,8 @@ class ProgressiveHull:
             self._blocked.add(move)
             return
         loops.last[b] = loops.last[c]
+        if self.pinned is not None:
+            self.pinned[b] |= self.pinned[c]
         self._discard(c)
         loops.remove(c, (b, px, py))
         self._consider_around(loops.previous[a], loops.next[d])

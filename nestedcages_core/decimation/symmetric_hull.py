@@ -17,6 +17,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.symmetry import Orbits, Symmetry
 from ..geometry.vectors import norm
 from ..stages import Stage
+from .importance import Importance
 from .outline import Outline
 from .progressive_hull import MAX_REACH_ROUNDS, PAUSE, REACH_GROWTH, ProgressiveHull, Weights
 
@@ -81,7 +82,7 @@ class SymmetricHull(ProgressiveHull):
         outline: Outline,
         weights: Weights,
         minimum: Sequence[int],
-        importance: FloatArray | None = None,
+        importance: Importance | None = None,
         *,
         symmetry: Symmetry,
     ) -> None:
@@ -201,6 +202,7 @@ class _Snapshot:
             (v, loops.x[v], loops.y[v], loops.next[v], loops.previous[v], loops.first[v], loops.last[v])
             for v in self.window
         ]
+        self.pinned = None if hull.pinned is None else [hull.pinned[v] for v in self.window]
 
     def restore(self) -> None:
         """Undo the move."""
@@ -212,6 +214,9 @@ class _Snapshot:
             loops.x[v], loops.y[v], loops.next[v], loops.previous[v] = x, y, after, before
             loops.first[v], loops.last[v], loops.alive[v] = first, last, True
         loops.total, loops.sizes[self.loop], loops.entrance[self.loop] = self.whole
+        if self.pinned is not None and self.hull.pinned is not None:
+            for v, held in zip(self.window, self.pinned, strict=True):
+                self.hull.pinned[v] = held
         for v in self.window:
             loops.grid.insert(v, loops.x[v], loops.y[v], loops.x[loops.next[v]], loops.y[loops.next[v]])
         for v in self.window:

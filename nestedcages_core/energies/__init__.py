@@ -9,9 +9,12 @@ from .blocks import Blocks
 from .displacement import InitialDisplacement, StepDisplacement
 from .element_energy import ElementEnergy
 from .inwards import inwards
+from .limits import sharp_angles, short_edges
 from .no_energy import NoEnergy
 from .shape_keeping import ShapeKeeping
-from .weighted_sum import WeightedSum
+from .springs import Springs
+from .weighted_area import WeightedArea
+from .weighted_sum import BoundSum, WeightedSum
 
 __all__ = [  # noqa: RUF022 - in the order of explanation
     "Energy",  # what is chosen: the energy of a cage, once its rest shape is known
@@ -25,6 +28,11 @@ __all__ = [  # noqa: RUF022 - in the order of explanation
     "StepDisplacement",  # distance from the previous step
     "NoEnergy",  # zero: the cage moves only where it is pushed
     "WeightedSum",  # several of them
+    "BoundSum",  # the same for one cage
+    "WeightedArea",  # the excess, weighted along the fine mesh
+    "Springs",  # vertices that are held at their places
+    "short_edges",  # a penalty for edges shorter than a length
+    "sharp_angles",  # a penalty for angles sharper than an angle
     "ElementEnergy",  # any formula per vertex, edge or turn, by automatic differentiation
     "inwards",  # an energy for cages inside the fine mesh
     "signed_area",  # area enclosed by oriented loops

@@ -22,6 +22,7 @@ from ..stages import Stage
 from ..verification import Certificate, verify
 from ..verification.motion import certifying
 from .early_stop import EarlyStop
+from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
@@ -39,7 +40,7 @@ class _Tightened:
     steps: tuple[FloatArray, ...]
     """(m, 2) each."""
     lost: float
-    """Area between fine mesh and cage."""
+    """Area between fine mesh and cage, or the energy with priorities."""
     iterations: int
     systems: int
     alike: Alike | None
@@ -53,7 +54,15 @@ class InnerLevelBuilder:
     region, so hull and solvers push it away from the fine mesh as they do with an outer cage.
     """
 
-    def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
+    def __init__(
+        self,
+        fine: Mesh,
+        clearances: tuple[float, ...],
+        settings: Settings,
+        progress: LevelProgress,
+        priorities: Priorities | None = None,
+    ) -> None:
+        self.priorities = priorities
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
         self.outline = fine
         """What is decimated: the fine mesh, or what it and its images have in common."""
@@ -101,6 +110,9 @@ class InnerLevelBuilder:
                 self.outline, notes = with_images(self.fine, self.symmetry, inside=True)
             count, replaced = clamped(wanted, self.outline)
             notes += replaced
+            if self.priorities is not None:
+                count, replaced = self.priorities.possible_count(count, self.outline)
+                notes += replaced
             if self.symmetry is not None:
                 count, replaced = possible_count(count, self.outline, self.symmetry)
                 notes += replaced
@@ -122,12 +134,22 @@ class InnerLevelBuilder:
             fine_successor=self.unit_fine.predecessor,
         )
         around = self.unit_fine.area
+        energy = inwards(self.settings.energy.at(coarse), around)
+        if self.priorities is not None:
+            room = self.units.clearance(clearance)
+            energy = self.priorities.energy(energy, coarse, self.unit_fine, self.units, room, inside=True)
+
+        def cost(cage: FloatArray) -> float:
+            if self.priorities is not None:
+                return energy.after(cage).value(cage, bodies.cage_successor)
+            return around - signed_area(cage, coarse.successor)
+
         tightening = self.settings.tightening.run(
             bodies,
             coarse.vertices,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),
-            energy=inwards(self.settings.energy.at(coarse), around),
+            energy=energy,
         )
         early_stop = EarlyStop(best)
         steps = [coarse.vertices]
@@ -137,10 +159,10 @@ class InnerLevelBuilder:
             except StopIteration as end:
                 outcome = end.value
                 break
-            if early_stop.cannot_improve(around - signed_area(steps[-1], coarse.successor)):
+            if early_stop.cannot_improve(cost(steps[-1])):
                 return None
             yield from self.progress.show(1.0 - 1.0 / (1.0 + 0.1 * len(steps)), f"tightening, step {len(steps) - 1}")
-        lost = around - signed_area(steps[-1], coarse.successor)
+        lost = cost(steps[-1])
         logger.debug("inner start from %s: lost %.9g", start.source, lost)
         return _Tightened(start, tuple(steps), lost, outcome.iterations, outcome.quadratic_programs, alike)
 
@@ -171,6 +193,8 @@ class InnerLevelBuilder:
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "
                 "use more cage vertices."
             )
+        if self.priorities is not None:
+            notes = (*notes, *self.priorities.notes(result, self.fine, clearance, inside=True))
         if clearance < wanted:
             notes = (
                 *notes,

@@ -26,6 +26,7 @@ from ..verification.motion import certifying
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .clearance_bounds import too_narrow
 from .early_stop import EarlyStop
+from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
@@ -41,7 +42,15 @@ FAILURES = (FlowError, ReinflationError, NestingError)
 class LevelBuilder:
     """Makes one level around ``fine``. All methods that take time are generators of `Progress`."""
 
-    def __init__(self, fine: Mesh, clearances: tuple[float, ...], settings: Settings, progress: LevelProgress) -> None:
+    def __init__(
+        self,
+        fine: Mesh,
+        clearances: tuple[float, ...],
+        settings: Settings,
+        progress: LevelProgress,
+        priorities: Priorities | None = None,
+    ) -> None:
+        self.priorities = priorities
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
         self.outline = fine
         """What is decimated: the fine mesh, or it and its images if it does not have the symmetry itself."""
@@ -60,6 +69,9 @@ class LevelBuilder:
                 self.outline, clamping = with_images(self.fine, self.symmetry)
             wanted, replaced = clamped(wanted, self.outline)
             clamping += replaced
+            if self.priorities is not None:
+                wanted, replaced = self.priorities.possible_count(wanted, self.outline)
+                clamping += replaced
             if self.symmetry is not None:
                 wanted, replaced = possible_count(wanted, self.outline, self.symmetry)
                 clamping += replaced
@@ -159,6 +171,9 @@ class LevelBuilder:
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
         energy = self.settings.energy.at(unit_coarse)
+        if self.priorities is not None:
+            clearance = self.units.clearance(attempt.clearances[0])
+            energy = self.priorities.energy(energy, unit_coarse, self.unit_fine, self.units, clearance, inside=False)
         return _Cage(start, unit_coarse, flow, reinflation, reinflation, energy, alike)
 
     def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
@@ -192,8 +207,11 @@ class LevelBuilder:
         )
 
     def _rank(self, cage: _Cage, vertices: FloatArray) -> float:
-        """The excess of a cage, the measure of the best one: smaller is better."""
-        excess = signed_area(vertices, cage.unit_coarse.successor) / self.unit_fine.area - 1.0
+        """The excess of a cage, or its energy with priorities, the measure of the best one: smaller is better."""
+        successor = cage.unit_coarse.successor
+        if self.priorities is not None:
+            return cage.energy.after(vertices).value(vertices, successor) / self.unit_fine.area
+        excess = signed_area(vertices, successor) / self.unit_fine.area - 1.0
         return excess if len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
     def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[str, ...]) -> Stage[Progress, Level]:
@@ -227,6 +245,8 @@ class LevelBuilder:
         if not same_loops:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
             notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
+        if self.priorities is not None:
+            notes = (*notes, *self.priorities.notes(result, self.fine, clearance, inside=False))
         if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
             energy = type(self.settings.energy).__name__
             notes = (*notes, f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.")

@@ -20,6 +20,7 @@ from .convex_level import ConvexLevelBuilder
 from .inner_level import InnerLevelBuilder
 from .level import LevelBuilder
 from .on_grid import Builder, GridLevelBuilder
+from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Hierarchy, Level, Progress
 from .settings import Settings
@@ -118,13 +119,17 @@ def _hierarchy(
     """All levels."""
     fine, wanted = _checked(fine, levels, convex=settings.convex)
     settings, remarks = with_symmetry(settings, fine)
+    priorities = Priorities.of(settings, fine)
+    if priorities is not None:
+        settings = priorities.applied(settings)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
         try:
             clearances = clearances_for(settings, fine)
             chosen = _chosen(builder, settings)
-            with_clearances = partial(_builder, chosen, inner, settings, LevelProgress(index, len(wanted)))
+            progress = LevelProgress(index, len(wanted))
+            with_clearances = partial(_builder, chosen, inner, settings, progress, priorities)
             work: Builder = with_clearances(clearances)
             if settings.grid is not None:
                 work = GridLevelBuilder(work, with_clearances)
@@ -171,10 +176,13 @@ def _builder(
     fine: Mesh,
     settings: Settings,
     progress: LevelProgress,
+    priorities: Priorities | None,
     clearances: tuple[float, ...],
 ) -> Builder:
     """What makes a level with certain clearances."""
-    return builder(fine, clearances, settings, progress)
+    if builder is ConvexLevelBuilder:
+        return ConvexLevelBuilder(fine, clearances, settings, progress)
+    return builder(fine, clearances, settings, progress, priorities)
 
 
 def _checked(

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..contact import Contact
 from ..decimation import Decimation, OnCurve, OuterHull
 from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
+from ..geometry.arrays import FloatArray
 from ..geometry.symmetry import Symmetry
 from ..geometry.symmetry_search import Found
 from ..parameters import check_flag
@@ -60,6 +62,16 @@ class Settings:
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
     symmetry: Symmetry | Found | None = None
     """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing."""
+    weights: ArrayLike | None = None
+    """(n,) how much each fine vertex matters, at least 0: more vertices and less excess where weights are high."""
+    pins: Sequence[int | Sequence[float]] = ()
+    """Corners that keep a cage vertex: fine vertices by number, or places (x, y) on the outline."""
+    joints: Sequence[Sequence[float]] = ()
+    """Places (x, y) of bones' ends in the shape: the outline keeps a cage vertex on both sides of each."""
+    min_edge: float | None = None
+    """No cage edge is shorter than this length, where there is room."""
+    min_angle: float | None = None
+    """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not _is_length(self.clearance):
@@ -79,6 +91,7 @@ class Settings:
             if not _can(chosen, method) and not (chosen is None and name == "fallback"):
                 what = name.replace("_", " ")
                 raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
+        _check_priorities(self)
         symmetry: object = self.symmetry
         if not (symmetry is None or isinstance(symmetry, Found) or _can(symmetry, "image")):
             raise NestedCagesError(
@@ -89,6 +102,8 @@ class Settings:
             raise NestedCagesError(
                 "A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid."
             )
+        if self.has_priorities and self.convex:
+            raise NestedCagesError("Convex cages have no weights, pins, joints or limits; leave these out or convex.")
         if symmetry is not None and self.convex:
             raise NestedCagesError("Convex cages have no symmetry of their own; leave out the symmetry or convex.")
         contact: object = self.contact
@@ -98,6 +113,54 @@ class Settings:
                 f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
                 "out for the default."
             )
+
+
+    @property
+    def has_priorities(self) -> bool:
+        """Whether weights, pins, joints or limits are given."""
+        limits = self.weights, self.min_edge, self.min_angle
+        return any(each is not None for each in limits) or bool(self.pins or self.joints)
+
+
+def _check_priorities(settings: Settings) -> None:
+    """Check where it matters, and make weights, pins and joints tuples. Raises NestedCagesError."""
+    if settings.weights is not None:
+        weights = _numbers(settings.weights, 1, "The weights must be a list of finite numbers, one per fine vertex")
+        if (weights < 0.0).any() or not (weights > 0.0).any():
+            raise NestedCagesError("The weights must be numbers of at least 0, and some of them above 0.")
+        object.__setattr__(settings, "weights", tuple(weights.tolist()))
+    pins: list[int | tuple[float, ...]] = []
+    for pin in _listed(settings.pins, "pins"):
+        if isinstance(pin, int | np.integer) and not isinstance(pin, bool):
+            pins.append(int(pin))
+        else:
+            pins.append(tuple(_numbers(pin, 1, "A pin must be the number of a vertex or a place (x, y)", 2).tolist()))
+    object.__setattr__(settings, "pins", tuple(pins))
+    joints = [tuple(_numbers(place, 1, "A joint must be a place (x, y)", 2).tolist())
+              for place in _listed(settings.joints, "joints")]  # fmt: skip
+    object.__setattr__(settings, "joints", tuple(joints))
+    if settings.min_edge is not None and not (_is_length(settings.min_edge) and settings.min_edge > 0.0):
+        raise NestedCagesError(f"min_edge must be a finite length above 0, not {settings.min_edge!r}.")
+    if settings.min_angle is not None and not (_is_length(settings.min_angle) and 0.0 < settings.min_angle < 60.0):
+        raise NestedCagesError(f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.")
+
+
+def _listed(values: object, name: str) -> list[object]:
+    try:
+        return list(values)  # type: ignore[call-overload, no-any-return]
+    except TypeError:
+        raise NestedCagesError(f"The {name} must be a list, not {values!r}.") from None
+
+
+def _numbers(values: object, dimensions: int, rule: str, size: int | None = None) -> FloatArray:
+    """Finite numbers as an array. Raises NestedCagesError."""
+    try:
+        numbers = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    if numbers.ndim != dimensions or (size is not None and len(numbers) != size) or not np.isfinite(numbers).all():
+        raise NestedCagesError(f"{rule}, not {values!r}.")
+    return numbers
 
 
 def _is_length(value: object) -> bool:

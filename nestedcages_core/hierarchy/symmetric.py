@@ -171,6 +171,8 @@ def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Ali
     """A start with exact symmetry; inside: for a cage that is walked the other way round. Raises NestingError."""
     coarse = start.coarse
     orbits = orbits_of(coarse, symmetry)
+    if orbits is None and start.makeshift_for is not None:
+        raise start.makeshift_for
     if orbits is None:
         raise NestingError(
             f"The coarse mesh does not have {symmetry}; give a mesh whose vertices are images of each other, or a "

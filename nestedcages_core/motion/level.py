@@ -39,6 +39,8 @@ class LevelMotion:
     def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
         if settings.symmetry is not None:
             raise NestingError("A cage that follows a motion has no symmetry; leave it out.")
+        if settings.has_priorities:
+            raise NestingError("A cage that follows a motion has no weights, pins, joints or limits; leave them out.")
         if settings.grid is not None:
             raise NestingError(
                 "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "

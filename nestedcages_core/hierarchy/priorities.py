@@ -1,0 +1,245 @@
+"""Where it matters: weights, pins and limits of the settings, as a cost of decimation and as energies of a cage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import hypot
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ..decimation import Decimation, OnCurve, OuterHull
+from ..decimation.base import LEAST_PER_LOOP
+from ..decimation.importance import PIN_REACH, Importance
+from ..energies import Area, BoundSum, CageEnergy, Springs, WeightedArea, sharp_angles, short_edges
+from ..errors import NestingError
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.validation import place
+from ..geometry.predicates import winding_number
+from ..geometry.signed_distance import EdgeSearch
+from ..geometry.symmetry import Symmetry
+from ..geometry.symmetry_search import Found
+from ..geometry.vectors import cross, norm, rotated_right
+from .settings import Settings
+from .units import SolverUnits
+
+PIN_STIFFNESS = 1e4
+"""Stiffness of a pin's spring, without unit: the pull of the area, half an edge, moves a vertex by 1e-5 of that."""
+
+MAX_MITRE = 4.0
+"""Longest distance of a pinned vertex from its corner, in clearances: sharper corners get it there."""
+
+KEPT = 2.0
+"""Distance of a cage vertex from its pin, in those that the clearance needs, up to which the pin is kept."""
+
+KEPT_ANYWAY = 1e-3
+"""The same in diagonals."""
+
+
+FILLED = 0.8
+"""Fraction of the edges of the least length that fit along an outline up to which they can go where they are best."""
+
+NO_FOLDS = 15.0
+"""Least angle in degrees where only edges have a least length: otherwise those without room would fold into spikes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Priorities:
+    """What the settings ask for, for one drawing; lengths in input units."""
+
+    importance: Importance
+    min_edge: float | None
+    min_angle: float | None
+
+    @classmethod
+    def of(cls, settings: Settings, fine: Mesh) -> Priorities | None:
+        """The priorities around a drawing; None if there are none. Raises NestingError for what does not fit it."""
+        if not settings.has_priorities:
+            return None
+        weights = None if settings.weights is None else np.asarray(settings.weights, np.float64)
+        if weights is not None and len(weights) != len(fine.vertices):
+            raise NestingError(f"There are {len(weights)} weights, but the mesh has {len(fine.vertices)} vertices.")
+        symmetry = None if isinstance(settings.symmetry, Found) else settings.symmetry
+        importance = Importance(fine, weights, _places(settings, fine, symmetry), symmetry)
+        return cls(importance, settings.min_edge, settings.min_angle)
+
+    def applied(self, settings: Settings) -> Settings:
+        """The settings with hulls that keep to the priorities."""
+        fallback = settings.fallback
+        return replace(
+            settings,
+            decimation=self._applied(settings.decimation),
+            fallback=None if fallback is None else self._applied(fallback),
+        )
+
+    def possible_count(self, count: int, outline: Mesh) -> tuple[int, tuple[str, ...]]:
+        """The number of vertices, or fewer where edges of the least length leave no room for them; and a note if so."""
+        if self.min_edge is None:
+            return count, ()
+        most = sum(
+            max(LEAST_PER_LOOP, int(FILLED * _divided(outline.vertices[loop], self.min_edge))) for loop in outline.loops
+        )
+        if count <= most:
+            return count, ()
+        return most, (f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}.",)
+
+    def _applied(self, decimation: Decimation) -> Decimation:
+        if isinstance(decimation, OnCurve):
+            return replace(decimation, hull=replace(decimation.hull, importance=self.importance))
+        if isinstance(decimation, OuterHull):
+            return replace(decimation, importance=self.importance)
+        return decimation
+
+    def energy(
+        self, energy: CageEnergy, coarse: Mesh, inner: Mesh, units: SolverUnits, clearance: float, *, inside: bool
+    ) -> CageEnergy:
+        """An energy of a cage with the priorities; all meshes in the units of the solvers.
+
+        inner: the mesh in the cage, or around it if `inside`; clearance: a length in these units.
+        """
+        if self.importance.weights is not None:
+            energy = self._weighted(energy, coarse, inner, units, inside)
+        terms: list[tuple[float, CageEnergy]] = [(1.0, energy)]
+        if len(self.importance.pins):
+            target, _ = self._targets(inner, units.points(self.importance.pins), clearance, inside)
+            pin, vertex = _assigned(target, coarse.vertices)
+            terms.append((1.0, Springs(vertex, target[pin], PIN_STIFFNESS)))
+        if self.min_edge is not None:
+            terms.append((1.0, short_edges(coarse, self.min_edge / units.scale)))
+        angle = self.min_angle if self.min_angle is not None else NO_FOLDS if self.min_edge is not None else None
+        if angle is not None:
+            terms.append((1.0, sharp_angles(coarse, angle)))
+        return BoundSum(tuple(terms)) if len(terms) > 1 else energy
+
+    def _weighted(self, energy: CageEnergy, coarse: Mesh, inner: Mesh, units: SolverUnits, inside: bool) -> CageEnergy:
+        """The energy with the area weighted."""
+        if isinstance(energy, BoundSum):
+            return BoundSum(tuple((w, self._weighted(term, coarse, inner, units, inside)) for w, term in energy.terms))
+        if not isinstance(energy, Area):
+            return energy
+        successor = coarse.predecessor if inside else coarse.successor
+        return WeightedArea.of(
+            coarse.vertices,
+            successor,
+            inner,
+            lambda points: self.importance.at(units.to_input(points)),
+            inside=inside,
+        )
+
+    def _targets(self, inner: Mesh, pins: FloatArray, clearance: float, inside: bool) -> tuple[FloatArray, FloatArray]:
+        """(P, 2) where the vertices of pins belong, and (P,) how far that is from the mesh."""
+        reach = PIN_REACH * inner.diagonal + MAX_MITRE * clearance
+        ahead = inner.edge_ends - inner.vertices
+        normal = rotated_right(ahead) / norm(ahead)[:, None]
+        before = normal[inner.predecessor]
+        # the corner of two edges that both move outwards by 1
+        mitre = (normal + before) / np.maximum(1.0 + (normal * before).sum(axis=1), 1.0 / MAX_MITRE**2)[:, None]
+        length = norm(mitre)
+        mitre *= np.minimum(1.0, MAX_MITRE / length)[:, None]
+        close = EdgeSearch(inner.vertices, inner.edge_ends).closest(pins)
+        on_edge = inner.vertices[close.edge] + close.parameter[:, None] * ahead[close.edge]
+        target, away = np.empty_like(pins), np.empty(len(pins))
+        for k, pin in enumerate(pins):
+            distance = norm(inner.vertices - pin)
+            vertex = int(np.argmin(distance))
+            if distance[vertex] <= reach:
+                start, step = inner.vertices[vertex], mitre[vertex]
+            else:
+                start, step = on_edge[k], normal[close.edge[k]]
+            target[k] = start + (-clearance if inside else clearance) * step
+            away[k] = clearance * float(norm(step[None])[0])
+        return target, away
+
+    def notes(self, cage: Mesh, inner: Mesh, clearance: float, *, inside: bool) -> tuple[str, ...]:
+        """A sentence for each priority that the cage does not keep."""
+        notes = []
+        pins = self.importance.pins
+        if len(pins):
+            target, away = self._targets(inner, pins, clearance, inside)
+            for pin, aim, far in zip(pins, target, away, strict=True):
+                missed = float(norm(cage.vertices - aim).min())
+                if missed > KEPT * far + KEPT_ANYWAY * inner.diagonal:
+                    notes.append(f"The closest cage vertex to the pin at {place(pin)} is {missed:.3g} away.")
+        if self.min_edge is not None:
+            shortest = float(cage.edge_lengths.min())
+            if shortest < self.min_edge:
+                few = f"There is no room for edges of {self.min_edge:.6g}: the shortest has {shortest:.3g}"
+                notes.append(f"{few}; ask for fewer vertices.")
+        if self.min_angle is not None:
+            sharpest = sharpest_angle(cage)
+            if sharpest < self.min_angle:
+                notes.append(f"There is no room for angles of {self.min_angle:.6g}°: the sharpest has {sharpest:.3g}°.")
+        return tuple(notes)
+
+
+def _divided(loop: FloatArray, length: float) -> int:
+    """How often a divider with an opening of that length fits along a loop (k, 2)."""
+    x, y = loop[0].tolist()
+    steps = 0
+    for u, v in [*loop[1:].tolist(), loop[0].tolist()]:
+        distance = hypot(u - x, v - y)
+        fitting = int(distance / length)
+        if fitting:
+            share = fitting * length / distance
+            x, y = x + share * (u - x), y + share * (v - y)
+            steps += fitting
+    return steps
+
+
+def sharpest_angle(mesh: Mesh) -> float:
+    """The smallest angle between neighbouring edges, in degrees."""
+    ahead, back = mesh.edge_ends - mesh.vertices, mesh.vertices[mesh.predecessor] - mesh.vertices
+    return float(np.degrees(np.arctan2(np.abs(cross(ahead, back)), (ahead * back).sum(axis=1))).min())
+
+
+def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
+    """Pairs of a place and a vertex, each once, of least total distance."""
+    distance = norm((places[:, None] - vertices[None]).reshape(-1, 2)).reshape(len(places), len(vertices))
+    chosen, vertex = linear_sum_assignment(distance)
+    return chosen.astype(np.int64), vertex.astype(np.int64)
+
+
+def _places(settings: Settings, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
+    """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
+    edges = EdgeSearch(fine.vertices, fine.edge_ends)
+    places: list[FloatArray] = []
+    for pin in settings.pins:
+        if isinstance(pin, int):
+            if not -len(fine.vertices) <= pin < len(fine.vertices):
+                raise NestingError(f"There is no vertex {pin} to pin; the mesh has {len(fine.vertices)} vertices.")
+            places.append(fine.vertices[pin])
+        else:
+            places.append(_closest(edges, np.asarray(pin, np.float64)))
+    for joint in settings.joints:
+        places += _across(fine, edges, np.asarray(joint, np.float64))
+    found = np.array(places).reshape(-1, 2)
+    if symmetry is not None:
+        found = np.concatenate([symmetry.image(found, k) for k in range(symmetry.order)])
+    apart: list[FloatArray] = []
+    for each in found:
+        if all(np.hypot(*(each - other)) > PIN_REACH * fine.diagonal for other in apart):
+            apart.append(each)
+    return np.array(apart).reshape(-1, 2)
+
+
+def _closest(edges: EdgeSearch, point: FloatArray) -> FloatArray:
+    close = edges.closest(point[None])
+    start = edges.starts[close.edge[0]]
+    nearest: FloatArray = start + close.parameter[0] * (edges.ends[close.edge[0]] - start)
+    return nearest
+
+
+def _across(fine: Mesh, edges: EdgeSearch, joint: FloatArray) -> list[FloatArray]:
+    """The closest place on the outline to a joint and, for a joint inside, the place straight across from it."""
+    near = _closest(edges, joint)
+    away = joint - near
+    if winding_number(joint[None], edges.starts, edges.ends)[0] != 1 or not away.any():
+        return [near]
+    start, along = edges.starts, edges.ends - edges.starts
+    denominator = cross(np.broadcast_to(away, along.shape), along)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = cross(start - joint, along) / denominator
+        u = cross(start - joint, np.broadcast_to(away, along.shape)) / denominator
+    hit = (t > 0.0) & (u >= 0.0) & (u <= 1.0)
+    return [near, joint + float(t[hit].min()) * away] if hit.any() else [near]
