@@ -180,8 +180,8 @@ def _builder(
     clearances: tuple[float, ...],
 ) -> Builder:
     """What makes a level with certain clearances."""
-    if builder is ConvexLevelBuilder:
-        return ConvexLevelBuilder(fine, clearances, settings, progress)
+    if issubclass(builder, ConvexLevelBuilder):
+        return builder(fine, clearances, settings, progress)
     return builder(fine, clearances, settings, progress, priorities)
 
 

@@ -114,7 +114,6 @@ class Settings:
                 "out for the default."
             )
 
-
     @property
     def has_priorities(self) -> bool:
         """Whether weights, pins, joints or limits are given."""
