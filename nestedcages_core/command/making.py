@@ -52,7 +52,14 @@ class Result:
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
     """The cages of a file; a shape that fails loses neither the others nor its own finished levels."""
-    settings = Settings(clearance=given.clearance, grid=given.grid, convex=given.convex)
+    settings = Settings(
+        clearance=given.clearance,
+        grid=given.grid,
+        convex=given.convex,
+        symmetry=given.symmetry,
+        min_edge=given.min_edge,
+        min_angle=given.min_angle,
+    )
     failures = list(source.failures)
     made: list[Made] = []
     meshes: list[Shape] = []

@@ -13,7 +13,7 @@ from ..errors import NestedCagesError
 from ..exchange import Limits
 from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.grid import Grid
-from ..hierarchy import level_words, parse_level
+from ..hierarchy import Found, Mirror, Rotation, level_words, parse_level
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
 
@@ -67,6 +67,9 @@ BELONGING = {
 }
 """Options that only apply to some kinds of files, with these kinds."""
 
+AXES = {"x": (0.0, 1.0), "y": (1.0, 0.0)}
+"""Directions of the mirrors that turn over a coordinate."""
+
 OUTLINES = ("flip_y", "triangles", "pieces")
 """Options for collision outlines."""
 
@@ -119,6 +122,22 @@ def parser() -> argparse.ArgumentParser:
         "--convex",
         action="store_true",
         help="convex cages: so many vertices around each part, holes filled",
+    )
+    options.add_argument(
+        "--symmetry",
+        type=_symmetry,
+        metavar="WHAT",
+        help="cages are symmetric: x (left and right alike), y (top and bottom alike), both about the middle of the "
+        "drawing, a number (rotations of that order about its centroid), or found (the drawing's own)",
+    )
+    options.add_argument(
+        "--min-edge", type=_length, metavar="LENGTH", help="no cage edge is shorter than this, where there is room"
+    )
+    options.add_argument(
+        "--min-angle",
+        type=_angle,
+        metavar="DEGREES",
+        help="no angle between cage edges is sharper than this, where there is room; below 60",
     )
     grids = options.add_mutually_exclusive_group()
     grids.add_argument(
@@ -233,6 +252,12 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
         given.grid = Grid.of_decimals(given.decimals).spacing
     if given.convex and (given.inside or given.borders):
         options.error(f"--convex is for cages around a shape; leave out {'--inside' if given.inside else '--borders'}")
+    if given.convex and (given.symmetry or given.min_edge or given.min_angle):
+        options.error("--convex takes no --symmetry, --min-edge and --min-angle; leave out one of them")
+    if given.symmetry and (given.grid is not None or given.borders):
+        options.error(
+            f"--symmetry cannot be kept {'at borders' if given.borders else 'on a grid'}; leave out one of them"
+        )
     if given.borders and given.grid is not None:
         options.error("--borders cuts cages where borders run, which is not on a grid; leave out one of them")
     given.jobs = given.jobs or 1
@@ -294,6 +319,19 @@ def _corners(text: str) -> int:
 
 def _length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
+
+
+def _symmetry(text: str) -> Mirror | Rotation | Found:
+    if text == "found":
+        return Found()
+    if text in AXES:
+        return Mirror(None, AXES[text])
+    order = _number(text, "x, y, found or a whole number of at least 2 is needed", lambda n: n >= 2 and n % 1 == 0)
+    return Rotation(None, int(order))
+
+
+def _angle(text: str) -> float:
+    return _number(text, "an angle above 0 and below 60 degrees is needed", lambda value: 0.0 < value < 60.0)
 
 
 def _decimals(text: str) -> int:

@@ -13,9 +13,13 @@ import scipy
 from ..errors import NestedCagesError
 from ..parameters import check_count
 from .arrays import BoolArray, FloatArray, IntArray
+from .mesh import Mesh
 
 QUARTER_TURNS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 """Cosine and sine of multiples of 90°, exactly."""
+
+SIGNIFICANT = 9
+"""Decimals, relative to a diagonal of 1 to 10, that places of a symmetry keep when they are measured."""
 
 SETTLING_STEPS = 4
 """Maximum number of double images until a point is its own."""
@@ -46,8 +50,12 @@ class Symmetry(Protocol):
         """The closest points (..., 2) that the generator leaves where they are."""
         ...
 
-    def in_units(self, centre: FloatArray, scale: float) -> Symmetry:
-        """The symmetry in coordinates (p - centre) / scale."""
+    def placed(self, mesh: Mesh) -> Symmetry:
+        """The symmetry with its place, that of a mesh if it has none."""
+        ...
+
+    def about_origin(self) -> Symmetry:
+        """Its linear part."""
         ...
 
 
@@ -60,13 +68,14 @@ class Mirror:
     coordinate, c lies exactly in the middle. On other lines one of each pair is the rounded image of the other.
     """
 
-    point: Sequence[float] = (0.0, 0.0)
-    """A point (x, y) on the line."""
+    point: Sequence[float] | None = (0.0, 0.0)
+    """A point (x, y) on the line; None: the middle of the drawing's bounding box."""
     direction: Sequence[float] = (0.0, 1.0)
     """A vector (x, y) along the line, of any length above 0."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "point", _pair(self, "point", self.point))
+        if self.point is not None:
+            object.__setattr__(self, "point", _pair(self, "point", self.point))
         object.__setattr__(self, "direction", _pair(self, "direction", self.direction))
         if not any(self.direction):
             raise NestedCagesError("Mirror: direction must not be (0, 0); (0, 1) is a vertical line.")
@@ -87,10 +96,10 @@ class Mirror:
         if element % 2:
             axis = self._across()
             if axis is not None:
-                out[..., axis] = 2.0 * self.point[axis] - out[..., axis]
+                out[..., axis] = 2.0 * self._point[axis] - out[..., axis]
             else:
                 normal = self._normal()
-                out -= 2.0 * ((out - self.point) @ normal)[..., None] * normal
+                out -= 2.0 * ((out - self._point) @ normal)[..., None] * normal
         return out
 
     def settled(self, points: FloatArray) -> FloatArray:
@@ -102,15 +111,28 @@ class Mirror:
         out = np.array(points, np.float64)
         axis = self._across()
         if axis is not None:
-            out[..., axis] = self.point[axis]
+            out[..., axis] = self._point[axis]
             return out
         normal = self._normal()
-        return out - ((out - self.point) @ normal)[..., None] * normal
+        return out - ((out - self._point) @ normal)[..., None] * normal
 
-    def in_units(self, centre: FloatArray, scale: float) -> Mirror:
-        """See `Symmetry.in_units`."""
-        x, y = (np.asarray(self.point) - centre) / scale
+    def placed(self, mesh: Mesh) -> Mirror:
+        """The mirror with its point, that of a mesh if it has none."""
+        if self.point is not None:
+            return self
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        x, y = rounded(0.5 * (low + high), mesh.diagonal)
         return Mirror((float(x), float(y)), self.direction)
+
+    def about_origin(self) -> Mirror:
+        """The mirror on the parallel line through the origin."""
+        return Mirror((0.0, 0.0), self.direction)
+
+    @property
+    def _point(self) -> Sequence[float]:
+        if self.point is None:
+            raise NestedCagesError("Mirror: without a point it has a place only as a setting, for a drawing.")
+        return self.point
 
     def _across(self) -> int | None:
         """The coordinate that changes, if only one does."""
@@ -123,8 +145,8 @@ class Mirror:
     def __str__(self) -> str:
         axis = self._across()
         if axis is not None:
-            return f"a mirror on the {('vertical', 'horizontal')[axis]} line {'xy'[axis]} = {self.point[axis]:.6g}"
-        (x, y), (u, v) = self.point, self.direction
+            return f"a mirror on the {('vertical', 'horizontal')[axis]} line {'xy'[axis]} = {self._point[axis]:.6g}"
+        (x, y), (u, v) = self._point, self.direction
         return f"a mirror on the line through ({x:.6g}, {y:.6g}) along ({u:.6g}, {v:.6g})"
 
 
@@ -132,13 +154,14 @@ class Mirror:
 class Rotation:
     """Rotations by multiples of 360° / order around a centre. Those by multiples of 90° are free of cosines."""
 
-    centre: Sequence[float] = (0.0, 0.0)
-    """The point (x, y) that stays."""
+    centre: Sequence[float] | None = (0.0, 0.0)
+    """The point (x, y) that stays; None: the centroid of the drawing."""
     order: int = 2
     """Number of positions in one turn, at least 2."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", _pair(self, "centre", self.centre))
+        if self.centre is not None:
+            object.__setattr__(self, "centre", _pair(self, "centre", self.centre))
         check_count(self, "order", least=2)
 
     @property
@@ -151,13 +174,13 @@ class Rotation:
         out = np.array(points, np.float64)
         element %= self.order
         if 2 * element == self.order:
-            return 2.0 * np.array(self.centre) - out
+            return 2.0 * np.array(self._centre) - out
         if element:
             quarters, rest = divmod(4 * element, self.order)
             turn = 2.0 * pi * element / self.order
             c, s = QUARTER_TURNS[quarters] if rest == 0 else (cos(turn), sin(turn))
-            x, y = out[..., 0] - self.centre[0], out[..., 1] - self.centre[1]
-            out[..., 0], out[..., 1] = self.centre[0] + (c * x - s * y), self.centre[1] + (s * x + c * y)
+            x, y = out[..., 0] - self._centre[0], out[..., 1] - self._centre[1]
+            out[..., 0], out[..., 1] = self._centre[0] + (c * x - s * y), self._centre[1] + (s * x + c * y)
         return out
 
     def settled(self, points: FloatArray) -> FloatArray:
@@ -166,15 +189,37 @@ class Rotation:
 
     def fixed(self, points: FloatArray) -> FloatArray:
         """The centre, for each of the points (..., 2)."""
-        return np.broadcast_to(np.array(self.centre), np.shape(points)).copy()
+        return np.broadcast_to(np.array(self._centre), np.shape(points)).copy()
 
-    def in_units(self, centre: FloatArray, scale: float) -> Rotation:
-        """See `Symmetry.in_units`."""
-        x, y = (np.asarray(self.centre) - centre) / scale
+    def placed(self, mesh: Mesh) -> Rotation:
+        """The rotations with their centre, that of a mesh if they have none."""
+        if self.centre is not None:
+            return self
+        here = mesh.vertices - mesh.vertices[0]
+        there = here[mesh.successor]
+        twice = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
+        centroid = mesh.vertices[0] + (twice[:, None] * (here + there)).sum(axis=0) / (3.0 * twice.sum())
+        x, y = rounded(centroid, mesh.diagonal)
         return Rotation((float(x), float(y)), self.order)
 
+    def about_origin(self) -> Rotation:
+        """The rotations around the origin."""
+        return Rotation((0.0, 0.0), self.order)
+
+    @property
+    def _centre(self) -> Sequence[float]:
+        if self.centre is None:
+            raise NestedCagesError("Rotation: without a centre it has a place only as a setting, for a drawing.")
+        return self.centre
+
     def __str__(self) -> str:
-        return f"rotations of order {self.order} around ({self.centre[0]:.6g}, {self.centre[1]:.6g})"
+        return f"rotations of order {self.order} around ({self._centre[0]:.6g}, {self._centre[1]:.6g})"
+
+
+def rounded(point: FloatArray, diagonal: float) -> FloatArray:
+    """A place (2,) without digits that are round-off, relative to a diagonal; never -0."""
+    near: FloatArray = np.round(point, SIGNIFICANT - int(np.floor(np.log10(diagonal)))) + 0.0
+    return near
 
 
 def _settled(symmetry: Symmetry, points: FloatArray) -> FloatArray:

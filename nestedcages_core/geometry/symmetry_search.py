@@ -11,7 +11,7 @@ from ..parameters import check_positive
 from .arrays import FloatArray
 from .mesh import Mesh
 from .signed_distance import EdgeSearch
-from .symmetry import Mirror, Rotation, Symmetry
+from .symmetry import Mirror, Rotation, Symmetry, rounded
 
 SAMPLES = 400
 """Points along the outline that are compared with it, at least."""
@@ -70,8 +70,7 @@ class _Search:
         self.centre: FloatArray = weight @ self.points / weight.sum()
         self.few = self.points[:: max(1, len(self.points) // SAMPLES)]
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-        decimals = 9 - int(np.floor(np.log10(mesh.diagonal)))
-        self.middle: FloatArray = np.round(0.5 * (low + high), decimals) + 0.0  # no -0
+        self.middle = rounded(0.5 * (low + high), mesh.diagonal)
 
     def difference(self, symmetry: Symmetry) -> float:
         """Largest distance between the outline and its image."""

@@ -67,6 +67,7 @@ def with_symmetry(settings: Settings, fine: Mesh) -> tuple[Settings, tuple[str, 
             return replace(settings, symmetry=None), (note,)
         symmetry = found
         notes = (f"Found {found}; the drawing differs from its image by at most {difference:.3g}.",)
+    symmetry = symmetry.placed(fine)
     contact = settings.contact
     several = [SequentialQP()] if contact is None else [contact] if isinstance(contact, SequentialQP) else contact
     if not isinstance(several, list | tuple) or not all(isinstance(each, SequentialQP) for each in several):

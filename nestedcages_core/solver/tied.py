@@ -37,11 +37,9 @@ class Tie:
     @classmethod
     def of(cls, orbits: Orbits, successor: IntArray) -> Tie:
         """The ties of a symmetric mesh."""
-        symmetry, origin = orbits.symmetry, np.zeros((1, 2))
-        of_element = np.stack([_linear(symmetry.image, k) for k in range(symmetry.order)])
-        linear = of_element[orbits.element]
-        on_axis = orbits.on_axis[orbits.orbit]
-        linear[on_axis] = (symmetry.fixed(np.eye(2)) - symmetry.fixed(origin)).T
+        turned = orbits.symmetry.about_origin()
+        linear = np.stack([turned.image(np.eye(2), k).T for k in range(turned.order)])[orbits.element]
+        linear[orbits.on_axis[orbits.orbit]] = turned.fixed(np.eye(2)).T
         return cls(orbits.orbit, orbits.first, linear, orbits.edge_orbit(successor), successor)
 
     @cached_property
@@ -119,11 +117,6 @@ class Tie:
                 direction[i][:, same] += direction[j][:, same]
                 direction[j][:, same] = 0.0
         return Rows(vertex, np.ones(rows.vertex.shape), direction)
-
-
-def _linear(image, element: int) -> FloatArray:  # type: ignore[no-untyped-def]
-    moved: FloatArray = (image(np.eye(2), element) - image(np.zeros((1, 2)), element)).T
-    return moved
 
 
 def _transposed(linear: FloatArray, vectors: FloatArray) -> FloatArray:

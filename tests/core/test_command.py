@@ -441,3 +441,27 @@ def test_a_terminal_gets_a_bar(drawing: Path, monkeypatch: pytest.MonkeyPatch, c
     assert "\r[" in said
     assert "Level 1 of 1" in said
     assert said.endswith("\n")
+
+
+def test_symmetric_cages_and_limits(drawing: Path, tmp_path: Path) -> None:
+    for what, note in (("x", None), ("found", "Found a mirror"), ("2", "cover")):
+        report = tmp_path / "report.json"
+        command = [str(drawing), "--levels", "24", "--symmetry", what, "--min-edge", "0.1", "--min-angle", "20",
+                   "--quiet", "--report", str(report), "-o", str(tmp_path / "out.geojson")]  # fmt: skip
+        assert main(command) == 0
+        assert note is None or note in report.read_text()
+        cage = read_geojson(tmp_path / "out.geojson")
+        assert cage.edge_lengths.min() >= 0.1
+        if what == "x":
+            x = np.sort(cage.vertices[:, 0])
+            assert np.array_equal(x, -x[::-1])
+
+
+@pytest.mark.parametrize(
+    "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--grid", "1"], ["--min-angle", "70"],
+              ["--convex", "--min-edge", "1"]]
+)  # fmt: skip
+def test_symmetries_and_limits_that_cannot_be_had(wrong: list[str], drawing: Path) -> None:
+    with pytest.raises(SystemExit) as end:
+        main([str(drawing), "--levels", "24", *wrong])
+    assert end.value.code == 2

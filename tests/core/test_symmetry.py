@@ -324,3 +324,25 @@ def touching_free(shape: shapely.Geometry) -> bool:
 def polygon(mesh: Mesh) -> shapely.Geometry:
     """shapely's view of a mesh."""
     return shapely.geometry.shape(mesh.__geo_interface__)
+
+
+@pytest.mark.parametrize("scale", [1e-5, 1e5])
+@pytest.mark.parametrize("offset", [0.0, 1e4])
+def test_far_from_the_origin_and_of_any_size(scale: float, offset: float) -> None:
+    centre = np.array([offset * scale, 0.3 * offset * scale])
+    for symmetry in (Mirror(centre, (1.0, 0.7)), Mirror(centre), Rotation(centre, 3)):
+        fine = blob(1, type(symmetry)((0.0, 0.0), symmetry.direction if isinstance(symmetry, Mirror) else 3))
+        moved = Mesh(scale * fine.vertices + centre, fine.edges)
+        level = nested_cages(moved, [15], Settings(symmetry=symmetry)).levels[0]
+        check(level, symmetry)
+
+
+def test_symmetries_without_a_place_take_that_of_the_drawing() -> None:
+    fine = letter_a().moved(letter_a().vertices + np.array([7.25, 3.0])).validated()
+    level = nested_cages(fine, [24], Settings(symmetry=Mirror(None))).levels[0]
+    check(level, Mirror((7.25, 0.0)))
+    wheel = blob(4, Rotation((0.0, 0.0), 5))
+    level = nested_cages(wheel, [15], Settings(symmetry=Rotation(None, 5))).levels[0]
+    check(level, Rotation((0.0, 0.0), 5))
+    with pytest.raises(NestedCagesError, match="without a point"):
+        Mirror(None).image(fine.vertices)
