@@ -19,13 +19,14 @@ from ..parameters import check_count
 from ..stages import Stage, drain, mapped
 from .base import Count, Start
 from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
-from .hull_search import search_hulls
+from .hull_search import ROUGH_WEIGHTS, search_hulls
 from .importance import Importance
 from .offset import offsetting
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 from .request import Request
 from .symmetric_hull import AsymmetricError, SymmetricHull, padded_alike, symmetrised
+from .thinning import thinned
 
 HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""
@@ -122,9 +123,12 @@ class _Search:
         self.clearance = clearance
         self.symmetry = method.symmetry
         self.importance = method.importance
-        start = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+        start, diameter = request.outline, request.outline.diameter
+        if self.symmetry is None and self.importance is None:
+            start = thinned(start, self.target, request.minimum, ROUGH_WEIGHTS)
+        start = without_gaps(start, CLOSED_GAP_WIDTH * diameter)
         self.start = self._alike(start if self.importance is None else self.importance.with_vertices(start))
-        self.distance = HULL_OFFSET * self.start.diameter
+        self.distance = HULL_OFFSET * diameter
         self.stuck = np.zeros(0, dtype=np.int64)
 
     def with_clearance(self) -> Stage[float, list[Outline]]:
