@@ -302,7 +302,7 @@ class Store:
 
     def __init__(self, path: Path | None) -> None:
         self.path = path
-        known = json.loads(path.read_text()) if path and path.exists() else {"used": {}, "made": {}}
+        known = json.loads(path.read_text(encoding="utf-8")) if path and path.exists() else {"used": {}, "made": {}}
         self.used, self._made = known["used"], known["made"]
 
     def probe(self, chosen: Sequence[Case], pool: Executor) -> None:
@@ -329,7 +329,7 @@ class Store:
 
     def _save(self) -> None:
         if self.path:
-            self.path.write_text(json.dumps({"used": self.used, "made": self._made}))
+            self.path.write_text(json.dumps({"used": self.used, "made": self._made}), encoding="utf-8")
 
 
 def row(name: str, used: int, compared: int, bought: Bought) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import resource
+import math
 import subprocess
 import sys
 import time
@@ -72,8 +72,17 @@ def run_one(kind: str, count: int, start: str) -> dict[str, float]:
     hierarchy = nested_cages(fine, [count // FINE_PER_CAGE_VERTEX], Settings(decimation=STARTS[start], starts=1))
     total = time.process_time() - begin
     report = hierarchy.levels[0].report
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0  # kilobytes on Linux
-    return {"total": total, "memory": memory, "excess": 100.0 * report.excess, **report.seconds}
+    return {"total": total, "memory": peak_memory(), "excess": 100.0 * report.excess, **report.seconds}
+
+
+def peak_memory() -> float:
+    """Peak memory of this process in megabytes; nan on Windows, where Python does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return math.nan
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (2.0**20 if sys.platform == "darwin" else 2.0**10)
 
 
 def main() -> int:

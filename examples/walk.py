@@ -119,7 +119,7 @@ def main() -> None:
         outer = moving.levels[-1]
         print(f"{name}: {outer.report}")
         text = frames_to_engine_json([outer.cage.moved(step) for step in outer.cage_steps], outer.times / frames)
-        (given.output / f"walk_{name.replace(' ', '_')}.json").write_text(text)
+        (given.output / f"walk_{name.replace(' ', '_')}.json").write_text(text, encoding="utf-8")
         cycle[name] = fine, outlines, moving
 
     shown = min(SHOWN, frames)

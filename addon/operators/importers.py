@@ -84,8 +84,10 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         names = [file.name for file in self.files if file.name]
-        files = [str(Path(self.directory, name)) for name in names] if self.directory else []
-        paths = [Path(bpy.path.abspath(path)) for path in files or [self.filepath] if path]
+        folder = Path(bpy.path.abspath(self.directory)) if self.directory else None
+        paths = [folder / name for name in names] if folder is not None else []
+        if not paths and self.filepath:
+            paths = [Path(bpy.path.abspath(self.filepath))]
         if not paths:
             raise UserError("Choose a file to read")
         shapes: list[importers.Shape] = []

@@ -97,7 +97,7 @@ def memory_limit() -> Iterator[None]:
         return
     import resource
 
-    pages = int(statistics.read_text().split()[0])
+    pages = int(statistics.read_text(encoding="ascii").split()[0])
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     limit = pages * os.sysconf("SC_PAGE_SIZE") + MEGABYTES * 2**20
     resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))

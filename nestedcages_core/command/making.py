@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
@@ -17,6 +18,9 @@ from ..geometry.mesh import Mesh
 from ..hierarchy import Hierarchy, NestingReport, Settings, inner_cages, nested_cages, wanted_levels
 from .progress import ProgressLine
 from .sources import Shape, Source
+
+MAX_PROCESSES_ON_WINDOWS = 61
+"""Worker processes that Python can wait for there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +104,7 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
 def _processes(count: int) -> Executor:
     from concurrent.futures import ProcessPoolExecutor  # imports multiprocessing, which few need
 
-    return ProcessPoolExecutor(count)
+    return ProcessPoolExecutor(min(count, MAX_PROCESSES_ON_WINDOWS) if sys.platform == "win32" else count)
 
 
 def _add(

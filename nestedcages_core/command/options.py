@@ -272,9 +272,10 @@ def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, pa
         animation = Path(path).suffix.lower() == ".json" and all(kind_of(each) == "picture" for each in paths)
         if path != STREAM and len(paths) > 1 and STEM not in path and not animation:
             options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
-    stems = Counter(Path(path).stem for path in paths)
-    if given.output and len(paths) > 1 and max(stems.values()) > 1:
-        options.error(f"two input files are called {max(stems, key=lambda stem: stems[stem])}; run them one by one")
+    stems = Counter(Path(path).stem.casefold() for path in paths)  # Windows and macOS take both cases for one file
+    doubled = next((Path(path).stem for path in paths if stems[Path(path).stem.casefold()] > 1), None)
+    if given.output and doubled is not None:
+        options.error(f"two input files are called {doubled}; run them one by one")
     for path in [*given.output, given.report]:
         if path is not None and path != STREAM and not Path(path).parent.is_dir():
             options.error(f"{path}: there is no folder {Path(path).parent}")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+from errno import EINVAL
 from typing import TextIO
 
 from ..batch import BatchProgress
@@ -14,10 +16,17 @@ BAR = 24
 
 def tell(text: str, stream: TextIO) -> None:
     """Print a line; a closed pipe, as behind `head`, is ignored."""
+    _write(f"{text}\n", stream)
+
+
+def _write(text: str, stream: TextIO) -> None:
     try:
-        print(text, file=stream, flush=True)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        stream.write(text)
+        stream.flush()
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError) and not (sys.platform == "win32" and error.errno == EINVAL):
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # on Windows a closed pipe is an invalid argument
 
 
 class ProgressLine:
@@ -43,15 +52,14 @@ class ProgressLine:
         if self.moving:
             full = round(BAR * fraction)
             shown = f"[{'#' * full}{'.' * (BAR - full)}] {100 * fraction:3.0f} % {text}"
-            self.stream.write("\r" + shown.ljust(len(self.last)))
+            _write("\r" + shown.ljust(len(self.last)), self.stream)
             self.last = shown
         elif text not in self.seen:
-            self.stream.write(f"{100 * fraction:3.0f} % {text}\n")
+            _write(f"{100 * fraction:3.0f} % {text}\n", self.stream)
             self.seen.add(text)
-        self.stream.flush()
 
     def end(self) -> None:
         """End the line of the bar."""
         if self.moving and self.last:
-            self.stream.write("\n")
+            _write("\n", self.stream)
         self.last = ""

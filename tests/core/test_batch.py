@@ -279,7 +279,7 @@ class Deadly:
         if self.mark is None or not self.mark.exists():
             if self.mark is not None:
                 self.mark.touch()
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))  # on Windows either ends it at once
         return star(5, 50).__geo_interface__
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import json
 import os
 import re
@@ -10,6 +12,7 @@ import subprocess
 import sys
 import zlib
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import pytest
@@ -17,6 +20,7 @@ import shapely
 
 from nestedcages_core import (
     Mesh,
+    Progress,
     frames_from_engine_json,
     from_engine_json,
     from_svg,
@@ -27,11 +31,14 @@ from nestedcages_core import (
     verify,
 )
 from nestedcages_core.command import main
+from nestedcages_core.command.making import _processes
+from nestedcages_core.command.progress import ProgressLine, tell
 from nestedcages_core.errors import NestingError
 from nestedcages_core.exchange import features_from_geojson, pieces_from_engine_json
 from shapes import letter_a, polygon, star
 
 ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}  # on Windows no program starts without the system's own
 
 
 @pytest.fixture
@@ -82,7 +89,7 @@ def test_a_drawing_becomes_all_kinds_of_files(drawing: Path, tmp_path: Path, cap
 def test_the_module_runs_and_keeps_quiet(drawing: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "nestedcages_core", str(drawing), "--levels", "24", "--quiet", "-o", "out.svg"]
     done = subprocess.run(
-        command, cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=120, check=False
+        command, cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True, timeout=120, check=False
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "out.svg").is_file()
@@ -224,7 +231,7 @@ def test_streams_in_and_out(drawing: Path, tmp_path: Path) -> None:
         return subprocess.run(
             command,
             cwd=tmp_path,
-            env={"PYTHONPATH": str(ROOT)},
+            env=ENVIRONMENT,
             input=given,
             capture_output=True,
             timeout=120,
@@ -252,7 +259,7 @@ def test_a_reader_that_goes_away_loses_no_file(drawing: Path, tmp_path: Path) ->
         done = subprocess.run(
             [*command, "--report", "report.json"],
             cwd=drawing.parent,
-            env={"PYTHONPATH": str(ROOT)},
+            env=ENVIRONMENT,
             stdout=gone,
             stderr=subprocess.PIPE,
             timeout=120,
@@ -269,7 +276,7 @@ def test_names_that_the_console_cannot_write(tmp_path: Path, name: str) -> None:
     (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
     command = [sys.executable, "-m", "nestedcages_core", "map.geojson", "--levels", "8", "-o", "out.geojson"]
     command += ["-o", "out.svg", "--report", "report.json"]
-    environment = {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "cp1252"}
+    environment = {**ENVIRONMENT, "PYTHONIOENCODING": "cp1252"}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     assert b"Traceback" not in done.stderr
@@ -465,3 +472,48 @@ def test_symmetries_and_limits_that_cannot_be_had(wrong: list[str], drawing: Pat
     with pytest.raises(SystemExit) as end:
         main([str(drawing), "--levels", "24", *wrong])
     assert end.value.code == 2
+
+
+def test_names_that_differ_in_case_alone_do_not_share_an_output(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows and macOS would write both to one file."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("a/star.svg", "b/STAR.svg"):
+        Path(name).parent.mkdir()
+        Path(name).write_text(to_svg(star(5, 60)), encoding="utf-8")
+    with pytest.raises(SystemExit):
+        main(["a/star.svg", "b/STAR.svg", "--levels", "20", "-o", "{stem}-cages.svg"])
+    assert "two input files are called star" in capsys.readouterr().err
+
+
+class Gone(io.StringIO):
+    """A stream whose reader has gone away, as Windows tells it."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        super().__init__()
+        self.file = file
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EINVAL, "Invalid argument")
+
+    def fileno(self) -> int:
+        return self.file.fileno()
+
+
+def test_a_reader_that_goes_away_is_known_on_windows_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with (tmp_path / "stream").open("wb") as file:
+        with pytest.raises(OSError, match="Invalid argument"):
+            tell("words", Gone(file))
+        monkeypatch.setattr("sys.platform", "win32")
+        tell("words", Gone(file))
+        line = ProgressLine(Gone(file), silent=False)
+        line.of_run(Progress(0, "flow", 0.5, "half"))
+        line.end()
+
+
+def test_windows_gets_no_more_processes_than_it_can_wait_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _processes(100)._max_workers == 100  # type: ignore[attr-defined]
+    monkeypatch.setattr("sys.platform", "win32")
+    assert _processes(100)._max_workers == 61  # type: ignore[attr-defined]
+    assert _processes(2)._max_workers == 2  # type: ignore[attr-defined]

@@ -126,7 +126,7 @@ def enclosing_pairs(extremes: FloatArray, order: LoopOrder, tree: BoxTree) -> tu
     crossings = ray_crossings(extremes, tree)
     crossed = order.loop[tree.order[tree.chain_starts[crossings.chain]]]
     count = len(order.sizes)
-    keys, places = np.unique(crossings.point * count + crossed, return_inverse=True)
+    keys, places = np.unique(crossings.point.astype(np.int64) * count + crossed, return_inverse=True)
     winding = np.bincount(places, weights=crossings.value, minlength=len(keys))
     inner, outer = np.divmod(keys[winding != 0], count)
     return inner, outer

@@ -72,7 +72,7 @@ class Nesting:
         """Whether moreover loop k of the outer mesh runs around loop k of the inner one; for holes, inside it."""
         if not np.array_equal(self.outer.loop_signs, self.inner.loop_signs) or not self.encloses():
             return False
-        count, k = len(self.outer.loops), np.arange(len(self.outer.loops))
+        count, k = len(self.outer.loops), np.arange(len(self.outer.loops), dtype=np.int64)
         is_outer = self.outer.loop_signs > 0
         wanted = np.where(is_outer, count + k, k) * 2 * count + np.where(is_outer, k, count + k)
         within, around = self.pairs

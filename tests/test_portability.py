@@ -1,0 +1,81 @@
+"""Nothing in the code or among the file names stops at Windows or macOS."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDERS = ("nestedcages_core", "addon", "packaging", "examples", "benchmarks")
+SOURCES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
+
+POSIX_MODULES = {"fcntl", "grp", "posix", "pty", "pwd", "resource", "termios", "tty"}
+POSIX_NAMES = {"fork", "forkpty", "geteuid", "getuid", "killpg", "mkfifo", "setsid", "sysconf", "SIGKILL", "SIGPROF"}
+GUARDED = ("benchmarks/hostile/outcome.py",)  # limits that are only set on Linux, after a look at the system
+
+TEXT_CALLS = {"read_text", "write_text"}
+RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+LONGEST_PATH = 120
+"""Characters: Windows allows 260 with the folder of the clone."""
+
+
+def without_encoding(tree: ast.AST) -> Iterator[int]:
+    """Lines that open text files by the encoding of the system."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        named = {keyword.arg for keyword in node.keywords}
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        modes = [*node.args, *(keyword.value for keyword in node.keywords if keyword.arg == "mode")]
+        binary = any(isinstance(mode, ast.Constant) and "b" in str(mode.value) for mode in modes)
+        of = ast.unparse(node.func.value) if isinstance(node.func, ast.Attribute) else ""
+        is_open = name == "open" and not binary and of not in ("Image", "os", "tarfile")
+        if (name in TEXT_CALLS or is_open) and "encoding" not in named:
+            yield node.lineno
+
+
+def posix_only(tree: ast.Module) -> Iterator[str]:
+    """Modules imported at the top, and names, that only POSIX systems have."""
+    for node in tree.body:
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        yield from POSIX_MODULES & {name.partition(".")[0] for name in names}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and node.attr in POSIX_NAMES and ast.unparse(node.value) in ("os", "signal"):
+            yield node.attr
+
+
+def label(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def test_files_are_opened_with_an_encoding_and_nothing_needs_posix() -> None:
+    trees = {label(path): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+    assert [f"{name}:{line}" for name, tree in trees.items() for line in without_encoding(tree)] == []
+    assert [f"{name}: {it}" for name, tree in trees.items() if name not in GUARDED for it in posix_only(tree)] == []
+
+
+def test_a_missing_encoding_is_found() -> None:
+    wrong = "Path('a').read_text()\nopen('a')\nPath('a').open('w')\nPath('a').write_text(text)"
+    assert list(without_encoding(ast.parse(wrong))) == [1, 2, 3, 4]
+    right = "Path('a').read_text(encoding='utf-8')\nopen('a', 'rb')\nImage.open('a')\nPath('a').open(mode='wb')"
+    assert list(without_encoding(ast.parse(right))) == []
+    assert set(posix_only(ast.parse("import resource\nos.fork()"))) == {"resource", "fork"}
+
+
+def test_names_of_files_are_allowed_and_distinct_everywhere() -> None:
+    done = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False)
+    if done.returncode != 0:
+        pytest.skip("not a clone")
+    names = [name for name in done.stdout.decode("utf-8").split("\0") if name]
+    assert len({name.casefold() for name in names}) == len(names)
+    for name in names:
+        assert not re.search(r'[<>:"|?*\\]', name), name
+        assert len(name) <= LONGEST_PATH, name
+        parts = PurePosixPath(name).parts
+        assert not any(RESERVED.fullmatch(part) or part.endswith((".", " ")) for part in parts), name
