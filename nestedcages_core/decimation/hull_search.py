@@ -6,7 +6,6 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import cycle
 from math import exp
 from typing import TypeAlias
 
@@ -29,9 +28,6 @@ STAGE_SHARE = 0.4
 MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
 """Size of the outline to restart from: a minimum, and a multiple of the wanted number of vertices."""
 
-MAX_SIZE_OF_TWO_STAGES = 400
-"""Size of the outline up to which restarts use outlines of both weights; above it, only of the rough ones."""
-
 MAX_RESTART_MOVES = 12_000
 """Moves of all restarts together, about half a second: limits the number of restarts."""
 
@@ -42,18 +38,12 @@ restarts, as a multiple of that of one loop."""
 MIN_RESTARTS = 4
 """Minimum number of restarts, whatever the moves."""
 
-SPIKE_WEIGHTS = (0.0, 0.1, 0.3)
-"""Weights of the spike term in the first restarts, all else even."""
-
 MAX_RESCUES = 40
 """Maximum number of runs with widely varied weights if no restart reaches the wanted number; they reach smaller numbers
 (docs/ablation.md: rescues)."""
 
 MAX_RESCUE_MOVES, MIN_RESCUES = 8_000, 8
 """Moves of all rescues together, about two seconds, and the minimum number of rescues."""
-
-MAX_SIZE_OF_WHOLE_RESCUE = 400
-"""Size of the outline up to which every second rescue starts from the outline itself."""
 
 
 @dataclass(frozen=True)
@@ -118,19 +108,17 @@ def search_hulls(
     minimum: vertices that each loop keeps. restarts: runs for one or two loops. prepare: applied to each outline to
     restart from. greedy: makes the state of a run. Deterministic for a seed.
     """
-    both = len(outline.vertices) <= MAX_SIZE_OF_TWO_STAGES
-    leading = (EVEN_WEIGHTS, ROUGH_WEIGHTS) if both else (ROUGH_WEIGHTS,)
-    stages = yield from mapped(_stages(outline, count, minimum, leading, greedy), lambda done: STAGE_SHARE * done)
-    stages = [prepare(stage) for stage in stages]
-    moves = max(1, len(stages[0].vertices) - count)
+    stage = yield from mapped(_stage(outline, count, minimum, ROUGH_WEIGHTS, greedy), lambda done: STAGE_SHARE * done)
+    stage = prepare(stage)
+    moves = max(1, len(stage.vertices) - count)
     further = EXTRA_RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
     wanted = min(restarts + further, MAX_RESTART_FACTOR * restarts)
     runs = max(1, min(wanted, max(MIN_RESTARTS, MAX_RESTART_MOVES // moves)))
     rng = random.Random(seed)
-    weights = [EVEN_WEIGHTS, ROUGH_WEIGHTS, *(replace(EVEN_WEIGHTS, spike=spike) for spike in SPIKE_WEIGHTS)][:runs]
+    weights = [EVEN_WEIGHTS, ROUGH_WEIGHTS][:runs]
     weights += [RESTART_VARIATION.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
     hulls: list[Outline] = []
-    for stage, chosen in zip(cycle(stages), weights, strict=False):
+    for chosen in weights:
         run = greedy(stage, chosen, minimum).steps(count)
         hulls.append((yield from mapped(run, partial(_fraction, len(hulls), len(weights)))))
     if all(len(hull.vertices) > count for hull in hulls):
@@ -143,17 +131,14 @@ def _fraction(finished: int, runs: int, done: float) -> float:
     return STAGE_SHARE + (1.0 - STAGE_SHARE) * (finished + done) / runs
 
 
-def _stages(
-    outline: Outline, count: int, minimum: Sequence[int], weights: Sequence[Weights], greedy: Greedy
-) -> Stage[float, list[Outline]]:
-    """Outlines to restart from, made without pivots, which would cost area and a third of the time."""
+def _stage(
+    outline: Outline, count: int, minimum: Sequence[int], weights: Weights, greedy: Greedy
+) -> Stage[float, Outline]:
+    """The outline to restart from, made without pivots, which would cost area and a third of the time."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
-    stages: list[Outline] = []
-    for chosen in weights:
-        run = greedy(outline, replace(chosen, pivot=None), minimum)
-        yield len(stages) / len(weights)
-        stages.append((yield from run.steps(size)))
-    return stages
+    run = greedy(outline, replace(weights, pivot=None), minimum)
+    yield 0.0
+    return (yield from run.steps(size))
 
 
 def _rescues(
@@ -165,17 +150,14 @@ def _rescues(
     greedy: Greedy,
 ) -> Stage[float, list[Outline]]:
     """Hulls from runs that do not depend on the count, so that a request for the smallest one found succeeds."""
-    stages = yield from _stages(outline, sum(minimum), minimum, (EVEN_WEIGHTS,), greedy)
-    starts = [prepare(stage) for stage in stages]
-    if len(outline.vertices) <= MAX_SIZE_OF_WHOLE_RESCUE:
-        starts.append(prepare(outline))
-    moves = max(len(start.vertices) for start in starts) - sum(minimum)
+    stage = prepare((yield from _stage(outline, sum(minimum), minimum, EVEN_WEIGHTS, greedy)))
+    moves = len(stage.vertices) - sum(minimum)
     runs = max(MIN_RESCUES, min(MAX_RESCUES, MAX_RESCUE_MOVES // max(1, moves)))
     rng = random.Random(seed)
     hulls: list[Outline] = []
-    for k in range(runs):
+    for _ in range(runs):
         chosen = RESCUE_VARIATION.draw(rng, len(outline.sizes))
-        hulls.append((yield from greedy(starts[k % len(starts)], chosen, minimum).steps(count)))
+        hulls.append((yield from greedy(stage, chosen, minimum).steps(count)))
         if len(hulls[-1].vertices) <= count:
             break
     return hulls

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -96,7 +96,7 @@ class OuterHull:
         search = _Search(self, request, clearance)
         yield 0.0
         too_large: list[Outline] = []
-        for hulls in (search.with_clearance, search.around_offset, search.without_small_details):
+        for hulls in (search.with_clearance, search.without_small_details):
             try:
                 found = yield from hulls()
             except AsymmetricError:
@@ -113,7 +113,7 @@ class OuterHull:
 
 
 class _Search:
-    """The search for hulls of one mesh: three approaches, each for cases where the one before fails."""
+    """The search for hulls of one mesh."""
 
     def __init__(self, method: OuterHull, request: Request, clearance: float) -> None:
         self.method = method
@@ -133,11 +133,22 @@ class _Search:
 
     def with_clearance(self) -> Stage[float, list[Outline]]:
         """Hulls of an offset of the fine mesh that keeps the clearance; none if gaps are too narrow for an offset."""
-        return self._offset_hulls(max(self.distance, CLEARANCE_RESERVE * self.clearance), self._cleared)
-
-    def around_offset(self) -> Stage[float, list[Outline]]:
-        """Hulls of a small offset: for loops without space for the clearance."""
-        return self._offset_hulls(self.distance, _unchanged)
+        distance = max(self.distance, CLEARANCE_RESERVE * self.clearance)
+        offset = offsetting(self.start, distance, self.fine.edge_tree)
+        start, self.stuck = yield from mapped(offset, lambda _: 0.0)
+        if len(self.stuck):
+            return []
+        yield 0.0
+        search = search_hulls(
+            self._alike(start),
+            self.target,
+            self.request.minimum,
+            restarts=self.method.restarts,
+            seed=self.method.seed,
+            prepare=lambda outline: self._alike(cleared(outline, self.fine, self.clearance)),
+            greedy=self._greedy,
+        )
+        return (yield from search)
 
     def without_small_details(self) -> Stage[float, list[Outline]]:
         """Hulls of the outline without features at round-off scale; none if there are none."""
@@ -186,23 +197,6 @@ class _Search:
             f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}."
         )
 
-    def _offset_hulls(self, distance: float, prepare: Callable[[Outline], Outline]) -> Stage[float, list[Outline]]:
-        offset = offsetting(self.start, distance, self.fine.edge_tree)
-        start, self.stuck = yield from mapped(offset, lambda _: 0.0)
-        if len(self.stuck):
-            return []
-        yield 0.0
-        search = search_hulls(
-            self._alike(start),
-            self.target,
-            self.request.minimum,
-            restarts=self.method.restarts,
-            seed=self.method.seed,
-            prepare=lambda outline: self._alike(prepare(outline)),
-            greedy=self._greedy,
-        )
-        return (yield from search)
-
     def _greedy(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:
         if self.symmetry is None:
             return ProgressiveHull(outline, weights, minimum, self.importance)
@@ -216,10 +210,3 @@ class _Search:
         if self.symmetry is None:
             return self.request.coarse(hull)
         return self.request.mesh(padded_alike(hull, self.request.total, self.symmetry))
-
-    def _cleared(self, outline: Outline) -> Outline:
-        return cleared(outline, self.fine, self.clearance)
-
-
-def _unchanged(outline: Outline) -> Outline:
-    return outline

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-FIRST_LOOK = 4
+FIRST_LOOK = 3
 """Steps before the first comparison, since the first ones only repair the start."""
 
-STEPS_AHEAD = 4.0
+STEPS_AHEAD = 2.0
 """Expected further gain, in units of the last gain: gains roughly halve from step to step."""
 
 

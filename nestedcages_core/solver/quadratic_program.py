@@ -74,8 +74,6 @@ class QuadraticProgram:
     """(m,) Δ > 0, largest motion of each vertex along either axis."""
     axes: FloatArray
     """(m, 2, 2) axes: vertex, axis, component. They follow the cage, so that the result does not depend on rotation."""
-    shift: float = 0.0
-    """δ ≥ 0."""
     softness: FloatArray | None = None
     """(K,) ε ≥ 0; 0 is a hard row, None makes all rows hard."""
     scale: float | None = None
@@ -93,7 +91,7 @@ class QPSolution:
     multipliers: FloatArray
     """(K,) multipliers of the rows, ≥ 0."""
     decrease: float
-    """Predicted decrease -(G·D + ½ Dᵀ (W + δ I) D)."""
+    """Predicted decrease -(G·D + ½ Dᵀ W D)."""
     iterations: int
     """Number of linear systems factorised."""
     converged: bool
@@ -144,7 +142,6 @@ class _Iteration:
         self.G = self.system.along_axes(program.gradient)
         radius = self.system.per_unknown(program.radius)
         self.softness = program.softness
-        self.shift = program.shift
         self.length = float(radius.mean())
         self.scale = program.scale or max(_longest(self.G), TINY)
         self.damping = 0.0
@@ -193,14 +190,14 @@ class _Iteration:
         self.system.set_matrix(self.h)
         damping = least = DAMPING_DECAY * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
         for _ in range(MAX_DAMPINGS):
-            if self.system.factorise(self.shift + damping):
+            if self.system.factorise(damping):
                 break
             damping = max(DAMPING_GROWTH * damping, self.first_damping)
         else:
             raise NestedCagesError(NOT_FINITE)
         if damping > least:
             damping *= DAMPING_MARGIN
-            self.system.factorise(self.shift + damping)
+            self.system.factorise(damping)
         self.damping = damping
 
     def _step(self, mean: float) -> None:

@@ -21,9 +21,6 @@ REDUNDANCY = 0.02
 """Contacts whose constraints others imply up to this fraction of the clearance are dropped; restoration corrects for
 them."""
 
-REQUIRED_OWN_DISTANCE = 0.5
-"""Fraction of the wanted distance between parts of the cage that a step must keep: parts may approach each other."""
-
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""
 
@@ -63,11 +60,10 @@ def model_at(
     pairs = candidates.within(x, wanted.clearance + 2.0 * longest, 2.0 * longest)
     contacts = measure(pairs, x)
     required = wanted.of(pairs)
-    required[pairs.cage_cage] *= REQUIRED_OWN_DISTANCE
 
     reach = np.zeros(len(x))
     reach[:m] = region.radius * np.sqrt(2.0)
-    near = contacts.distance - wanted.of(pairs) < pairs.approach(reach)
+    near = contacts.distance - required < pairs.approach(reach)
     some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
     keep = not_implied(some, contact, room, REDUNDANCY * wanted.clearance)
@@ -82,7 +78,6 @@ def model_at(
         np.maximum(room[keep], 0.0),
         region.radius,
         local_axes(bodies, x),
-        shift=region.shift,
         order=bodies.cage_order,
     )
     farthest_motion = np.zeros(len(x))

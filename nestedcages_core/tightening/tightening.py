@@ -3,7 +3,7 @@
 In every iteration the energy and the distances are modelled at the current cage (m, 2), which is free of contact and
 keeps all its distances:
 
-    minimise   ∇E·D + ½ Dᵀ (∇²E - Σ z ∇²d + δ I) D
+    minimise   ∇E·D + ½ Dᵀ (∇²E - Σ z ∇²d) D
     subject to d - clearance + ∂d·D ≥ 0,   |D_i| ≤ Δ_i,
 
 with the multipliers z of the iteration before and a radius Δ of its own for every vertex. The step is restored to the
@@ -151,9 +151,9 @@ class _Run:
             loads = model.loads(solution)
             trial = self._try(model, solution.step, value, solution.decrease)
             logger.debug(
-                "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s, shift %.1e",
+                "tightening %d: energy %.9g, predicted %.2e, actual %.2e, %d pairs, systems %d%s",
                 iteration, value, solution.decrease, value - trial.value, len(model.around.pairs),
-                solution.iterations, "" if solution.converged else "!", region.shift,
+                solution.iterations, "" if solution.converged else "!",
             )  # fmt: skip
             gain = value - trial.value
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0

@@ -14,14 +14,11 @@ from ..geometry.arrays import FloatArray
 from ..solver.line_search import SUFFICIENT_DECREASE
 from .restoration import restore
 
-MAX_ATTEMPTS = 10
-"""Cap on the trials of one step."""
+MAX_ATTEMPTS = 3
+"""Cap on the trials of one step; more gain nothing over a new model with smaller radii."""
 
 STEP_REDUCTION = 0.4
 """Factor on the steps of failing vertices."""
-
-REDUCE_NEIGHBOURS_FROM, FREEZE_FROM = 3, 7
-"""Attempts from which the neighbours of failing vertices are reduced too, and from which all of these are frozen."""
 
 EXPECTED_MOTION = 1.5
 """Motion of a vertex, restoration included, up to which only nearby pairs are checked, relative to its own step or the
@@ -79,7 +76,7 @@ def find_trial(
     motion = np.zeros_like(x)
     closest = float(around.required.min(initial=np.inf))
     near = around.within(_expected(bodies, step, around))
-    for attempt in range(MAX_ATTEMPTS):
+    for _ in range(MAX_ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
         restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
@@ -104,12 +101,7 @@ def find_trial(
             continue
         pairs = near.pairs
         vertex = np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]])
-        vertex = np.unique(vertex[vertex < m])
-        if attempt >= REDUCE_NEIGHBOURS_FROM:
-            vertex = np.unique(
-                np.concatenate([vertex, bodies.cage_successor[vertex], bodies.cage_predecessor[vertex]])
-            )  # fmt: skip
-        fraction[vertex] *= STEP_REDUCTION if attempt < FREEZE_FROM else 0.0
+        fraction[np.unique(vertex[vertex < m])] *= STEP_REDUCTION
         if bodies.tie is not None:
             fraction = bodies.tie.least(fraction)
     return Trial(x, fraction, value, False)

@@ -1,4 +1,4 @@
-"""Trust region: a radius per vertex, and a shift of the Hessian."""
+"""Trust region: a radius per vertex."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..geometry.arrays import TINY, FloatArray
 from ..solver.quadratic_program import QPSolution
 from .trial import Trial
 
-# Radii. The step of a vertex is good if it was taken in full and restoration changed it little, and bad if it was
+# The step of a vertex is good if it was taken in full and restoration changed it little, and bad if it was
 # reduced or restoration undid most of it.
 
 BAD_CORRECTION, GOOD_CORRECTION = 0.6, 0.3
@@ -43,29 +43,20 @@ SMALLEST_RADIUS, COLLAPSED_RADIUS = 1e-7, 1e-6
 RECOVERED_RADIUS = 1e-5
 """Lower bound on Δ after an accepted step, relative to the mean coarse edge length."""
 
-# Shift. The gain is the actual decrease of the energy over the predicted one.
-
-FAIR_GAIN, GOOD_GAIN, POOR_GAIN = 0.5, 0.7, 0.25
-"""Gain above which radii may grow, above which the shift decays, and below which a full step was too long."""
+FAIR_GAIN, POOR_GAIN = 0.5, 0.25
+"""Gain, the actual decrease of the energy over the predicted one, above which radii may grow, and below which a full
+step was too long."""
 
 TOO_LONG_SHRINKAGE = 0.4
 """Upper bound on all Δ after a step that was too long, relative to its longest motion."""
 
-FIRST_SHIFT, SMALLEST_SHIFT = 0.1, 1e-4
-"""First δ, and δ below which it is set to 0. The Hessian of the area is of order 1."""
-
-SHIFT_DECAY, SHIFT_GROWTH, REJECTED_SHIFT_GROWTH, RAISED_SHIFT = 1.0 / 3.0, 2.0, 3.0, 1e-2
-"""Factors on δ after a good gain, a poor gain and a rejection; lower bound on δ after the last two."""
-
 
 @dataclass(eq=False)
 class TrustRegion:
-    """Radii and shift, updated by every step."""
+    """Radii, updated by every step."""
 
     radius: FloatArray
     """(m,) Δ."""
-    shift: float
-    """δ."""
     first: float
     """First Δ."""
     largest: float
@@ -76,7 +67,7 @@ class TrustRegion:
     @classmethod
     def start(cls, m: int, first: float, largest: float, unit: float) -> TrustRegion:
         """m vertices; first and largest Δ and the unit are lengths."""
-        return cls(np.full(m, first), FIRST_SHIFT, first, largest, unit)
+        return cls(np.full(m, first), first, largest, unit)
 
     def reset(self) -> None:
         """Raise all radii to the first one at least."""
@@ -93,7 +84,6 @@ class TrustRegion:
         longest = float(step.max())
         if not trial.accepted:
             self.radius = np.maximum(np.minimum(self.radius, REJECTED_SHRINKAGE * longest), SMALLEST_RADIUS * self.unit)
-            self.shift = max(REJECTED_SHIFT_GROWTH * self.shift, RAISED_SHIFT)
             return
         gain = (value - trial.value) / max(solution.decrease, TINY)
         correction = trial.x[: len(cage)] - cage - trial.fraction[:, None] * solution.step
@@ -109,10 +99,7 @@ class TrustRegion:
         if gain > FAIR_GAIN:
             grown = np.maximum(radius, np.minimum(GROWTH * step, self.largest))
             radius = np.where(good, grown, radius)
-        if gain > GOOD_GAIN:
-            self.shift = SHIFT_DECAY * self.shift if self.shift > SMALLEST_SHIFT else 0.0
-        elif gain < POOR_GAIN and not bad.any():
+        if gain < POOR_GAIN and not bad.any():
             radius = np.minimum(radius, TOO_LONG_SHRINKAGE * longest)
-            self.shift = max(SHIFT_GROWTH * self.shift, RAISED_SHIFT)
         radius = np.minimum(radius, max(LARGEST_OVER_STEP * longest, LARGEST_OVER_FIRST * self.first))
         self.radius = np.maximum(radius, RECOVERED_RADIUS * self.unit)

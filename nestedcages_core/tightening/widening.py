@@ -30,8 +30,8 @@ LONGEST_STEP = 4.0
 TARGET_DISTANCE = 2.0
 """Distance that small steps aim at, in clearances: beyond 1, so that they reach the clearance in finite time."""
 
-SHORTEST_COMMON_STEP = 0.1
-"""Fraction of a step below which each vertex gets its own fraction."""
+SHORTEST_STEP = 1e-3
+"""Fraction of a small step below which there is no room for any."""
 
 REQUIRED_PROGRESS, MAX_IDLE_STEPS = 0.99, 8
 """Factor by which the sum of the missing distances must shrink; maximum number of consecutive steps that miss it."""
@@ -69,7 +69,8 @@ def widen(
     pairs, contacts = _measured(candidates, x, reach)
     own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
     wanted = WantedDistances(clearance, own)
-    if len(_short(pairs, contacts, wanted)) == 0:
+    short = _short(pairs, contacts, wanted)
+    if len(short) == 0:
         return Widened(x, own, 0, -1)
     moved = _restored(bodies, pairs, contacts, x, wanted, reach)
     if moved is not None:
@@ -84,14 +85,12 @@ def widen(
     for _ in range(MAX_STEPS):
         found = response.to(at_rest, x, LONGEST_STEP * clearance)
         systems += found.systems
-        step = *rule.concerned(found.pairs, found.contacts, found.motion), x, found.motion
-        fraction = rule.fraction(*step, SHORTEST_COMMON_STEP)
-        kept = np.full(len(x), fraction)
-        if fraction <= SHORTEST_COMMON_STEP:
-            kept = rule.fractions(*step)
-        if kept.any():
-            x = x + kept[:, None] * found.motion
-            yield x
+        concerned = rule.concerned(found.pairs, found.contacts, found.motion)
+        fraction = rule.fraction(*concerned, x, found.motion, SHORTEST_STEP)
+        if fraction <= SHORTEST_STEP:
+            break
+        x = x + fraction * found.motion
+        yield x
         pairs, contacts = _measured(candidates, x, reach)
         short = _short(pairs, contacts, wanted)
         if len(short) == 0:

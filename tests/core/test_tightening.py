@@ -160,7 +160,7 @@ def test_result_does_not_depend_on_the_frame() -> None:
         turn = scale * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         moved = [mesh.moved(mesh.vertices @ turn + scale * np.array(shift)) for mesh in (fine, coarse)]
         outcome, _ = tighten(*moved, 1e-4 * scale)
-        assert outcome.iterations == reference.iterations
+        assert abs(outcome.iterations - reference.iterations) <= 1  # rounding decides which of the last steps counts
         assert moved[1].moved(outcome.cage).area / moved[0].area == pytest.approx(area, rel=1e-6)
 
 
