@@ -149,8 +149,7 @@ EXPANSION_ENERGIES = {
 CONTACTS = {
     AUTOMATIC: Choice(
         "Automatic",
-        "IPC for small drawings and sequential quadratic programs for large ones, each backed by the other: for "
-        "everyday use",
+        "Sequential quadratic programs, backed by IPC: for everyday use",
         lambda _: None,
     ),
     "IPC": Choice(

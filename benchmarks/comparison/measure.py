@@ -190,7 +190,7 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
         flow = drain(mapped(settings.flow.run(home, coarse), in_time))
         result.flow_steps = len(flow.steps) - 1
         enter("reinflation")
-        contacts = contacts_for(settings, len(coarse.vertices), len(home.vertices))
+        contacts = contacts_for(settings)
         recorded = [Recorded(contact, states) for contact in contacts]
         way = drain(mapped(reinflate(home, coarse, flow.steps, contacts=recorded, clearance=CLEARANCE), in_time))
         enter("tightening")

@@ -29,12 +29,9 @@ MIN_DEFAULT_CLEARANCE = 1e-12
 MAX_CLEARANCE = 1e6
 """Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
 
-IPC_FIRST = 50_000
-"""Product of the vertex counts up to which IPC is tried first: it is then as fast and leaves tighter cages."""
-
 MAX_IPC_PAIRS = 10.0
-"""Pairs in contact per vertex above which sequential QPs replace IPC. Usual are 1 to 3; around cores of many needles
-there are 20 to 140, and an iteration takes fifty times as long."""
+"""Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
+140, and an iteration takes fifty times as long."""
 
 QUICK_LIMIT = 10
 """Maximum number of steps of a descent of the flow where hulls compete: half the usual one."""
@@ -74,7 +71,7 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
     The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
     """
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    flow, contacts = settings.flow, contacts_for(settings, size, len(fine.vertices))
+    flow, contacts = settings.flow, contacts_for(settings)
     if isinstance(wanted, Mesh):
         last = Attempt(wanted, size, 1, flow, contacts, clearances)
     else:
@@ -130,15 +127,13 @@ def in_turn(
             yield Start(coarse, "on the curve")
 
 
-def contacts_for(settings: Settings, cage_vertices: int, fine_vertices: int) -> tuple[Contact, ...]:
-    """The contacts to try in turn for meshes of that many vertices: the user's, or IPC and sequential QPs by size."""
+def contacts_for(settings: Settings) -> tuple[Contact, ...]:
+    """The contacts to try in turn: the user's, or sequential QPs, which take less time, and IPC."""
     if isinstance(settings.contact, Sequence):
         return tuple(settings.contact)
     if settings.contact is not None:
         return (settings.contact,)
-    if cage_vertices * fine_vertices <= IPC_FIRST:
-        return IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS), SequentialQP()
-    return SequentialQP(), IPC(energy=settings.energy)
+    return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
 
 
 def _quick(flow: FlowMethod) -> FlowMethod:

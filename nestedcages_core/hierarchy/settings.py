@@ -48,10 +48,10 @@ class Settings:
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
     """Brings the fine mesh inside the coarse one."""
     energy: Energy = field(default_factory=Area)
-    """What the cage minimises during tightening, and during reinflation with the default contact."""
+    """What the cage minimises during tightening."""
     contact: Contact | Sequence[Contact] | None = None
-    """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None: IPC for
-    small meshes and sequential QPs for large ones, each followed by the other."""
+    """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None:
+    sequential QPs, then IPC."""
     tightening: Tightening = field(default_factory=Tightening)
     """How the cage is brought to its optimum once the fine mesh is back."""
     grid: float | None = None

@@ -25,7 +25,6 @@ from nestedcages_core import (
 )
 from nestedcages_core.decimation import Start
 from nestedcages_core.hierarchy.attempts import (
-    IPC_FIRST,
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
     Attempt,
@@ -127,16 +126,13 @@ class TestFlowAndContact:
         first = tried(Settings(flow=SignedDistanceFlow(), contact=contacts), 12)[0]
         assert first.flow == SignedDistanceFlow() and first.contacts == contacts
 
-    def test_contacts_by_size_each_backed_by_the_other(self) -> None:
-        settings = Settings(energy=InitialDisplacement())
-        small, large = contacts_for(settings, 10, IPC_FIRST // 10), contacts_for(settings, 10, IPC_FIRST // 10 + 1)
-        assert [type(contact) for contact in small] == [IPC, SequentialQP]
-        assert [type(contact) for contact in large] == [SequentialQP, IPC]
-        assert small[0].energy == large[1].energy == InitialDisplacement()  # type: ignore[attr-defined]
-        assert small[0].max_pairs is not None and large[1].max_pairs is None  # type: ignore[attr-defined]
+    def test_ipc_backs_sequential_programs(self) -> None:
+        first, second = contacts_for(Settings(energy=InitialDisplacement()))
+        assert first == SequentialQP()
+        assert isinstance(second, IPC) and second.energy == InitialDisplacement() and second.max_pairs is not None
 
     def test_a_single_contact_is_the_only_one(self) -> None:
-        assert contacts_for(Settings(contact=SequentialQP()), 10, 10) == (SequentialQP(),)
+        assert contacts_for(Settings(contact=SequentialQP())) == (SequentialQP(),)
 
 
 class TestClearances:
