@@ -68,10 +68,23 @@ OWN_COUNT = 24
 FIRST_SEED = 40_000
 """Of the random shapes."""
 
-REMOVED = (
-    "Removed, since no cage came of it: the flow's last resort, the fine mesh laid along the coarse one, from where no "
-    "reinflation led back."
-)
+REMOVED = """\
+Mechanisms that earlier runs of this program found to buy nothing are gone. With the mean excess without them, relative to
+that with them, and the time:
+
+- the flow's last resort, the fine mesh laid along the coarse one: no cage came of it
+- hulls around a smaller offset where the first search fails: 1.0000, time 0.55, no cage lost
+- rescues that start from the outline itself: 1.0000, time 0.99
+- a second outline to restart from, made with even weights: 1.0000, time 0.96
+- restarts that vary the spike term alone: 0.9951, time 0.99
+- a shift of the Hessian in the trust region: 1.0003, time 0.95 (0.985 on 60 shapes of 100 to 1,000 vertices)
+- parts of the cage that give way to each other in the quadratic program: 1.0000, time 0.94
+- a fraction of its own for every vertex in the widening: 1.0000, time 0.96
+- more than three trials of a step, with neighbours slowed down and stopped: 1.0000, time 0.98
+- IPC before sequential quadratic programs on small meshes: 0.9991, time 0.65
+
+Eight restarts, six of them with random weights, became five with weights that complement each other.
+"""
 """What is gone because it bought nothing."""
 
 SMALL_EXCESS = 3e-4

@@ -20,6 +20,7 @@ from nestedcages_core import (
     Tightening,
     TwoSidedFlow,
 )
+from nestedcages_core.hierarchy.attempts import MAX_IPC_PAIRS
 
 
 @dataclass(frozen=True)
@@ -164,27 +165,17 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "places on the curve by the hull": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
     "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
-    "restarts (8 to 1)": Mechanism("decimation", hulls(1)),
-    "restarts (8 to 2)": Mechanism("decimation", hulls(2)),
-    "restarts (8 to 5: no random weights)": Mechanism("decimation", hulls(5)),
-    "restarts (8 to 16: more)": Mechanism("decimation", hulls(16)),
+    "restarts (5 to 1)": Mechanism("decimation", hulls(1)),
+    "restarts (5 to 3)": Mechanism("decimation", hulls(3)),
+    "restarts (5 to 10: five random weights)": Mechanism("decimation", hulls(10)),
     "further restarts for loops": Mechanism(
         "decimation",
         patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},
         probes={"decimation.outer_hull:search_hulls": several_loops},
     ),
-    "spike variations": Mechanism("decimation", patches={"decimation.hull_search:SPIKE_WEIGHTS": ()}),
-    "both weights to the middling size": Mechanism(
-        "decimation", patches={"decimation.hull_search:MAX_SIZE_OF_TWO_STAGES": 0}
-    ),
     "rescues": Mechanism(
         "decimation",
         patches={"decimation.hull_search:_rescues": no_hulls},
-        probes={"decimation.hull_search:_rescues": called},
-    ),
-    "rescues from the outline itself": Mechanism(
-        "decimation",
-        patches={"decimation.hull_search:MAX_SIZE_OF_WHOLE_RESCUE": 0},
         probes={"decimation.hull_search:_rescues": called},
     ),
     "counts shared out anew": Mechanism(
@@ -217,11 +208,6 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={"decimation.outer_hull:without_small_details": first},
         probes={"decimation.outer_hull:without_small_details": fewer_vertices},
     ),
-    "hulls around a small offset": Mechanism(
-        "decimation",
-        patches={"decimation.outer_hull:_Search.around_offset": no_hulls},
-        probes={"decimation.outer_hull:_Search.around_offset": called},
-    ),
     "room in small holes": Mechanism(
         "decimation",
         patches={"decimation.request:with_room": first},
@@ -242,9 +228,9 @@ MECHANISMS: dict[str, Mechanism] = {
         probes={"flow.two_sided:_Run.geodesic": found_something},
     ),
     # contact
-    "IPC first (sequential QPs first)": Mechanism("contact", patches={"hierarchy.attempts:IPC_FIRST": 0}),
-    "IPC only": Mechanism("contact", with_contacts(IPC())),
-    "sequential QPs only": Mechanism("contact", with_contacts(SequentialQP())),
+    "sequential QPs first (IPC first)": Mechanism("contact", with_contacts(IPC(max_pairs=MAX_IPC_PAIRS), SequentialQP())),
+    "sequential QPs (IPC only)": Mechanism("contact", with_contacts(IPC())),
+    "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
     "IPC gives way in crowds": Mechanism(
         "contact", patches={"hierarchy.attempts:MAX_IPC_PAIRS": np.inf}, probes={"contact.ipc:IPC.reinflate": crowded}
     ),
@@ -282,19 +268,7 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={"tightening.widening:MAX_STEPS": 0},
         probes={"tightening.tightening:widen": several_steps},
     ),
-    "every vertex by itself in widening": Mechanism(
-        "tightening",
-        patches={"tightening.widening:SHORTEST_COMMON_STEP": -1.0},
-        probes={"tightening.tightening:widen": several_steps},
-    ),
-    "shift of the Hessian": Mechanism(
-        "tightening",
-        patches={"tightening.trust_region:FIRST_SHIFT": 0.0, "tightening.trust_region:RAISED_SHIFT": 0.0},
-    ),
-    "the cage gives way to itself": Mechanism(
-        "tightening", patches={"tightening.quadratic_model:REQUIRED_OWN_DISTANCE": 1.0}
-    ),
-    "trials of shortened steps (10 to 2)": Mechanism("tightening", patches={"tightening.trial:MAX_ATTEMPTS": 2}),
+    "trials of shortened steps (3 to 1)": Mechanism("tightening", patches={"tightening.trial:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Mechanism(
         "tightening", patches={"tightening.restoration:OVERSHOOT": 1.0, "tightening.restoration:LATE_OVERSHOOT": 1.0}
     ),

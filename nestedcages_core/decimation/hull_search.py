@@ -27,8 +27,9 @@ RESTART_WEIGHTS = (
     Weights(drop=0.63, extend=0.76, slide=0.5, pivot=1.77, spike=0.054, noise=0.25),
     Weights(drop=0.38, extend=1.02, slide=0.57, pivot=1.67, spike=0.011),
     Weights(drop=1.29, extend=1.0, slide=0.77, pivot=1.73, spike=0.081),
+    Weights(drop=0.47, extend=0.84, slide=0.54, pivot=0.78, spike=0.056),
 )
-"""Weights that complement each other: of 44, the four with the tightest cages over 124 random shapes and 52 glyphs."""
+"""Weights that complement each other: of 44, those with the tightest cages over 124 random shapes and 52 glyphs."""
 
 STAGE_SHARE = 0.4
 """Approximate fraction of the time before the restarts; only for the progress bar."""
