@@ -69,8 +69,8 @@ FIRST_SEED = 40_000
 """Of the random shapes."""
 
 REMOVED = """\
-Mechanisms that earlier runs of this program found to buy nothing are gone. With the mean excess without them, relative to
-that with them, and the time:
+Mechanisms that earlier runs of this program found to buy nothing are gone. With the mean excess without them, relative
+to that with them, and the time:
 
 - the flow's last resort, the fine mesh laid along the coarse one: no cage came of it
 - hulls around a smaller offset where the first search fails: 1.0000, time 0.55, no cage lost

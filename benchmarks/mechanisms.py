@@ -228,7 +228,9 @@ MECHANISMS: dict[str, Mechanism] = {
         probes={"flow.two_sided:_Run.geodesic": found_something},
     ),
     # contact
-    "sequential QPs first (IPC first)": Mechanism("contact", with_contacts(IPC(max_pairs=MAX_IPC_PAIRS), SequentialQP())),
+    "sequential QPs first (IPC first)": Mechanism(
+        "contact", with_contacts(IPC(max_pairs=MAX_IPC_PAIRS), SequentialQP())
+    ),
     "sequential QPs (IPC only)": Mechanism("contact", with_contacts(IPC())),
     "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
     "IPC gives way in crowds": Mechanism(
