@@ -16,13 +16,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from data import shape, shape_names
-from needed import convex, grids
+from needed import convex, grids, symmetry
 from needed.table import Table
 from nestedcages_core import Mesh
 
 TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
     "grids": grids.table,
     "convex": convex.table,
+    "symmetry": symmetry.table,
 }
 """Each makes a table of shapes by their names."""
 

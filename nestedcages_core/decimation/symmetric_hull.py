@@ -21,8 +21,9 @@ from .importance import Importance
 from .outline import Outline
 from .progressive_hull import MAX_REACH_ROUNDS, PAUSE, REACH_GROWTH, ProgressiveHull, Weights
 
-SYMMETRY_TOLERANCE = 1e-6
-"""Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric."""
+SYMMETRY_TOLERANCE = 1e-3
+"""Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric: offsets
+into narrow gaps may differ by their whole length, where rounding decides what touches."""
 
 AXIS_TOLERANCE = 1e-9
 """The same for new vertices of a move that is its own image."""

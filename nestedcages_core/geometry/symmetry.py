@@ -144,6 +144,8 @@ class Mirror:
 
     def __str__(self) -> str:
         axis = self._across()
+        if self.point is None:
+            return f"a mirror on the line through the middle along ({self.direction[0]:.6g}, {self.direction[1]:.6g})"
         if axis is not None:
             return f"a mirror on the {('vertical', 'horizontal')[axis]} line {'xy'[axis]} = {self._point[axis]:.6g}"
         (x, y), (u, v) = self._point, self.direction
@@ -213,6 +215,8 @@ class Rotation:
         return self.centre
 
     def __str__(self) -> str:
+        if self.centre is None:
+            return f"rotations of order {self.order} around the centroid"
         return f"rotations of order {self.order} around ({self._centre[0]:.6g}, {self._centre[1]:.6g})"
 
 

@@ -17,7 +17,7 @@ from ..energies import Area, CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, Nesting
 from ..geometry.symmetry_search import Found
 from ..stages import Stage
 from ..verification import Certificate, verify
@@ -151,9 +151,13 @@ class LevelBuilder:
         unit_coarse = self.units.from_input(start.coarse)
         yield from self.progress.begin("flow")
         try:
-            flow = yield from self.progress.follow(
-                attempt.flow.run(self.unit_fine, unit_coarse), lambda done: (done, "flow")
-            )
+            if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
+                # the images may have loops of their own, which the flow does not know
+                flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
+            else:
+                flow = yield from self.progress.follow(
+                    attempt.flow.run(self.unit_fine, unit_coarse), lambda done: (done, "flow")
+                )
         except FlowError as error:
             partial = error.partial
             if isinstance(partial, FlowResult) and partial.obstacle is not None:
