@@ -199,6 +199,51 @@ def svg_bombs() -> Calls:
     yield lambda: from_svg(svg(square + dashes))
 
 
+def star_polygon(corners: int) -> list[tuple[float, float]]:
+    """Every edge crosses nearly every other one."""
+    angles = 2.0 * np.pi * (corners // 2) * np.arange(corners) / corners
+    return np.round(1000.0 * np.stack((np.cos(angles), np.sin(angles)), axis=1), 6).tolist()
+
+
+def crossings() -> Calls:
+    """Small outlines that cross themselves or each other hundreds of thousands of times."""
+    for corners in (101, 501, 5_001):
+        points = star_polygon(corners)
+        data = "M" + " ".join(f"{x} {y}" for x, y in points) + "Z"
+        for style in (
+            "fill-rule:evenodd",
+            "fill-rule:nonzero",
+            "fill:none;stroke:red",
+            "stroke:red;stroke-dasharray:9",
+        ):
+            yield partial(from_svg, svg(f'<path style="{style}" d="{data}"/>'))
+        for many in (1, 3):
+            polygons = [[[*points, points[0]]]] * many
+            text = json.dumps({"type": "MultiPolygon", "coordinates": polygons})
+            yield partial(from_geojson, text)
+            yield partial(features_from_geojson, text)
+        yield partial(Mesh.from_loops, [points])
+    for bars in (70, 2_000):
+        across = "".join(f'<rect x="{3 * k}" y="-1" width="1" height="{3 * bars}"/>' for k in range(bars))
+        along = "".join(f'<rect y="{3 * k}" x="-1" height="1" width="{3 * bars}"/>' for k in range(bars))
+        yield partial(from_svg, svg(across + along))
+        yield partial(from_svg, svg(f'<clipPath id="c">{across}</clipPath><g clip-path="url(#c)">{along}</g>'))
+        yield partial(from_svg, svg(f'<mask id="m" maskUnits="userSpaceOnUse" x="-9" y="-9" width="9999" height="9999">'
+                                    f'<g fill="white">{across}</g></mask><g mask="url(#m)">{along}</g>'))  # fmt: skip
+    back_and_forth = "M0 0" + "".join(f"H{k}H{k / 2}" for k in range(1, 20_000)) + "V1Z"
+    for paint in ("", 'fill="none" stroke="red"'):
+        yield partial(from_svg, svg(f'<path {paint} d="{back_and_forth}"/>'))
+
+
+def svg_lengths() -> Calls:
+    """Long paths, whose points are counted while they are read."""
+    arcs = "M0 0" + "".join(f"a1 1 0 0 1 {k % 7} {k * k % 5 + 1}" for k in range(200_000)) + "Z"
+    yield partial(must_be_an_error, from_svg, svg(f'<path d="{arcs}"/>'))
+    yield partial(must_be_an_error, from_svg, svg(f'<path d="M0 0{"h1v1" * 600_000}Z"/>'))
+    yield partial(must_be_an_error, from_svg, svg(f'<polygon points="{"1 2 3 4 " * 600_000}"/>'))
+    yield partial(must_be_an_error, from_svg, svg('<path d="M0 0h1v1z"/>' * 110_000))
+
+
 def svg_encodings() -> Calls:
     """Bytes in encodings that are unknown, or not those announced."""
     plain = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="1"/></svg>'
@@ -265,6 +310,8 @@ ATTACKS: dict[str, Callable[[], Calls]] = {
     "SVG: extreme and broken numbers": svg_numbers,
     "SVG: bombs of uses, entities, nests, style sheets": svg_bombs,
     "SVG: encodings": svg_encodings,
+    "SVG: paths of a million points": svg_lengths,
+    "SVG and JSON: crossings by the hundred thousand": crossings,
     "PNG: bombs and broken headers": png_bombs,
 }
 """Attack and the calls that carry it out."""

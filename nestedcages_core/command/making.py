@@ -11,7 +11,7 @@ from functools import partial
 
 from ..batch import nested_cages_many
 from ..errors import NestedCagesError
-from ..exchange import cut_at_borders
+from ..exchange import Limits, cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
@@ -155,5 +155,6 @@ def _picture(picture: AnyArray, given: argparse.Namespace, settings: Settings, l
         threshold=given.threshold or 0.0,
         holes=given.holes,
         settings=settings,
+        limits=replace(Limits(), **given.limits),
         progress=line.of_run,
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import NestedCagesError
-from ..exchange import Limits
+from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
 from ..geometry.grid import Grid
 from ..hierarchy import Found, Mirror, Rotation, level_words, parse_level
@@ -159,8 +159,7 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="WHAT=N",
-        help="read more or less at most: bytes, elements, points or pixels "
-        f"(default: {', '.join(f'{name}={value}' for name, value in vars(Limits()).items())})",
+        help=f"read more or less at most (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})",
     )
     options.add_argument("--quiet", action="store_true", help="no progress")
     drawings = options.add_argument_group("drawings (.svg)")
@@ -219,7 +218,7 @@ def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
         "background": not given.no_background,
         "crop": not given.no_crop,
         "opacity": given.opacity or 0.0,
-        "limits": given.limits,
+        "limits": replace(DRAWING_LIMITS, **given.limits),
     }
 
 
@@ -261,7 +260,7 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
     if given.borders and given.grid is not None:
         options.error("--borders cuts cages where borders run, which is not on a grid; leave out one of them")
     given.jobs = given.jobs or 1
-    given.limits = replace(Limits(), **dict(given.limits))
+    given.limits = dict(given.limits)
 
 
 def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
@@ -340,13 +339,18 @@ def _decimals(text: str) -> int:
     return int(_number(text, what, lambda value: 0 <= value <= MAX_DECIMALS and value % 1 == 0))
 
 
+def _listed(limits: Limits) -> str:
+    """All limits in the form of the option."""
+    return ", ".join(f"{name.replace('_', '-')}={value}" for name, value in vars(limits).items())
+
+
 def _limit(text: str) -> tuple[str, int]:
     name, _, number = text.partition("=")
-    if name not in vars(Limits()):
-        raise argparse.ArgumentTypeError(
-            f"{', '.join(vars(Limits()))} can be limited, as in pixels=1000000, not {text!r}"
-        )
-    return name, _count(number)
+    field = name.replace("-", "_")
+    if field not in vars(Limits()):
+        known = ", ".join(vars(Limits())).replace("_", "-")
+        raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
+    return field, _count(number)
 
 
 def _share(text: str) -> float:

@@ -6,9 +6,11 @@ import argparse
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, TextIO
 
 from ..errors import NestedCagesError
+from ..exchange import Limits
 from .making import Result, make
 from .options import check_use, of_drawings, parser
 from .outputs import STEM, check, entry, format_of, frames_of, put, report, target, text_of
@@ -79,7 +81,7 @@ def _file(
     written: list[str] = []
     failures: list[str] = []
     try:
-        source = read(path, given.limits, of_drawings(given))
+        source = read(path, replace(Limits(), **given.limits), of_drawings(given))
         outputs = [(target(each, source), format_of(each, source, given.format)) for each in given.output]
         for file, kind in outputs:
             check(file, source, kind)

@@ -27,6 +27,7 @@ from .joining import joined
 from .limits import Limits
 from .neighbours import Cut, cut_at_borders
 from .svg import (
+    DRAWING_LIMITS,
     Frame,
     SvgDrawing,
     SvgOptions,
@@ -40,6 +41,7 @@ from .svg import (
 from .swept import swept
 
 __all__ = [
+    "DRAWING_LIMITS",
     "Cut",
     "Feature",
     "Frame",

@@ -17,7 +17,7 @@ from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
 from .geojson import loaded_json
-from .limits import Limits
+from .limits import Budget, LimitError, Limits
 from .rings import polygons_of, ring_of, shown
 
 FORMAT = "nested-cages outline"
@@ -94,14 +94,17 @@ def frames_from_engine_json(
     frames = _checked(text, FRAMES, "an animation of outlines", limits).get("frames")
     if not isinstance(frames, list):
         raise NestedCagesError(f"The animation of outlines has {shown(frames)} where its list of frames belongs.")
-    limits.check("elements", len(frames))
+    budget = Budget(limits)
+    budget.spend("elements", len(frames))
     read = []
     for k, frame in enumerate(frames):
         time = frame.get("time") if isinstance(frame, Mapping) else None
         if not isinstance(time, int | float) or isinstance(time, bool):
             raise NestedCagesError(f"Frame {k} of the animation of outlines is not an object with a time and polygons.")
         try:
-            read.append((float(time), _mesh_of(frame, flip_y, limits)))
+            read.append((float(time), _mesh_of(frame, flip_y, budget)))
+        except LimitError:
+            raise
         except (NestedCagesError, OverflowError) as error:
             raise NestedCagesError(f"Frame {k}: {error}") from error
     return tuple(read)
@@ -136,7 +139,7 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     if loops cross or touch, or a hole is not inside its polygon.
     """
     limits = limits or Limits()
-    return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, limits)
+    return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, Budget(limits))
 
 
 def pieces_from_engine_json(
@@ -151,8 +154,9 @@ def pieces_from_engine_json(
     points, pieces = document.get("points"), document.get("pieces")
     if not isinstance(points, list) or not isinstance(pieces, list):
         raise NestedCagesError("The collision outline has no convex pieces; export it with them.")
-    limits.check("points", len(points))
-    limits.check("elements", len(pieces))
+    budget = Budget(limits)
+    budget.spend("points", len(points))
+    budget.spend("elements", len(pieces))
     places = ring_of(points, "the points")
     turn = 1 if flip_y is None else -1
     found = []
@@ -160,7 +164,7 @@ def pieces_from_engine_json(
         known = isinstance(piece, list) and all(type(i) is int and 0 <= i < len(points) for i in piece)
         if not known or len(piece) < 3:
             raise NestedCagesError(f"Piece {k} of the collision outline is not a list of at least three of its points.")
-        limits.check("points", len(piece))
+        budget.spend("points", len(piece))
         found.append(_flipped(places[piece], flip_y)[::turn])
     return found
 
@@ -193,19 +197,19 @@ def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
     return polygons
 
 
-def _mesh_of(document: Mapping[str, Any], flip_y: float | None, limits: Limits) -> Mesh:
+def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) -> Mesh:
     """The mesh of the polygons of a document or a frame."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
         raise NestedCagesError(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
-    limits.check("elements", len(parts))
+    budget.spend("elements", len(parts))
     rings = []
     for k, part in enumerate(parts):
         if not isinstance(part, Mapping) or not isinstance(part.get("holes", []), list) or "outer" not in part:
             raise NestedCagesError(f"Polygon {k} of the collision outline is not an object with outer and holes.")
         rings.append([part["outer"], *part.get("holes", [])])
     polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
-    limits.check("points", sum(len(ring) for polygon in polygons for ring in polygon))
+    budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
     flipped = [[_flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
     return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": flipped})
 

@@ -13,8 +13,10 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.loops import enclosing_pairs, extreme_places
 from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
+from .crossings import edges_in, spend_crossings
 from .gaps import bridges
 from .libraries import load_shapely
+from .limits import Budget
 from .touching import pulled_apart
 
 GRIDS = (0.0, 2.0**-30, 2.0**-24)
@@ -44,17 +46,17 @@ Area = Painted | Any
 """A painted area, or a geometry of shapely."""
 
 
-def solid(areas: Sequence[Area], *, seam: float = 0.0) -> Mesh:
+def solid(areas: Sequence[Area], *, seam: float = 0.0, budget: Budget | None = None) -> Mesh:
     """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
 
-    seam: width below which gaps between united areas are closed.
+    seam: width below which gaps between united areas are closed; budget: for crossings, unlimited if None.
 
     Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
-    inside, NestedCagesError where loops cross and shapely is missing.
+    inside, NestedCagesError where loops cross and shapely is missing, or more often than the budget allows.
     """
     if not all(isinstance(area, Painted) for area in areas):
         shapely = load_shapely("shapes that overlap or touch")
-        return mesh_of(shapely, regions(shapely, areas), seam=seam)
+        return mesh_of(shapely, regions(shapely, areas, budget), seam=seam, budget=budget)
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
@@ -63,21 +65,28 @@ def solid(areas: Sequence[Area], *, seam: float = 0.0) -> Mesh:
         mesh = Mesh.from_loops(loops)
     except InvalidMeshError:
         shapely = load_shapely("shapes that overlap or touch")
-        return mesh_of(shapely, regions(shapely, cleaned), seam=seam)
+        return mesh_of(shapely, regions(shapely, cleaned, budget), seam=seam, budget=budget)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
         raise InvalidMeshError("The shapes have no inside.")
     return mesh if kept.all() else Mesh.from_loops([loops[k] for k in np.flatnonzero(kept)])
 
 
-def regions(shapely: Any, areas: Sequence[Area]) -> list[Any]:
-    """The inside of each area as a valid geometry."""
+def union_of(shapely: Any, areas: Sequence[Area], budget: Budget | None = None) -> Any:
+    """The union of areas as a valid geometry. Raises NestedCagesError beyond the budget."""
+    parts = regions(shapely, areas, budget)
+    spend_crossings(edges_in(shapely, parts), budget, "crossings")
+    return shapely.union_all(parts)
+
+
+def regions(shapely: Any, areas: Sequence[Area], budget: Budget | None = None) -> list[Any]:
+    """The inside of each area as a valid geometry. Raises NestedCagesError beyond the budget."""
     cleaned = [area.cleaned() if isinstance(area, Painted) else area for area in areas]
     single = [k for k, area in enumerate(cleaned) if isinstance(area, Painted) and len(area.loops) == 1]
     outlines = shapely.polygons(_rings(shapely, [cleaned[k].loops[0] for k in single]))
     simple = {k: outline for k, outline in zip(single, outlines, strict=True) if shapely.is_valid(outline)}
     return [
-        simple[k] if k in simple else _region(shapely, area) if isinstance(area, Painted) else area
+        simple[k] if k in simple else _region(shapely, area, budget) if isinstance(area, Painted) else area
         for k, area in enumerate(cleaned)
     ]
 
@@ -91,11 +100,12 @@ def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
     return np.fmin.reduce(points), np.fmax.reduce(points)
 
 
-def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0) -> Mesh:
+def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Budget | None = None) -> Mesh:
     """The union of valid geometries as a mesh, without gaps narrower than `seam`.
 
-    Raises InvalidMeshError where nothing is inside.
+    Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
     """
+    spend_crossings(edges_in(shapely, parts), budget, "crossings")
     bounds = shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
@@ -126,15 +136,17 @@ def rings_of(shapely: Any, geometry: Any) -> list[FloatArray]:
     return [shapely.get_coordinates(ring)[:-1] for ring in rings]
 
 
-def _region(shapely: Any, area: Painted) -> Any:
+def _region(shapely: Any, area: Painted, budget: Budget | None) -> Any:
     """The inside of loops that may cross: the faces between them whose winding numbers are inside."""
     if not area.loops:
         return shapely.Polygon()
+    starts, ends = _edges_of(area.loops)
+    spend_crossings((starts, ends), budget, "self_crossings")
     lines = shapely.union_all(_rings(shapely, area.loops))
     faces = shapely.get_parts(shapely.polygonize([lines]))
-    starts, ends = _edges_of(area.loops)
     winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
-    return shapely.union_all(faces[area.painted(winding) | (winding == ON_BOUNDARY)])  # a face without area is a seam
+    kept = area.painted(winding) | (winding == ON_BOUNDARY)  # a face without area is a seam
+    return shapely.coverage_union_all(faces[kept])
 
 
 def thickness(loops: Sequence[FloatArray]) -> float:

@@ -17,7 +17,7 @@ from ..geometry.mesh import Mesh
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole
-from .limits import Limits
+from .limits import Budget, LimitError, Limits
 from .repair import mesh_of
 from .rings import polygons_of, shown
 
@@ -86,9 +86,9 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
         raise NestedCagesError(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
     degrees = _may_be_degrees(document)
-    features, refused, without, points = [], [], 0, 0
+    features, refused, without, budget = [], [], 0, Budget(limits)
     for number, member in enumerate(members):
-        limits.check("elements", number + 1)
+        budget.spend("elements", 1)
         name = f"feature {number}"
         try:
             geometry, properties, identity, lost = _parts(member, has_nan)
@@ -97,15 +97,16 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
         except InvalidMeshError as error:
             refused.append(f"{name}: {error}")
             continue
-        points += sum(len(ring) for polygon in polygons for ring in polygon)
-        limits.check("points", points)
+        budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
         if not polygons:
             without += 1
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = mesh_of(polygons)
+            mesh, repairs = mesh_of(polygons, budget)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
+        except LimitError:
+            raise
         except NestedCagesError as error:
             refused.append(f"{name}: {error}")
     return Map(tuple(features), tuple(refused), without, document.get("crs"))
@@ -131,7 +132,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None) -> Mesh:
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return mesh_of(polygons)[0]
+    return mesh_of(polygons, Budget(limits or Limits()))[0]
 
 
 def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None) -> Mesh:

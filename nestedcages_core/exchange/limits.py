@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,10 @@ class Limits:
     """Features of a map, polygons of a collision outline."""
     points: int = 5_000_000
     """Points of all outlines together."""
+    crossings: int = 100_000
+    """Crossings of different outlines that are united or cut: about 10 s."""
+    self_crossings: int = 20_000
+    """Crossings of outlines with themselves, which take longer."""
     pixels: int = 2**26
     """Pixels of a picture: 256 MB as 8-bit RGBA."""
 
@@ -31,7 +36,31 @@ class Limits:
         """Raise NestedCagesError if an amount exceeds the limit of a field."""
         allowed = getattr(self, what)
         if found > allowed:
-            raise NestedCagesError(
-                f"The input has {found:,} {what}, more than the {allowed:,} allowed; raise the limit for {what}, or "
-                "make the input smaller."
-            )
+            raise self.exceeded(what, f"{found:,} {what}, more than the {allowed:,} allowed")
+
+    def exceeded(self, what: str, has: str) -> LimitError:
+        """The error for an input that has more than the limit of a field."""
+        return LimitError(f"The input has {has}; raise the limit for {_words(what)}, or make the input smaller.")
+
+
+class LimitError(NestedCagesError):
+    """More than a limit allows."""
+
+
+class Budget:
+    """What a document has used of its limits, counted as it is read."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.used: Counter[str] = Counter()
+
+    def spend(self, what: str, amount: int) -> None:
+        """Add to what a field counts. Raises NestedCagesError beyond the limit."""
+        self.used[what] += amount
+        allowed = getattr(self.limits, what)
+        if self.used[what] > allowed:
+            raise self.limits.exceeded(what, f"more than the {allowed:,} {_words(what)} allowed")
+
+
+def _words(what: str) -> str:
+    return what.replace("_", "-")

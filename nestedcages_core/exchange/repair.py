@@ -12,8 +12,10 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
 from ..geometry.predicates import orientation
+from .crossings import edges_in, spend_crossings
 from .fill import Painted, solid
 from .libraries import load_shapely
+from .limits import Budget
 from .rings import Polygon
 
 NEEDED_FOR = "polygons that touch or cross"
@@ -28,12 +30,12 @@ GREATEST_PASSES = 64
 """Maximum number of rounds that remove spikes; GEOS repairs the rest."""
 
 
-def mesh_of(polygons: list[Polygon]) -> tuple[Mesh, list[str]]:
+def mesh_of(polygons: list[Polygon], budget: Budget | None = None) -> tuple[Mesh, list[str]]:
     """The solid of polygons, each an outer ring (k, 2) and its holes, and the repairs made.
 
     Simple rings, apart from each other, keep their coordinates to the last bit. Others are repaired as GEOS does
     (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck.
-    Raises InvalidMeshError where no area is left.
+    Raises InvalidMeshError where no area is left, NestedCagesError beyond the budget for crossings.
     """
     kept, notes = _cleaned(polygons)
     if not kept:
@@ -44,6 +46,7 @@ def mesh_of(polygons: list[Polygon]) -> tuple[Mesh, list[str]]:
         failed = error
     shapely = load_shapely(NEEDED_FOR)
     shape = shape_of(kept)
+    spend_crossings(edges_in(shapely, [shape]), budget, "self_crossings")
     faults = _faults(shape)
     if not faults:
         return united(kept), [*notes, f"parts that touch are joined: {_first(failed)}"]

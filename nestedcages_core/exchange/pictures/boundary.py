@@ -7,6 +7,7 @@ import numpy as np
 from ...errors import InvalidMeshError
 from ...geometry.arrays import BoolArray, FloatArray
 from ...geometry.mesh import Mesh
+from ..limits import Limits
 
 CUT = 0.25
 """Cut at the corner of a transparent pixel between two opaque ones that only share a point, in pixels."""
@@ -16,12 +17,13 @@ STEPS = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 """One pixel edge in each direction; x counts columns, y counts rows downwards."""
 
 
-def boundary_of_pixels(opaque: BoolArray) -> Mesh:
+def boundary_of_pixels(opaque: BoolArray, *, limits: Limits | None = None) -> Mesh:
     """The outline of the pixels that are True in (H, W); pixel (row, column) is the square from (column, row) on.
 
     Opaque pixels that share only a corner belong together. The boundary would touch itself there; it passes through
     the two transparent pixels instead, cutting off their corners, so that every opaque pixel stays inside. Nowhere
-    else does it leave the pixels' edges. Raises InvalidMeshError if nothing is opaque.
+    else does it leave the pixels' edges. Raises InvalidMeshError if nothing is opaque, NestedCagesError if more edges
+    of pixels bound it than the limits allow points.
     """
     solid = np.pad(np.asarray(opaque, dtype=bool), 1)
     if solid.ndim != 2 or not solid.any():
@@ -34,6 +36,7 @@ def boundary_of_pixels(opaque: BoolArray) -> Mesh:
     leaves[WEST, :, 1:] = above & ~below
     leaves[SOUTH, :-1, :] = left & ~right
     leaves[NORTH, 1:, :] = right & ~left
+    (limits or Limits()).check("points", int(np.count_nonzero(leaves)))
     return Mesh.from_loops(_walked(leaves))
 
 
@@ -54,11 +57,8 @@ def _walked(leaves: BoolArray) -> list[FloatArray]:
         candidate = (direction + turn) % 4
         possible = flat[candidate, target]
         onward[possible] = candidate[possible]
-    crowded = flat.sum(axis=0) == 2
-    key = direction * corners + corner
-    number = np.full(4 * corners, -1, dtype=np.int64)
-    number[key] = np.arange(len(key))
-    following = number[onward * corners + target]
+    crowded = flat.sum(axis=0, dtype=np.int8) == 2
+    following = np.searchsorted(direction * corners + corner, onward * corners + target)  # edges are in this order
     turning = (onward != direction).tolist()
     points = np.stack((target % columns, target // columns), axis=1).astype(np.float64)
     # the corner at the end of each edge: one point, or two where it is cut off

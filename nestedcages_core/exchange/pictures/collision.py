@@ -12,6 +12,7 @@ from ...errors import NestedCagesError
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.mesh import Mesh
 from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
+from ..limits import Limits
 from .boundary import boundary_of_pixels
 
 
@@ -38,9 +39,12 @@ def collision_outline(
     threshold: float = 0.0,
     holes: bool = False,
     settings: Settings | None = None,
+    limits: Limits | None = None,
 ) -> Mesh:
     """An outline with the given number of vertices around all opaque pixels; for the options see `picture_cages`."""
-    made = picture_cages(picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings)
+    made = picture_cages(
+        picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings, limits=limits
+    )
     return made.cages[0]
 
 
@@ -52,6 +56,7 @@ def picture_cages(
     threshold: float = 0.0,
     holes: bool = False,
     settings: Settings | None = None,
+    limits: Limits | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Hierarchy:
     """Cages around all opaque pixels, with the given numbers of vertices, or fewer if the pixels have fewer corners.
@@ -59,11 +64,14 @@ def picture_cages(
     picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
     them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
     distance in pixels that the cages keep from them and from each other; threshold: opacity above which a pixel counts
-    as opaque; holes: whether holes are kept open. Parts and holes with no room for the padding are joined and closed.
+    as opaque; holes: whether holes are kept open; limits: on pixels, and on their edges as points. Parts and holes with
+    no room for the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
     """
-    steps = picture_cages_run(picture, levels, padding=padding, threshold=threshold, holes=holes, settings=settings)
+    steps = picture_cages_run(
+        picture, levels, padding=padding, threshold=threshold, holes=holes, settings=settings, limits=limits
+    )
     while True:
         try:
             step = next(steps)
@@ -82,6 +90,7 @@ def picture_cages_run(
     threshold: float = 0.0,
     holes: bool = False,
     settings: Settings | None = None,
+    limits: Limits | None = None,
 ) -> Generator[Progress, None, Hierarchy]:
     """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
@@ -99,13 +108,13 @@ def picture_cages_run(
             run.close()
         return run.hierarchy
 
-    fine = boundary_of_pixels(_without_holes(opaque, holes))
+    fine = boundary_of_pixels(_without_holes(opaque, holes), limits=limits)
     if padding == 0.0:
         return (yield from around(fine, chosen))
     try:
         return (yield from around(fine, replace(chosen, clearance=padding)))
     except NestedCagesError:
-        grown = _grown(opaque, padding, holes)
+        grown = _grown(opaque, padding, holes, limits)
         if len(grown.loops) == len(fine.loops):
             raise
         return (yield from around(grown, chosen))
@@ -118,11 +127,13 @@ def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
     return np.asarray(scipy.ndimage.binary_fill_holes(opaque))
 
 
-def _grown(opaque: BoolArray, padding: float, holes: bool) -> Mesh:
+def _grown(opaque: BoolArray, padding: float, holes: bool, limits: Limits | None) -> Mesh:
     """The boundary of all pixels that come closer than the padding to an opaque one, square to square."""
     border = int(np.ceil(padding)) + 1
+    height, width = opaque.shape
+    (limits or Limits()).check("pixels", (height + 2 * border) * (width + 2 * border))
     # squares are as far apart as the centre of one from the centres of the other and its neighbours
     near = scipy.ndimage.binary_dilation(np.pad(opaque, border), np.ones((3, 3)))
     wide = np.asarray(scipy.ndimage.distance_transform_edt(~near) < padding)
-    mesh = boundary_of_pixels(_without_holes(wide, holes))
+    mesh = boundary_of_pixels(_without_holes(wide, holes), limits=limits)
     return Mesh(mesh.vertices - border, mesh.edges)

@@ -59,9 +59,11 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     """
     if not isinstance(data, bytes | bytearray | memoryview):
         raise NestedCagesError(f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.")
+    limits = limits or Limits()
+    limits.check("bytes", len(data))
     chunks = _chunks(bytes(data))
     header = _header(chunks)
-    (limits or Limits()).check("pixels", header.width * header.height)
+    limits.check("pixels", header.width * header.height)
     try:  # never decompress more data than the picture has
         raw = zlib.decompressobj().decompress(chunks.get(b"IDAT", b""), _size(header))
     except zlib.error as error:

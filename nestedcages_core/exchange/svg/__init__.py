@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from .document import Frame
-from .options import SvgOptions
+from .options import DRAWING_LIMITS, SvgOptions
 from .reading import SvgDrawing, from_svg, read_svg, read_svg_drawing, svg_drawing
 from .writing import to_svg, write_svg
 
 __all__ = [
+    "DRAWING_LIMITS",
     "Frame",
     "SvgDrawing",
     "SvgOptions",

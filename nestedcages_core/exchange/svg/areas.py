@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,8 +11,10 @@ import numpy as np
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
-from ..fill import Area, Painted, bounds_of, regions, thickness
+from ..crossings import edges_in, spend_crossings
+from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..libraries import load_shapely
+from ..limits import Budget
 from .curves import flattened
 from .filters import Filter, Layer, filtered
 from .gradients import visible
@@ -41,7 +43,7 @@ class Areas:
         self.options = options
         self.tolerance = tolerance
         self.pixel = pixel
-        self.points = 0
+        self.budget = Budget(options.limits)
 
     def of(self, node: Group | Shape, outer: FloatArray) -> list[Area]:
         """The areas that a node paints. outer: from its units to those of the document."""
@@ -81,12 +83,8 @@ class Areas:
         if not np.abs(np.concatenate(curves)).max() < MAX_COORDINATE:
             raise NestedCagesError("The drawing has coordinates that are not finite, or too large; correct them.")
         points = flattened(curves, tolerance)
-        self._count(len(points))
+        self.budget.spend("points", len(points))
         return points
-
-    def _count(self, points: int) -> None:
-        self.points += points
-        self.options.limits.check("points", self.points)
 
     def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
         """The visible parts of areas."""
@@ -100,11 +98,11 @@ class Areas:
         if not (alphas > self.options.faintest).any():
             return []
         shapely = load_shapely("gradients that fade away")
-        whole = shapely.union_all(regions(shapely, areas))
+        whole = union_of(shapely, areas, self.budget)
         matrix = outer @ shape.matrix
         box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
         seen = visible(shapely, paint.gradient, alphas, self.options.faintest, box, matrix, shapely.bounds(whole))
-        return [shapely.intersection(whole, seen)]
+        return [self._of_two(shapely.intersection, whole, seen)]
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
         """The area of a stroke."""
@@ -121,14 +119,19 @@ class Areas:
         lines = [
             Polyline(self._flat(path, before, STROKE_FINENESS * tolerance), path.closed) for path in shape.subpaths
         ]
-        parts = stroked(shapely, lines, stroke, tolerance, self.options.limits)
-        self._count(int(shapely.get_num_coordinates(parts).sum()))
+        parts = stroked(shapely, lines, stroke, tolerance, self.budget)
+        self.budget.spend("points", int(shapely.get_num_coordinates(parts).sum()))
         return [shapely.transform(part, lambda points: moved(points, after)) for part in parts]
 
     def _outline(self, node: Group | Shape, outer: FloatArray) -> list[FloatArray]:
         """Points of the outlines of a node, regardless of paint."""
         shapes = [node] if isinstance(node, Shape) else node.shapes()
         return [self._flat(path, outer @ shape.matrix, self.tolerance) for shape in shapes for path in shape.subpaths]
+
+    def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
+        """What an operation of shapely makes of two areas, their crossings counted before."""
+        spend_crossings(edges_in(load_shapely("shapes that overlap"), [one, other]), self.budget, "crossings")
+        return operation(one, other)
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:
         """The areas of a group within a clip path or mask; areas completely inside stay unchanged."""
@@ -143,16 +146,16 @@ class Areas:
         if len(inside) == 1 and _is_box_around(inside[0], low, high):
             return areas
         shapely = load_shapely("clip paths and masks")
-        kept = shapely.union_all(regions(shapely, inside))
+        kept = union_of(shapely, inside, self.budget)
         if shapely.covers(kept, shapely.box(*low, *high)):
             return areas
-        return [shapely.intersection(shapely.union_all(regions(shapely, areas)), kept)]
+        return [self._of_two(shapely.intersection, union_of(shapely, areas, self.budget), kept)]
 
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
         """The areas of a group after a filter."""
         shapely = load_shapely("filters")
         paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
-        region = shapely.union_all(regions(shapely, areas))
+        region = union_of(shapely, areas, self.budget)
         fades = all(paint.fades(self.options.faintest) for paint in paints)
         source = Layer(region, max(paint.opacity for paint in paints), fades=fades)
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
@@ -160,16 +163,16 @@ class Areas:
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
         """The region where a mask is more opaque than the faintest share: its shapes in order, by luminance."""
         shapely = load_shapely("masks")
-        kept = shapely.union_all([])
+        kept: list[Any] = []
         for shape in content.shapes():
             for paint, part in self._layers(shape, outer):
-                region = shapely.union_all(regions(shapely, part))
                 light = paint.opacity * _luminance(paint)
                 if light > self.options.faintest:
-                    kept = shapely.union(kept, region)
+                    kept += part
                 elif 1.0 - paint.opacity + light <= self.options.faintest:
-                    kept = shapely.difference(kept, region)
-        clipped: list[Area] = [kept]
+                    rest, region = (union_of(shapely, areas, self.budget) for areas in (kept, part))
+                    kept = [self._of_two(shapely.difference, rest, region)]
+        clipped: list[Area] = [union_of(shapely, kept, self.budget)]
         for clip in content.clips:
             clipped = self._clipped(clipped, content, clip, outer)
         return clipped

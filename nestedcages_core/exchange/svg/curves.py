@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -25,35 +26,38 @@ def line(start: FloatArray, end: FloatArray) -> FloatArray:
 
 
 def arc(
-    start: FloatArray, end: FloatArray, radii: FloatArray, turn: float, large: bool, sweep: bool
+    start: FloatArray, end: FloatArray, radii: Sequence[float], turn: float, large: bool, sweep: bool
 ) -> list[FloatArray]:
     """Cubics (4, 2) along an elliptical arc, from its end points (SVG 1.1, appendix F.6).
 
-    radii: (2,) along the ellipse's axes, widened if too small to reach; turn: radians from x to the first axis.
+    radii: two, along the ellipse's axes, widened if too small to reach; turn: radians from x to the first axis.
     """
-    radii = np.abs(radii)
-    if (start == end).all():
+    (x0, y0), (x1, y1) = start.tolist(), end.tolist()
+    rx, ry = abs(radii[0]), abs(radii[1])
+    if x0 == x1 and y0 == y1:
         return []
-    if not (radii > FLATTEST * np.abs(np.concatenate((start, end))).max()).all() or not np.isfinite(turn):
+    largest = max(abs(x0), abs(y0), abs(x1), abs(y1))
+    if not (rx > FLATTEST * largest and ry > FLATTEST * largest and math.isfinite(turn)):
         return [line(start, end)]
-    axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
-    half = axes.T @ (start - end) / 2.0
-    stretch = float(((half / radii) ** 2).sum())
-    if not stretch > FLATTEST:  # so large that the arc is straight
+    cosine, sine = math.cos(turn), math.sin(turn)
+    dx, dy = (x0 - x1) / 2.0, (y0 - y1) / 2.0
+    u, v = (cosine * dx + sine * dy) / rx, (cosine * dy - sine * dx) / ry  # half the chord, the ellipse a unit circle
+    stretch = u * u + v * v
+    if not FLATTEST < stretch < math.inf:  # so large that the arc is straight, or out of range
         return [line(start, end)]
     if stretch >= 1.0:  # too small, or just reaching: the centre is the middle
-        radii = radii * math.sqrt(stretch)
-        off = np.zeros(2)
+        grown = math.sqrt(stretch)
+        rx, ry, u, v, across, along = rx * grown, ry * grown, u / grown, v / grown, 0.0, 0.0
     else:
-        x, y = half / radii
-        off = math.sqrt(1.0 / stretch - 1.0) * np.array([y, -x]) * (1.0 if large != sweep else -1.0)
-    first, last = half / radii - off, -half / radii - off
-    begin = math.atan2(first[1], first[0])
-    angle = (math.atan2(last[1], last[0]) - begin) % (2.0 * math.pi)
+        off = math.sqrt(1.0 / stretch - 1.0) * (1.0 if large != sweep else -1.0)
+        across, along = off * v, -off * u
+    begin = math.atan2(v - along, u - across)
+    angle = (math.atan2(-v - along, -u - across) - begin) % (2.0 * math.pi)
     if not sweep:
         angle -= 2.0 * math.pi
-    centre = axes @ (off * radii) + (start + end) / 2.0
-    curves = ellipse(centre, axes * radii, begin, angle)
+    axes = np.array([[cosine * rx, -sine * ry], [sine * rx, cosine * ry]])
+    centre = axes @ (across, along) + (start + end) / 2.0
+    curves = ellipse(centre, axes, begin, angle)
     curves[0][0], curves[-1][3] = start, end
     return curves
 
@@ -66,12 +70,13 @@ def ellipse(centre: FloatArray, axes: FloatArray, begin: float = 0.0, angle: flo
     """Cubics (4, 2) along centre + axes @ (cos t, sin t) for t from `begin` over `angle` radians; axes: (2, 2)."""
     count = max(math.ceil(abs(angle) / MAX_ARC - 1e-9), 1)
     reach = 4.0 / 3.0 * math.tan(angle / count / 4.0)
-    t = begin + np.linspace(0.0, angle, count + 1)
+    t = [begin + angle * k / count for k in range(count + 1)]
     if abs(angle) == 2.0 * math.pi:
         t[-1] = t[0]
-    on = np.stack((np.cos(t), np.sin(t)), axis=1)
-    ahead = np.stack((-on[:, 1], on[:, 0]), axis=1) * reach
-    unit = np.stack((on[:-1], on[:-1] + ahead[:-1], on[1:] - ahead[1:], on[1:]), axis=1)
+    on = np.array([(math.cos(at), math.sin(at)) for at in t])
+    ahead = on[:, ::-1] * (-reach, reach)
+    unit = np.empty((count, 4, 2))
+    unit[:, 0], unit[:, 1], unit[:, 2], unit[:, 3] = on[:-1], on[:-1] + ahead[:-1], on[1:] - ahead[1:], on[1:]
     return list(unit @ axes.T + centre)
 
 

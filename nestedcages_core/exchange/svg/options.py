@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ...errors import NestedCagesError
 from ...parameters import check_positive
@@ -11,8 +11,9 @@ from ..limits import Limits
 FAINTEST = 0.5 / 255.0
 """Opacity that rounds to 0 with 8 bits per channel."""
 
-MAX_ELEMENTS = 100_000
-"""Default limit of drawn elements, each copy by `use` included."""
+DRAWING_LIMITS = Limits(elements=100_000, points=1_000_000)
+"""What is read of a drawing at most by default: elements that are drawn, each copy by `use` counted, and points of
+their outlines, before and after curves become chords."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class SvgOptions:
     """Whether to cut off everything outside the page, which viewers do not show."""
     opacity: float = 0.0
     """Opacity from 0 to 1 above which paint counts."""
-    limits: Limits = field(default_factory=lambda: Limits(elements=MAX_ELEMENTS))
+    limits: Limits = DRAWING_LIMITS
 
     def __post_init__(self) -> None:
         if self.tolerance is not None:

@@ -3,31 +3,40 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from itertools import islice, pairwise
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ..limits import Budget, Limits
 from .curves import ellipse, line
-from .lengths import Viewport, attribute, name_of, numbers
+from .lengths import Viewport, attribute, name_of
 from .path_data import Subpath, read_path
+from .transforms import NUMBER
 
 OUTLINED = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "polygon"))
 """Elements with an outline."""
 
+POINTS_AT_ONCE = 1000
+"""Points of a polygon that are read before they are counted."""
 
-def outline(item: ET.Element, viewport: Viewport) -> list[Subpath]:
-    """The outline of an element, in its own units; nothing for other elements. Raises NestedCagesError."""
+
+def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) -> list[Subpath]:
+    """The outline of an element, in its own units; nothing for other elements.
+
+    Raises NestedCagesError, also where points go beyond the budget.
+    """
+    budget = budget or Budget(Limits())
     name = name_of(item)
 
     def length(key: str) -> float:
         return attribute(item, key, viewport)
 
     if name == "path":
-        return read_path(item.get("d", ""))
+        return read_path(item.get("d", ""), budget)
     if name in ("polygon", "polyline"):
-        return _through(numbers(item.get("points", "")), closed=name == "polygon")
+        return _through(_coordinates(item.get("points", ""), budget), closed=name == "polygon")
     if name == "line":
         return [Subpath([line(np.array([length("x1"), length("y1")]), np.array([length("x2"), length("y2")]))])]
     if name == "rect":
@@ -40,6 +49,16 @@ def outline(item: ET.Element, viewport: Viewport) -> list[Subpath]:
         centre = np.array([length("cx"), length("cy")])
         return [Subpath(ellipse(centre, np.diag(radii)), True)] if min(radii) > 0.0 else []
     return []
+
+
+def _coordinates(text: str, budget: Budget) -> list[float]:
+    """The numbers of a list of points, counted as they are read."""
+    values: list[float] = []
+    found = NUMBER.finditer(text)
+    while some := [float(number[0]) for number in islice(found, 2 * POINTS_AT_ONCE)]:
+        budget.spend("points", len(some) // 2)
+        values += some
+    return values
 
 
 def _through(values: list[float], *, closed: bool) -> list[Subpath]:

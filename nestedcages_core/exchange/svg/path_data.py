@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
+from ..limits import Budget, Limits
 from .curves import arc, line
 
 NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
@@ -34,8 +35,9 @@ class Subpath:
 class PathReader:
     """Follows path data command by command."""
 
-    def __init__(self, data: str) -> None:
+    def __init__(self, data: str, budget: Budget) -> None:
         self.data = data
+        self.budget = budget
         self.place = 0
         self.subpaths: list[Subpath] = []
         self.at = np.zeros(2)
@@ -44,7 +46,9 @@ class PathReader:
         self.handle_of = ""
 
     def read(self) -> list[Subpath]:
-        """The subpaths with at least one curve. Raises NestedCagesError with the place where the data go wrong."""
+        """The subpaths with at least one curve. Raises NestedCagesError with the place where the data go wrong, and for
+        more points than the budget has.
+        """
         command = ""
         while BLANK.match(self.data, self.place).end() < len(self.data):  # type: ignore[union-attr]
             found = COMMAND.match(self.data, self.place)
@@ -58,6 +62,7 @@ class PathReader:
             if not self.subpaths and command not in "Mm":
                 self._refuse("a path that begins with M")
             self._follow(command)
+            self.budget.spend("points", 1)
         return [path for path in self.subpaths if path.curves]
 
     def _follow(self, command: str) -> None:
@@ -79,9 +84,9 @@ class PathReader:
             return
         if kind == "A":
             end = origin + values[5:]
-            path.curves += arc(
-                self.at, end, np.array(values[:2]), math.radians(values[2]), bool(values[3]), bool(values[4])
-            )
+            curves = arc(self.at, end, values[:2], math.radians(values[2]), bool(values[3]), bool(values[4]))
+            self.budget.spend("points", len(curves))
+            path.curves += curves
             self.at = end
             return
         if kind in "HV":
@@ -116,6 +121,6 @@ class PathReader:
         )
 
 
-def read_path(data: str) -> list[Subpath]:
+def read_path(data: str, budget: Budget | None = None) -> list[Subpath]:
     """The subpaths of path data. Raises NestedCagesError."""
-    return PathReader(data).read()
+    return PathReader(data, budget or Budget(Limits())).read()

@@ -14,8 +14,9 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..files import read_whole
-from ..fill import Area, bounds_of, regions, solid
+from ..fill import Area, bounds_of, solid, union_of
 from ..libraries import load_shapely
+from ..limits import Budget
 from .areas import Areas
 from .curves import flattened
 from .document import Document, Frame
@@ -87,10 +88,12 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     if not tolerance > 0.0:
         raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
     try:
-        areas = Areas(chosen, tolerance, document.pixel).of(root, np.eye(3))
+        reading = Areas(chosen, tolerance, document.pixel)
+        areas = reading.of(root, np.eye(3))
         if page is not None:
-            areas = _on_page(areas, page, notes)
-        return SvgDrawing(solid(areas, seam=SEAM * tolerance), document.frame, tuple(notes))
+            areas = _on_page(areas, page, notes, reading.budget)
+        mesh = solid(areas, seam=SEAM * tolerance, budget=reading.budget)
+        return SvgDrawing(mesh, document.frame, tuple(notes))
     except InvalidMeshError as error:
         raise InvalidMeshError(" ".join((str(error), *notes))) from error
     except Exception as error:
@@ -195,7 +198,7 @@ def _covers(shape: Shape, page: Box) -> bool:
     return area >= PAGE_COVERED * width * height
 
 
-def _on_page(areas: list[Area], page: Box, notes: list[str]) -> list[Area]:
+def _on_page(areas: list[Area], page: Box, notes: list[str], budget: Budget) -> list[Area]:
     """Areas cut off at the edge of the page; those completely inside stay unchanged."""
     if not areas:
         return areas
@@ -209,6 +212,6 @@ def _on_page(areas: list[Area], page: Box, notes: list[str]) -> list[Area]:
     if not outside:
         return areas
     shapely = load_shapely("shapes that reach beyond the page")
-    cut = shapely.intersection(shapely.union_all(regions(shapely, outside)), shapely.box(*lower, *upper))
+    cut = shapely.intersection(union_of(shapely, outside, budget), shapely.box(*lower, *upper))
     notes.append("Cut off: what lies outside the page; crop=False keeps it.")
     return [*inside, cut]

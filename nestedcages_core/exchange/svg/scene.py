@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
+from ..limits import Budget
 from .document import Document
 from .filters import Filter, is_known
 from .lengths import Viewport, attribute, fitted, link_of, measure, name_of, numbers, quoted, share, view_box_of
@@ -63,7 +64,7 @@ class Scene:
         self.styles = Styles(document)
         self.paints = Paints(document, self.styles)
         self.left_out: Counter[str] = Counter()
-        self.drawn = 0
+        self.budget = Budget(options.limits)
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
         self._check_names()
         whole = _Context(
@@ -88,8 +89,7 @@ class Scene:
 
     def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
         """Add the drawing of an element to a group."""
-        self.drawn += 1
-        self.options.limits.check("elements", self.drawn)
+        self.budget.spend("elements", 1)
         name = name_of(item)
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
             return
@@ -188,7 +188,7 @@ class Scene:
             return
         key = (item, context.viewport)
         if key not in self.outlines:
-            self.outlines[key] = outline(*key)
+            self.outlines[key] = outline(*key, self.budget)
         subpaths = self.outlines[key]
         if not subpaths:
             return

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..limits import Limits
+from ..crossings import edges_in, spend_crossings
+from ..limits import Budget, Limits
 from .lengths import Viewport, measure, numbers
 
 MAX_ARC_SEGMENTS = 64
@@ -77,14 +78,14 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
     )
 
 
-def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, limits: Limits) -> list[Any]:
+def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: float, budget: Budget) -> list[Any]:
     """Geometries that together cover a stroke.
 
     tolerance: largest distance of chords from round caps and joins. Raises NestedCagesError for too many
-    dashes.
+    dashes, and for lines that cross themselves too often.
     """
     if stroke.dashes:
-        lines = _dashed(lines, stroke, limits)
+        lines = _dashed(lines, stroke, budget.limits)
     radius = 0.5 * stroke.width
     ratio = min(max(tolerance / radius, 1e-9), 0.5)
     segments = min(max(math.ceil(math.pi / 4.0 / math.acos(1.0 - ratio)), 2), MAX_ARC_SEGMENTS)
@@ -96,6 +97,8 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
             continue
         closed = line.closed and len(points) > 2
         curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
+        if not shapely.is_simple(curve):
+            spend_crossings(edges_in(shapely, [curve]), budget, "self_crossings")
         tips = _tips(points, closed, radius, stroke.miter_limit) if stroke.join not in ("round", "bevel") else None
         cap = CAPS.get(stroke.cap, FLAT)
         join = stroke.join if stroke.join in ("round", "bevel") else "mitre" if tips is None else "bevel"

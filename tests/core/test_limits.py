@@ -1,0 +1,132 @@
+"""Every reader keeps every limit that applies to what it reads, and stops with a sentence."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.hostile.attacks import star_polygon, svg
+from nestedcages_core import (
+    Mesh,
+    NestedCagesError,
+    boundary_of_pixels,
+    collision_outline,
+    features_from_geojson,
+    from_engine_json,
+    from_geojson,
+    from_svg,
+    read_geojson,
+    read_png,
+    read_svg,
+    to_engine_json,
+)
+from nestedcages_core.command import main
+from nestedcages_core.exchange import (
+    DRAWING_LIMITS,
+    Limits,
+    frames_from_engine_json,
+    frames_to_engine_json,
+    read_map,
+    svg_drawing,
+)
+from nestedcages_core.exchange.pictures import decode_png
+from test_pictures import encoded
+
+SQUARES = [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 5, 10)]
+STAR = star_polygon(13)
+"""Crosses itself 65 times."""
+
+BARS = "".join(
+    f'<rect x="{2 * k}" width="1" y="-1" height="9"/><rect x="-1" y="{2 * k}" height="1" width="9"/>' for k in (0, 1)
+)
+"""Outlines that cross each other 16 times."""
+
+
+def polygons(rings: list[Any]) -> dict[str, Any]:
+    return {"type": "MultiPolygon", "coordinates": [[[*ring, ring[0]]] for ring in rings]}
+
+
+def path(points: list[Any]) -> str:
+    return "M" + " ".join(f"{x} {y}" for x, y in points) + "Z"
+
+
+def collection(rings: list[Any]) -> str:
+    features = [{"type": "Feature", "properties": {}, "geometry": polygons([ring])} for ring in rings]
+    return json.dumps({"type": "FeatureCollection", "features": features})
+
+
+MESH = Mesh.from_loops(SQUARES)
+MAP, CROSSED = collection(SQUARES), collection([STAR])
+OVERLAPPING = collection([[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2]] for x in (0, 1, 2)])
+OUTLINE, FRAMES = to_engine_json(MESH), frames_to_engine_json([MESH, MESH])
+DRAWING = svg("".join(f'<path d="{path(square)}"/>' for square in SQUARES))
+PICTURE = encoded(np.full((4, 4, 4), 255), 8, 6, [0])
+CHESS = np.indices((6, 6)).sum(axis=0) % 2 == 0
+
+Reader = Callable[[Any, Limits], Any]
+CASES: list[tuple[Reader, Any, dict[str, int]]] = [
+    (lambda given, limits: from_svg(given, limits=limits), DRAWING,
+     {"bytes": len(DRAWING), "elements": 4, "points": 15}),
+    (lambda given, limits: svg_drawing(given, limits=limits), svg(f'<polygon points="{path(STAR)[1:-1]}"/>'),
+     {"points": 14, "self_crossings": 65}),
+    (lambda given, limits: from_svg(given, limits=limits), svg(f'<path d="{path(STAR)}" fill="none" stroke="red"/>'),
+     {"self_crossings": 65}),
+    (lambda given, limits: from_svg(given, limits=limits), svg(BARS), {"crossings": 16}),
+    (lambda given, limits: from_geojson(given, limits=limits), MAP, {"bytes": len(MAP), "elements": 3, "points": 15}),
+    (lambda given, limits: from_geojson(given, limits=limits), OVERLAPPING, {"self_crossings": 4}),
+    (lambda given, limits: features_from_geojson(given, limits=limits), MAP,
+     {"bytes": len(MAP), "elements": 3, "points": 15}),
+    (lambda given, limits: read_map(given, limits), CROSSED, {"self_crossings": 65}),
+    (lambda given, limits: from_engine_json(given, limits=limits), OUTLINE,
+     {"bytes": len(OUTLINE), "elements": 3, "points": 12}),
+    (lambda given, limits: frames_from_engine_json(given, limits=limits), FRAMES,
+     {"bytes": len(FRAMES), "elements": 8, "points": 24}),
+    (lambda given, limits: decode_png(given, limits=limits), PICTURE, {"bytes": len(PICTURE), "pixels": 16}),
+    (lambda given, limits: boundary_of_pixels(given, limits=limits), CHESS, {"points": 72}),
+    (lambda given, limits: collision_outline(given, 12, limits=limits), CHESS.astype(float), {"points": 40}),
+    (lambda given, limits: collision_outline(given, 4, padding=90.0, limits=limits), np.eye(6)[[0, 5]],
+     {"pixels": 184 * 188}),
+]  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::nestedcages_core.errors.NestedCagesWarning")
+@pytest.mark.parametrize(("number", "name"), [(k, name) for k, case in enumerate(CASES) for name in case[2]])
+def test_what_reaches_a_limit_is_read_and_one_more_is_not(number: int, name: str) -> None:
+    read, given, used = CASES[number]
+    assert read(given, replace(Limits(), **{name: used[name]})) is not None
+    with pytest.raises(NestedCagesError, match=f"raise the limit for {name.replace('_', '-')}, or make the input smal"):
+        read(given, replace(Limits(), **{name: used[name] - 1}))
+
+
+def test_every_limit_is_tried() -> None:
+    assert {name for _, _, used in CASES for name in used} == {field.name for field in fields(Limits)}
+
+
+@pytest.mark.parametrize(
+    ("ending", "content", "read"),
+    [(".svg", DRAWING, read_svg), (".geojson", MAP.encode(), read_geojson), (".png", PICTURE, read_png)],
+)
+def test_files_are_read_no_further_than_the_limit(ending: str, content: bytes, read: Any, tmp_path: Path) -> None:
+    file = tmp_path / f"given{ending}"
+    file.write_bytes(content)
+    read(file, limits=Limits(bytes=len(content)))
+    with pytest.raises(NestedCagesError, match="raise the limit for bytes"):
+        read(file, limits=Limits(bytes=len(content) - 1))
+
+
+def test_the_command_limits_drawings_as_the_reader_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "star.svg"
+    file.write_bytes(svg(f'<path d="{path(STAR)}"/>'))
+    assert main([str(file), "--levels", "12", "--limit", "self-crossings=64"]) == 1
+    assert "more than the 64 self-crossings allowed" in capsys.readouterr().err
+    assert main([str(file), "--levels", "12", "--limit", "self-crossings=65"]) == 0
+    many = DRAWING_LIMITS.elements // 100
+    file.write_bytes(svg('<g id="g">' + "<g/>" * many + "</g>" + '<use href="#g"/>' * 100))
+    assert main([str(file), "--levels", "12"]) == 1
+    assert f"more than the {DRAWING_LIMITS.elements:,} elements allowed" in capsys.readouterr().err
