@@ -50,6 +50,18 @@ def check_count(method: object, *names: str, least: int = 1) -> None:
             raise _error(method, name, f"must be a whole number of at least {least}", value)
 
 
+def check_part(method: object, name: str, needed: str, example: str) -> None:
+    """NestedCagesError unless the named parameter is an object, not a class, with an attribute ``needed``."""
+    value = getattr(method, name)
+    if isinstance(value, type) or not hasattr(value, needed):
+        raise _error(method, name, f"must be an object such as {example}", value)
+
+
+def has_method(value: object, name: str) -> bool:
+    """Whether a value is an object, not a class, with a method of that name."""
+    return not isinstance(value, type) and callable(getattr(value, name, None))
+
+
 def _check(method: object, names: tuple[str, ...], valid: Callable[[float], bool], rule: str) -> None:
     for name in names:
         value = getattr(method, name)

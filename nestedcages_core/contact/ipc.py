@@ -11,7 +11,7 @@ import numpy as np
 from ..energies import Area, Energy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
-from ..parameters import check_not_negative, check_positive
+from ..parameters import check_not_negative, check_part, check_positive
 from ..solver import ProjectedNewton, Solver
 from ..stages import Stage
 from .barrier_ranges import BarrierRanges
@@ -76,6 +76,10 @@ class IPC:
         if self.max_pairs is not None:
             check_positive(self, "max_pairs")
         check_not_negative(self, "cages")
+        check_part(self, "solver", "minimise", "ProjectedNewton()")
+        check_part(self, "energy", "at", "Area()")
+        check_part(self, "step_filter", "fraction", "TimeOfImpact()")
+        check_part(self, "broad_phase", "candidates", "UniformGrid()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

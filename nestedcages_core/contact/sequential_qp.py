@@ -16,7 +16,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.vectors import inner
-from ..parameters import check_count, check_positive
+from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
 from ..stages import Stage
 from .base import ContactOutcome
@@ -79,6 +79,7 @@ class SequentialQP:
     def __post_init__(self) -> None:
         check_positive(self, "gap", "stride")
         check_count(self, "iterations")
+        check_part(self, "quadratic_programs", "solve", "InteriorPoint()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..parameters import check_count, check_positive
+from ..parameters import check_count, check_flag, check_positive
 from ..stages import Stage, mapped
 from .base import FlowResult, Obstacle, stuck
 from .containment import Containment
@@ -67,6 +67,7 @@ class TwoSidedFlow:
     def __post_init__(self) -> None:
         check_positive(self, "margin", "spacing", "smoothing", "longest_step")
         check_count(self, "vertex_limit", "limit")
+        check_flag(self, "detours")
 
     def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.

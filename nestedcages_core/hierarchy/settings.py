@@ -16,7 +16,7 @@ from ..flow import FlowMethod, TwoSidedFlow
 from ..geometry.arrays import FloatArray
 from ..geometry.symmetry import Symmetry
 from ..geometry.symmetry_search import Found
-from ..parameters import check_flag
+from ..parameters import check_flag, has_method
 from ..tightening import Tightening
 
 DEFAULT_CLEARANCE = 1e-5
@@ -88,12 +88,12 @@ class Settings:
             raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
         for name, (method, example) in METHODS.items():
             chosen = getattr(self, name)
-            if not _can(chosen, method) and not (chosen is None and name == "fallback"):
+            if not has_method(chosen, method) and not (chosen is None and name == "fallback"):
                 what = name.replace("_", " ")
                 raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
         _check_priorities(self)
         symmetry: object = self.symmetry
-        if not (symmetry is None or isinstance(symmetry, Found) or _can(symmetry, "image")):
+        if not (symmetry is None or isinstance(symmetry, Found) or has_method(symmetry, "image")):
             raise NestedCagesError(
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
                 f"not {symmetry!r}."
@@ -108,7 +108,7 @@ class Settings:
             raise NestedCagesError("Convex cages have no symmetry of their own; leave out the symmetry or convex.")
         contact: object = self.contact
         several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
-        if contact is not None and not (several and all(_can(each, "reinflate") for each in several)):
+        if contact is not None and not (several and all(has_method(each, "reinflate") for each in several)):
             raise NestedCagesError(
                 f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
                 "out for the default."
@@ -168,8 +168,3 @@ def _is_length(value: object) -> bool:
         return isinstance(value, int | float | np.number) and 0.0 <= float(value) < np.inf
     except OverflowError:
         return False
-
-
-def _can(chosen: object, method: str) -> bool:
-    """Whether something is an object, not a class, with a method of that name."""
-    return not isinstance(chosen, type) and callable(getattr(chosen, method, None))

@@ -22,7 +22,7 @@ from ..contact.pairs import Bodies, CandidateList
 from ..contact.wanted_distances import WantedDistances
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
-from ..parameters import check_count, check_not_negative, check_positive
+from ..parameters import check_count, check_not_negative, check_part, check_positive
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
 from ..stages import Stage, mapped
@@ -96,6 +96,7 @@ class Tightening:
         check_count(self, "patience")
         check_positive(self, "first_radius", "largest_radius")
         check_not_negative(self, "tolerance", "share")
+        check_part(self, "solver", "solve", "InteriorPoint()")
 
     def run(
         self, bodies: Bodies, cage: FloatArray, fine: FloatArray, *, clearance: float, energy: CageEnergy

@@ -6,8 +6,23 @@ from collections.abc import Callable
 
 import pytest
 
-from nestedcages_core import Harmonic, NestedCagesError, OnCurve, OuterHull, OwnDecimation
+from nestedcages_core import (
+    IPC,
+    Area,
+    Harmonic,
+    LevelSet,
+    NestedCagesError,
+    OnCurve,
+    OuterHull,
+    OwnDecimation,
+    SequentialQP,
+    Tightening,
+    TwoSidedFlow,
+)
 from nestedcages_core.geometry.triangulation import Sampling
+from nestedcages_core.published.gurditta_jacobson_2022 import PaperContact, SignedDistanceFlow
+from nestedcages_core.published.li_2020 import OriginalIPC
+from nestedcages_core.published.sacht_2015 import ElTopo, VelocityFilter
 
 BAD = {
     "restarts 0": (lambda: OuterHull(restarts=0), r"OuterHull: restarts must be a whole number of at least 1, not 0\."),
@@ -29,3 +44,25 @@ def test_bad_parameters_are_rejected(name: str) -> None:
     make, sentence = BAD[name]
     with pytest.raises(NestedCagesError, match=sentence):
         make()
+
+
+PARTS = [
+    *((IPC, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
+    *((PaperContact, part) for part in ("solver", "energy", "step_filter", "broad_phase")),
+    (SequentialQP, "quadratic_programs"),
+    (OriginalIPC, "energy"),
+    (ElTopo, "energy"),
+    (ElTopo, "final_energy"),
+    (VelocityFilter, "energy"),
+    (SignedDistanceFlow, "quadrature"),
+    (LevelSet, "simplification"),
+    (Tightening, "solver"),
+    (TwoSidedFlow, "detours"),
+]
+
+
+@pytest.mark.parametrize(("method", "part"), PARTS, ids=[f"{method.__name__} {part}" for method, part in PARTS])
+@pytest.mark.parametrize("wrong", ["AREA", Area, None, 1.0], ids=["text", "class", "none", "number"])
+def test_parts_of_a_wrong_kind_are_rejected(method: type, part: str, wrong: object) -> None:
+    with pytest.raises(NestedCagesError, match=rf"^{method.__name__}: {part} must be .*, not "):
+        method(**{part: wrong})

@@ -18,7 +18,7 @@ from ...contact.pairs import Bodies
 from ...contact.step_filter import NoFilter, StepFilter
 from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
-from ...parameters import check_flag, check_positive
+from ...parameters import check_flag, check_part, check_positive
 from ...solver import Solver
 from ...stages import Stage
 from .flow import PAPER_DIAGONAL
@@ -63,6 +63,10 @@ class PaperContact:
 
     def __post_init__(self) -> None:
         check_positive(self, "d_hat")
+        check_part(self, "solver", "minimise", "ProjectedNewton()")
+        check_part(self, "energy", "at", "Area()")
+        check_part(self, "step_filter", "fraction", "TimeOfImpact()")
+        check_part(self, "broad_phase", "candidates", "UniformGrid()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

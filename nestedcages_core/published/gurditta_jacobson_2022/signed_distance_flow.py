@@ -13,7 +13,7 @@ from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.quadrature import QuadraticFallOff, Quadrature, vertex_samples
 from ...geometry.signed_distance import SignedDistance
-from ...parameters import check_count, check_positive
+from ...parameters import check_count, check_part, check_positive
 from ...stages import Stage
 
 
@@ -31,6 +31,7 @@ class SignedDistanceFlow:
     def __post_init__(self) -> None:
         check_positive(self, "step")
         check_count(self, "limit")
+        check_part(self, "quadrature", "rule", "Midpoint()")
 
     def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
         """All steps from the fine mesh to a certified position strictly inside the coarse one.

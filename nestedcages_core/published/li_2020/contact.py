@@ -27,7 +27,7 @@ from ...contact.ccd import impacts
 from ...contact.pairs import Bodies, CandidateList
 from ...energies import Area, CageEnergy, Energy
 from ...geometry.arrays import FloatArray
-from ...parameters import check_count, check_positive
+from ...parameters import check_count, check_part, check_positive
 from ...stages import Stage
 from .barrier import SquaredBarrier
 from .stiffness import VERY_CLOSE, StiffnessBounds
@@ -70,6 +70,7 @@ class OriginalIPC:
     def __post_init__(self) -> None:
         check_positive(self, "d_hat", "tolerance")
         check_count(self, "iterations")
+        check_part(self, "energy", "at", "Area()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

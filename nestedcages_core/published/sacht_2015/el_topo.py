@@ -18,7 +18,7 @@ from ...contact.ccd import HIT_DISTANCE, impacts
 from ...contact.pairs import Bodies, CandidateList, Pairs
 from ...energies import Area, Energy, NoEnergy
 from ...geometry.arrays import FloatArray
-from ...parameters import check_count, check_positive
+from ...parameters import check_count, check_part, check_positive
 from ...stages import Stage
 from .expansion import Descent, Expansion, Filtered
 from .impulses import COLLISION_DISTANCE, Impulses
@@ -64,6 +64,8 @@ class ElTopo:
         lengths = ("proximity", "room", "final_proximity", "still")
         check_positive(self, *lengths, "first_step", "smallest_step")
         check_count(self, "iterations")
+        check_part(self, "energy", "at", "Area()")
+        check_part(self, "final_energy", "at", "Area()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

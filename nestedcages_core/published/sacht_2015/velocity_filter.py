@@ -18,7 +18,7 @@ from ...contact.linearisation import measure
 from ...contact.pairs import Bodies, CandidateList
 from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
-from ...parameters import check_count, check_positive
+from ...parameters import check_count, check_part, check_positive
 from ...stages import Stage
 from .el_topo import SKIN_PER_EDGE
 from .expansion import Descent, Expansion, Filtered
@@ -65,6 +65,7 @@ class VelocityFilter:
     def __post_init__(self) -> None:
         check_positive(self, "proximity", "room", "first_step", "smallest_step", "still", "stride")
         check_count(self, "iterations")
+        check_part(self, "energy", "at", "Area()")
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

@@ -12,7 +12,7 @@ from ...errors import NestingError
 from ...geometry.mesh import Mesh, Nesting
 from ...geometry.mesh.validation import place
 from ...geometry.smallest_gap import smallest_gap
-from ...parameters import check_count, check_flag
+from ...parameters import check_count, check_flag, check_part
 from .contour import Field
 from .level_set_loops import first_lost, loops_around, without_pockets
 
@@ -52,6 +52,7 @@ class LevelSet:
     def __post_init__(self) -> None:
         check_count(self, "cells")
         check_flag(self, "change_loops")
+        check_part(self, "simplification", "decimate", "EdgeCollapse()")
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh that strictly encloses the fine one, at least the clearance away; loop k around loop k.
