@@ -23,7 +23,7 @@ from .progressive_hull import ProgressiveHull, Weights
 CLEARANCE_RESERVE = 1.05
 """Distance in clearances that outlines keep where there is space: slack for later stages."""
 
-MAX_WIDENINGS = 3
+MAX_WIDENINGS = 12
 """Maximum number of consecutive outward steps; short edges and gaps limit each."""
 
 STALLED_RATIO = 0.97
