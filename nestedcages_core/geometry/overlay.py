@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+import scipy
 
 from ..errors import InvalidMeshError
 from .all_pairs import blocks
@@ -87,11 +85,11 @@ def _merged(
     points: FloatArray, start: IntArray, end: IntArray, owner: IntArray, tolerance: float
 ) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
     """The same with points closer than the tolerance made one: the first of them."""
-    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(points).query_pairs(tolerance, output_type="ndarray")
     if len(pairs):
         count = len(points)
-        graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-        _, group = connected_components(graph, directed=False)
+        graph = scipy.sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+        _, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
         first = np.full(count, count)
         np.minimum.at(first, group, np.arange(count))
         name = first[group]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import hypot
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ..decimation import Decimation, OnCurve, OuterHull
 from ..decimation.base import LEAST_PER_LOOP
@@ -196,7 +196,7 @@ def sharpest_angle(mesh: Mesh) -> float:
 def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
     """Pairs of a place and a vertex, each once, of least total distance."""
     distance = norm((places[:, None] - vertices[None]).reshape(-1, 2)).reshape(len(places), len(vertices))
-    chosen, vertex = linear_sum_assignment(distance)
+    chosen, vertex = scipy.optimize.linear_sum_assignment(distance)
     return chosen.astype(np.int64), vertex.astype(np.int64)
 
 

@@ -143,12 +143,12 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     The set-up of a decimation has a part of its own for gaps, for each scale of them and for the touching edges; a
     certificate has one for each step of the motion.
     """
-    turn = ring(4000)
+    turn = ring(1900)
     fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
     run = NestedCagesRun(fine, [24])
     stages = [progress.stage for progress in run]
     level = run.hierarchy.levels[0]
-    moves = (4000 - 24) // 512  # of the first run of the hull, at least
+    moves = (1900 - 24) // 512  # of the first run of the hull, at least
     assert stages.count("decimation") >= moves + 5
     assert stages.count("reinflation") >= len(level.reinflation.moving_steps) - 1
     assert stages.count("verification") >= len(level.reinflation.cage_steps)
