@@ -118,8 +118,8 @@ class Result:
         return self.levels[0].inside
 
 
-known_levels: Memory[tuple[CageLevel, ...]] = Memory()
-"""Levels computed in this session, for reuse."""
+known_levels: Memory[CageLevel] = Memory()
+"""Levels computed in this session, for reuse: each around the same mesh with the same choices."""
 
 
 class Generation:
@@ -165,26 +165,19 @@ class Generation:
         total = sum(len(levels) for _, _, levels in self._plans)
         done, reached = 0, 0.0
         for request, fine, levels in self._plans:
-            choices = {"inside": self.options.inside, **vars(self.options.methods)}
-            key = key_of(fine, levels, self._clearances(request, fine), choices)
-            known = known_levels.get(key)
-            if known is None:
-                finished: list[CageLevel] = []
-                try:
-                    for progress in self._levels(request, fine, levels, finished):
-                        # A level that starts over goes back; the displayed progress does not.
-                        reached = max(reached, (done + progress.fraction) / total)
-                        yield Progress(reached, progress.message)
-                except UserError as error:
-                    self.problems.append(error)
-                    done += len(levels)
-                    continue
-                known = tuple(finished)
-                known_levels.put(key, known, sum(level.fine_steps.nbytes + level.cage_steps.nbytes for level in known))
+            finished: list[CageLevel] = []
+            try:
+                for progress in self._levels(request, fine, levels, finished):
+                    # A level that starts over goes back; the displayed progress does not.
+                    reached = max(reached, (done + progress.fraction) / total)
+                    yield Progress(reached, progress.message)
+            except UserError as error:
+                self.problems.append(error)
+                done += len(levels)
+                continue
             done += len(levels)
             reached = done / total
-            yield Progress(reached, f"{request.fine.name}, level {len(levels)}")
-            self.results.append(Result(request.fine, known))
+            self.results.append(Result(request.fine, tuple(finished)))
         self._check_some(self.results)
 
     def _levels(
@@ -195,7 +188,7 @@ class Generation:
         for number, wanted in enumerate(levels, 1):
             name = f"{request.fine.name}, level {number}"
             yield Progress(number - 1.0, name)  # shown before anything is computed
-            for step in self._level(name, inner, wanted.level, clearances, request.fine.frame.scale):
+            for step in self._known_or_made(name, inner, wanted.level, clearances, request.fine.frame.scale):
                 if isinstance(step, CageLevel):
                     cage = step.mesh
                     advice = () if step.inside else excess_note(fine, cage, wanted.level, clearances[0])
@@ -211,6 +204,26 @@ class Generation:
         if self.options.clearance > 0.0:
             return (self.options.clearance / request.fine.frame.scale,)
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
+
+    def _known_or_made(
+        self,
+        name: str,
+        fine: core.Mesh,
+        wanted: int | core.Mesh | core.Within,
+        clearances: Sequence[float],
+        scale: float,
+    ) -> Iterator[core.Progress | CageLevel]:
+        """As `_level`, but a level that is remembered is not made again."""
+        choices = {"inside": self.options.inside, "scale": scale, **vars(self.options.methods)}
+        key = key_of(fine, wanted, clearances, choices)
+        known = known_levels.get(key)
+        if known is not None:
+            yield known
+            return
+        for step in self._level(name, fine, wanted, clearances, scale):
+            if isinstance(step, CageLevel):
+                known_levels.put(key, step, step.fine_steps.nbytes + step.cage_steps.nbytes)
+            yield step
 
     def _level(
         self,

@@ -10,7 +10,6 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from ..core import core
-from .levels import Wanted
 
 Value = TypeVar("Value")
 
@@ -43,12 +42,12 @@ class Memory(Generic[Value]):
 
 
 def key_of(
-    fine: core.Mesh, levels: Sequence[Wanted], clearances: Sequence[float], choices: Mapping[str, object]
+    fine: core.Mesh, level: int | core.Mesh | core.Within, clearances: Sequence[float], choices: Mapping[str, object]
 ) -> str:
-    """Everything that a result depends on, exactly."""
+    """Everything that a level around a mesh depends on, exactly."""
     chosen = [(name, sorted(value) if isinstance(value, frozenset) else value) for name, value in choices.items()]
     found = hashlib.sha256(repr((tuple(clearances), chosen)).encode())
-    for part in (fine, *(wanted.level for wanted in levels)):
+    for part in (fine, level):
         if isinstance(part, core.Mesh):
             found.update(np.ascontiguousarray(part.vertices).tobytes())
             found.update(np.ascontiguousarray(part.edges).tobytes())

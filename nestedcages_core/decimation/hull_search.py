@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import exp
+from math import exp, log
 from typing import TypeAlias
 
 from ..stages import Stage, mapped
@@ -36,6 +36,9 @@ STAGE_SHARE = 0.4
 
 MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
 """Size of the outline to restart from: a minimum, and a multiple of the wanted number of vertices."""
+
+STAGE_SIZE_RATIO = 1.25
+"""Ratio of sizes next to each other, to which they are rounded: close numbers of vertices share their restarts."""
 
 MAX_RESTART_MOVES = 12_000
 """Moves of all restarts together, about half a second: limits the number of restarts."""
@@ -144,10 +147,15 @@ def _stage(
     outline: Outline, count: int, minimum: Sequence[int], weights: Weights, greedy: Greedy
 ) -> Stage[float, Outline]:
     """The outline to restart from, made without pivots, which would cost area and a third of the time."""
-    size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * count)
     run = greedy(outline, replace(weights, pivot=None), minimum)
     yield 0.0
-    return (yield from run.steps(size))
+    return (yield from run.steps(stage_size(count)))
+
+
+def stage_size(count: int) -> int:
+    """Size of the outline to restart from for a number of vertices: the same for numbers close to each other."""
+    steps = max(0, round(log(STAGE_SIZE_FACTOR * count / MIN_STAGE_SIZE, STAGE_SIZE_RATIO)))
+    return round(MIN_STAGE_SIZE * STAGE_SIZE_RATIO**steps)
 
 
 def _rescues(

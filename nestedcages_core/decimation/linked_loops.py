@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,6 +13,10 @@ from .outline import Outline
 
 MARGIN_ULPS = 64.0
 """Margin around an added triangle, in units in the last place of the largest coordinate, for nudges."""
+
+
+Removal: TypeAlias = tuple[int, list[tuple[int, float, float, int, int]]]
+"""A vertex that was removed, and those that moved then: vertex, x, y, and the stretch that it stands for."""
 
 
 class LinkedLoops:
@@ -37,6 +42,8 @@ class LinkedLoops:
         self.ulp = float(np.spacing(max(np.abs(vertices).max(), far)))
         self.margin = MARGIN_ULPS * self.ulp
         self.grid = EdgeGrid(total, (self.centre[0] - far, self.centre[1] - far), self.ulp)
+        self.removals: list[Removal] | None = None
+        """Filled from now on, where it is a list."""
         for edge in range(total):
             self._insert_edge(edge)
 
@@ -77,6 +84,8 @@ class LinkedLoops:
             self.x[v], self.y[v] = x, y
         for edge in changed:
             self._insert_edge(edge)
+        if self.removals is not None:
+            self.removals.append((vertex, [(v, x, y, self.first[v], self.last[v]) for v, x, y in moved]))
 
     def can_drop(self, b: int, *, exact: bool = False) -> bool:
         """Whether the triangle at a vertex lies outside the solid, by an exact test, and nothing else is in it."""

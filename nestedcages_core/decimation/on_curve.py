@@ -42,7 +42,7 @@ class OnCurve:
         return start.on_curve or ArcLength().decimate(fine, count, clearance=clearance)
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
-        """Up to `most` outer hulls, least area first, with their meshes on the curve.
+        """Up to `most` outer hulls, least area first, the first one with its mesh on the curve.
 
         A generator: yields the fraction done and returns the list; without any hull, one mesh by arc length.
         """
@@ -56,7 +56,11 @@ class OnCurve:
                 raise error from None
             return [Start(coarse, "arc length", makeshift_for=error)]
         symmetry = self.hull.symmetry
-        return [Start(mesh, SOURCE, _put_on_curve(hull, request, symmetry)) for mesh, hull in hulls]
+        (best, hull), *others = hulls
+        return [
+            Start(best, SOURCE, _put_on_curve(hull, request, symmetry)),
+            *(Start(mesh, SOURCE) for mesh, _ in others),
+        ]
 
 
 def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:

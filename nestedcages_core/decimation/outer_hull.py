@@ -24,6 +24,7 @@ from .importance import Importance
 from .offset import offsetting
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
+from .remembered import remembered_hull
 from .request import Request
 from .symmetric_hull import AsymmetricError, SymmetricHull, padded_alike, symmetrised
 from .thinning import thinned
@@ -199,6 +200,8 @@ class _Search:
 
     def _greedy(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:
         if self.symmetry is None:
+            if self.importance is None:
+                return remembered_hull(outline, weights, minimum)
             return ProgressiveHull(outline, weights, minimum, self.importance)
         return SymmetricHull(outline, weights, minimum, self.importance, symmetry=self.symmetry)
 

@@ -98,6 +98,7 @@ class ProgressiveHull:
             self._pin_reach = PIN_REACH * importance.fine.diagonal
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
         self._blocked: set[tuple[float, ...]] = set()
+        self._reach_rounds = 0
         self._consider_all()
 
     def run(self, count: int, max_cost: float = inf) -> Outline:
@@ -105,9 +106,12 @@ class ProgressiveHull:
         return drain(self.steps(count, max_cost))
 
     def steps(self, count: int, max_cost: float = inf) -> Stage[float, Outline]:
-        """The same as a generator: yields the fraction done every `PAUSE` moves."""
+        """The same as a generator: yields the fraction done every `PAUSE` moves.
+
+        Runs to ever smaller counts make the same moves as one to the smallest.
+        """
         loops = self.loops
-        first, rounds, moves = loops.total, 0, 0
+        first, moves = loops.total, 0
         while loops.total > count:
             moves += 1
             if moves % PAUSE == 0:
@@ -118,10 +122,10 @@ class ProgressiveHull:
                 if loops.sizes[loops.loop_of[slot // 2]] > self.minimum[loops.loop_of[slot // 2]]:
                     make = self._extend if slot % 2 else self._pivot if place else self._drop
                     make(slot // 2, *place)
-            elif max_cost < inf or rounds == MAX_REACH_ROUNDS or loops.sizes == self.minimum:
+            elif max_cost < inf or self._reach_rounds == MAX_REACH_ROUNDS or loops.sizes == self.minimum:
                 break
             else:
-                rounds += 1
+                self._reach_rounds += 1
                 self.reach *= REACH_GROWTH
                 self._consider_all()
         return loops.outline()
