@@ -74,8 +74,8 @@ def remembered_hull(outline: Outline, weights: Weights, minimum: Sequence[int]) 
     if len(outline.vertices) > MAX_SIZE:
         return ProgressiveHull(outline, weights, minimum)
     key = sha256(repr((outline.sizes, weights, list(minimum))).encode())
-    key.update(np.ascontiguousarray(outline.vertices))
-    key.update(np.ascontiguousarray(outline.spans))
+    key.update(outline.vertices.tobytes())
+    key.update(outline.spans.tobytes())
     name = key.digest()
     with _lock:
         run = _runs.get(name)

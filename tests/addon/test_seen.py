@@ -171,6 +171,25 @@ def test_nothing_is_computed_twice(addon, core, monkeypatch) -> None:
         list(addon.generation.generate.Generation([_request(addon)], addon.generation.generate.Options(levels=(11,))))
 
 
+def test_a_level_that_has_not_changed_is_not_made_again(addon, core, monkeypatch) -> None:
+    poly_curve("Drawing", [star()])
+    made = []
+    run = core.NestedCagesRun
+    monkeypatch.setattr(
+        core, "NestedCagesRun", lambda fine, levels, *rest: made.append(levels[0]) or run(fine, levels, *rest)
+    )
+    generate(levels="20, 10")
+    generate(levels="20, 12")
+    assert made == [20, 10, 12]
+    generate(levels="20, 10")
+    generate(levels="20")
+    assert made == [20, 10, 12]
+    generate(levels="18, 10")  # around another cage
+    assert made == [20, 10, 12, 18, 10]
+    generate(levels="20, 10", clearance=0.05)
+    assert made == [20, 10, 12, 18, 10, 20, 10]
+
+
 def _request(addon):
     source = bpy.data.objects["Drawing"]
     return addon.generation.generate.Request(

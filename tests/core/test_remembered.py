@@ -1,0 +1,142 @@
+"""Runs of hulls that go on where others have ended give the same hulls, to the last bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nestedcages_core import Mesh, OuterHull, Settings, Within, nested_cages
+from nestedcages_core.decimation import remembered
+from nestedcages_core.decimation.hull_search import EVEN_WEIGHTS, RESTART_WEIGHTS, stage_size
+from nestedcages_core.decimation.outline import Outline
+from nestedcages_core.decimation.progressive_hull import ProgressiveHull
+from nestedcages_core.decimation.remembered import RememberedHull, remembered_hull
+from nestedcages_core.decimation.request import canonical_order
+from nestedcages_core.stages import drain
+from shapes import islands, letter_a, star
+
+SHAPES = pytest.mark.parametrize("shape", [letter_a, star, islands])
+
+
+@pytest.fixture(autouse=True)
+def nothing_remembered():
+    remembered.forget()
+    yield
+    remembered.forget()
+
+
+def outline_of(mesh: Mesh) -> Outline:
+    return canonical_order(mesh)[0]
+
+
+def assert_same(one: Outline, other: Outline) -> None:
+    assert one.sizes == other.sizes
+    assert (one.vertices == other.vertices).all()
+    assert (one.spans == other.spans).all()
+
+
+@SHAPES
+@pytest.mark.parametrize("weights", [EVEN_WEIGHTS, *RESTART_WEIGHTS])
+def test_hulls_of_any_order_of_counts_are_those_of_runs_of_their_own(shape, weights) -> None:
+    start = outline_of(shape())
+    minimum = [3] * len(start.sizes)
+    run = RememberedHull(start, weights, minimum)
+    for count in (60, 90, 31, 30, 16, 200, 3, 24, len(start.vertices), 1):
+        assert_same(run.run(count), ProgressiveHull(start, weights, minimum).run(count))
+
+
+def test_runs_that_are_interleaved_do_not_disturb_each_other() -> None:
+    start = outline_of(star(9, 3000))
+    both = [RememberedHull(start, EVEN_WEIGHTS, [3])] * 2
+    first, second = (run.steps(count) for run, count in zip(both, (700, 40), strict=True))
+    next(first), next(second), next(first)
+    for stage, count in ((second, 40), (first, 700)):
+        assert_same(drain(stage), ProgressiveHull(start, EVEN_WEIGHTS, [3]).run(count))
+
+
+@SHAPES
+def test_cages_are_the_same_bits_whatever_was_asked_for_before(shape) -> None:
+    fine = shape()
+    fewest = 4 * len(fine.loops)
+    counts = [fewest, fewest + 9, fewest + 30, fewest + 10]
+    alone = []
+    for count in counts:
+        remembered.forget()
+        alone.append(nested_cages(fine, [count]).levels[0])
+    remembered.forget()
+    for count, level in zip(counts, alone, strict=True):
+        again = nested_cages(fine, [count]).levels[0]
+        assert (again.cage.vertices == level.cage.vertices).all()
+        assert (again.coarse.vertices == level.coarse.vertices).all()
+        assert again.reinflation.cage_steps.shape == level.reinflation.cage_steps.shape
+
+
+def test_another_clearance_or_a_need_gives_the_same_as_a_fresh_start() -> None:
+    fine = star(5, 60)
+    for levels, settings in (([16], Settings(clearance=0.02)), ([Within(excess=0.1)], None)):
+        remembered.forget()
+        fresh = nested_cages(fine, levels, settings).cages[0]
+        nested_cages(fine, [24, 16])
+        assert (nested_cages(fine, levels, settings).cages[0].vertices == fresh.vertices).all()
+
+
+def test_known_runs_make_no_moves(monkeypatch) -> None:
+    fine = star()
+    OuterHull().decimate(fine, 20)
+
+    def fail(*_: object) -> None:
+        raise AssertionError("a move")
+
+    for move in ("_drop", "_extend", "_pivot"):
+        monkeypatch.setattr(ProgressiveHull, move, fail)
+    for count in (20, 24, 35):
+        OuterHull().decimate(fine, count)
+    with pytest.raises(AssertionError, match="a move"):
+        OuterHull().decimate(star(9, 181), 20)
+
+
+def test_counts_close_to_each_other_restart_from_the_same_size() -> None:
+    sizes = [stage_size(count) for count in range(3, 200)]
+    assert sizes == sorted(sizes)
+    assert len(set(sizes)) < 12
+    assert all(size >= 3.5 * count for size, count in zip(sizes, range(3, 200), strict=True))
+
+
+def test_a_run_that_was_interrupted_in_a_move_is_not_used_again(monkeypatch) -> None:
+    start = outline_of(star())
+    run = remembered_hull(start, EVEN_WEIGHTS, [3])
+    assert remembered_hull(start, EVEN_WEIGHTS, [3]) is run
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RememberedHull, "_extend", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run.run(20)
+    other = remembered_hull(start, EVEN_WEIGHTS, [3])
+    assert other is not run
+    assert_same(other.run(20), ProgressiveHull(start, EVEN_WEIGHTS, [3]).run(20))
+
+
+def test_memory_is_bounded_and_forgets_the_oldest() -> None:
+    first = outline_of(star(9, remembered.MAX_SIZE))
+    oldest = remembered_hull(first, EVEN_WEIGHTS, [3])
+    for k in range(remembered.MAX_VERTICES // remembered.MAX_SIZE):
+        remembered_hull(first.moved(first.vertices + k + 1.0), EVEN_WEIGHTS, [3])
+    assert sum(len(run.start.vertices) for run in remembered._runs.values()) <= remembered.MAX_VERTICES
+    assert remembered_hull(first, EVEN_WEIGHTS, [3]) is not oldest
+    larger = outline_of(star(9, remembered.MAX_SIZE + 1))
+    assert not isinstance(remembered_hull(larger, EVEN_WEIGHTS, [3]), RememberedHull)
+
+
+def test_what_is_asked_for_is_told_apart() -> None:
+    start = outline_of(star())
+    run = remembered_hull(start, EVEN_WEIGHTS, [3])
+    others = [
+        remembered_hull(start, RESTART_WEIGHTS[-1], [3]),
+        remembered_hull(start, EVEN_WEIGHTS, [4]),
+        remembered_hull(start.moved(np.nextafter(start.vertices, 9.0)), EVEN_WEIGHTS, [3]),
+        remembered_hull(Outline(start.vertices, start.sizes, start.spans[::-1]), EVEN_WEIGHTS, [3]),
+    ]
+    assert all(other is not run for other in others)
