@@ -1,4 +1,4 @@
-"""Distances and excesses: asked for with room for Blender's rounding, and measured as stored."""
+"""Distances and excesses as levels: requested with a margin for Blender's rounding, measured as stored."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from ..errors import UserError
 
 
 def stricter(level: int | core.Mesh | core.Within, slack: float) -> int | core.Mesh | core.Within:
-    """What to ask for so that points may move by a slack, in the drawing's units. Raises: UserError if that is all."""
+    """A stricter tolerance, so that points may move by a slack in the drawing's units. Raises: UserError if nothing is
+    left."""
     if not isinstance(level, core.Within) or level.of is None:
         return level
     if level.distance is not None:
@@ -26,7 +27,7 @@ def stricter(level: int | core.Mesh | core.Within, slack: float) -> int | core.M
 
 
 def missed(level: int | core.Mesh | core.Within, cage: core.Mesh) -> str:
-    """Why a cage is not what was asked for; empty if it is."""
+    """Why a stored cage misses the tolerance; empty if it does not."""
     if not isinstance(level, core.Within) or level.of is None or level.is_met(cage, level.of):
         return ""
     return (
@@ -36,9 +37,9 @@ def missed(level: int | core.Mesh | core.Within, cage: core.Mesh) -> str:
 
 
 def sentence(level: int | core.Mesh | core.Within, cage: core.Mesh, clearance: float, scale: float) -> str:
-    """What the cage takes of a distance or an excess, and how few vertices there can be; empty for other levels.
+    """The distance or excess of the cage, and the lower bound on its vertices; empty for other levels.
 
-    clearance: what every cage keeps, in the drawing's units. scale: the scene's length of such a unit.
+    clearance: kept by every cage, in the drawing's units. scale: length of such a unit in the scene.
     """
     if not isinstance(level, core.Within) or level.of is None:
         return ""

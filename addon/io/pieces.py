@@ -1,4 +1,4 @@
-"""Convex pieces of cages as objects, for collisions: faces or prisms, and rigid bodies if wanted."""
+"""Convex pieces of cages as objects, for collisions: faces or prisms, optionally rigid bodies."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ..scene import convert, display, filling
 from ..scene.plane import size
 from . import exporters
 
-# Kinds of rigid bodies: pieces that collide and stay, and one body per cage that falls and is as hollow as its pieces.
+# Kinds of rigid bodies: static pieces, and one moving body per cage, compounded of its pieces.
 PASSIVE, ACTIVE = "PASSIVE", "ACTIVE"
 
 
 @dataclass(frozen=True)
 class Tiles:
-    """The convex pieces of a cage, each the numbers of its vertices."""
+    """The convex pieces of a cage as indices of its vertices."""
 
     drawing: convert.Drawing
     mesh: core.Mesh
@@ -32,10 +32,10 @@ class Tiles:
 def make(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], most: int, height: float, body: str = ""
 ) -> list[list[bpy.types.Object]]:
-    """The pieces of each object as evaluated now, in a collection of their own next to it. Raises: UserError.
+    """The pieces of each object as currently evaluated, in their own collection next to it. Raises: UserError.
 
-    most: vertices of a piece. height: that of prisms, a length of the scene; 0 makes faces, and rigid bodies a fifth of
-    the outline's size high. body: `PASSIVE`, `ACTIVE` or none; an active body comes before its pieces.
+    most: maximum number of vertices of a piece. height: height of prisms, in scene units; 0 makes faces, or rigid
+    bodies with a fifth of the outline's size. body: `PASSIVE`, `ACTIVE` or empty; an active body precedes its pieces.
     """
     tiles = [_tiles(convert.fine_drawing(convert.read(context, obj)), most) for obj in objects]
     made = [_write(context, obj, each, height, body) for obj, each in zip(objects, tiles, strict=True)]
@@ -57,7 +57,7 @@ def _tiles(drawing: convert.Drawing, most: int) -> Tiles:
 def _write(
     context: bpy.types.Context, obj: bpy.types.Object, tiles: Tiles, height: float, body: str
 ) -> list[bpy.types.Object]:
-    """The pieces of one object, and before them the body that they make up if it is active."""
+    """The pieces of one object, preceded by their compound body if it is active."""
     frame = tiles.drawing.frame
     points = frame.points(tiles.mesh.vertices)
     half = 0.5 * height / frame.scale if height > 0.0 or not body else filling.HALF_HEIGHT * size(points)
@@ -73,7 +73,7 @@ def _write(
         made.append(new)
     if body != ACTIVE:
         return made
-    middle = Matrix.Translation((*_centroid(tiles.mesh), frame.height))  # bodies turn around their origin
+    middle = Matrix.Translation((*_centroid(tiles.mesh), frame.height))  # bodies rotate around their origin
     name = f"{obj.name} Body"
     data = filling.prism(name, points, tiles.mesh, half)
     data.transform(middle.inverted())
@@ -111,7 +111,7 @@ def _centroid(mesh: core.Mesh) -> tuple[float, float]:
 
 
 def _add_body(obj: bpy.types.Object, kind: Any, shape: Any) -> None:
-    """Makes an object a rigid body, in the scene's world of these, a new one if there is none."""
+    """Makes an object a rigid body; creates the scene's rigid body world if there is none."""
     if bpy.context.scene.rigidbody_world is None:
         bpy.ops.rigidbody.world_add()
     with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):

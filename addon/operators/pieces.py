@@ -13,13 +13,13 @@ from .exporters import OnOutlines, chosen
 
 BODY_ITEMS = (
     ("NONE", "None", "Objects alone"),
-    (pieces.PASSIVE, "Passive", "Each piece is a rigid body with the shape of its convex hull that stays where it is"),
-    (pieces.ACTIVE, "Active", "One rigid body per cage, compounded of its pieces, that falls and is pushed"),
+    (pieces.PASSIVE, "Passive", "Each piece is a static rigid body with the shape of its convex hull"),
+    (pieces.ACTIVE, "Active", "One dynamic rigid body per cage, compounded of its pieces"),
 )
 
 
 class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
-    """Makes convex pieces of cages."""
+    """Makes convex pieces from cages."""
 
     bl_idname = "object.nested_cages_pieces"
     bl_label = "Convex Pieces"

@@ -1,4 +1,4 @@
-"""What the operators on pictures ask for alike: how opaque pixels are outlined."""
+"""Common properties of operators on pictures: how to outline opaque pixels."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, FloatProperty
 
 
 class PictureProperties:
-    """The properties, for a class of Blender to inherit."""
+    """The properties, as a mixin for Blender's classes."""
 
     padding: FloatProperty(
         name="Padding",

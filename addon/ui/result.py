@@ -1,4 +1,4 @@
-"""What the sidebar says of an output: each object in short, with notes."""
+"""Output in the sidebar: a summary of each object, with notes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NOTE_WIDTH = 36
 
 
 def draw(layout: bpy.types.UILayout, collection: bpy.types.Collection) -> None:
-    """The drawing and its cages, with what is known of them."""
+    """The drawing and its cages, with their summaries."""
     layout.label(text=collection.name, icon="OUTLINER_COLLECTION", translate=False)
     for obj in ownership.members(collection):
         box = layout.box().column(align=True)

@@ -7,10 +7,10 @@ tangents that are turned by δ the polygon covers, seen from the origin, the are
     T = (h₁ h₂ - ½ (h₁² + h₂²) cos δ) / sin δ.
 
 The area is the sum of T over the corners, so that the best choice from a finite set of tangents is a shortest cycle
-with k edges. All but one of the edges of an optimum are flush with edges of the hull (DePano 1987); for those that are
-not, some tangents at each vertex of the hull stand in, which are then turned until the middle of the edge touches. With
-the cheapest cycle through one tangent, the best of all has an edge between each two consecutive ones of it, since T
-obeys the quadrangle inequality (Aggarwal, Chang & Yap 1985).
+with k edges. All but one of the edges of an optimum are flush with edges of the hull (DePano 1987). Edges that are not
+are represented by some tangents at each vertex of the hull, which are then turned until the middle of the edge touches.
+With the cheapest cycle through one tangent, the best of all has an edge between each two consecutive ones of it, since
+T obeys the quadrangle inequality (Aggarwal, Chang & Yap 1985).
 """
 
 from __future__ import annotations
@@ -28,28 +28,28 @@ from ..geometry.shortest_cycle import shortest_cycle
 from ..geometry.vectors import rotated_left, rotated_right
 
 MAX_TANGENTS = 900
-"""Tangents to choose from at first; of larger hulls the ones that cost the least area to leave out are."""
+"""Maximum number of candidate tangents; on larger hulls, those that cost least area are left out."""
 
 FREE_TANGENTS = 240
-"""Tangents that are not flush with an edge, of small hulls."""
+"""Number of candidate tangents that are not flush with an edge, on small hulls."""
 
 MAX_SAMPLES_PER_VERTEX = 40
 """The same at one vertex of the hull."""
 
 SMALLEST_TURN = 1e-9
-"""Radians between the normals of neighbouring edges, at least; and short of a half turn by as much."""
+"""Smallest angle, in radians, between the normals of neighbouring edges, and smallest distance from a half turn."""
 
 MAX_WINDOWS = 8
-"""Maximum number of searches around the polygon of the one before."""
+"""Maximum number of searches around the previous polygon."""
 
 STARTS = 6
-"""Tangents through which a first polygon is searched: where edges are not flush, several are nearly the best."""
+"""Number of tangents that first polygons go through: where edges are not flush, several are nearly the best."""
 
 MAX_TURNED, NEARLY = 3, 1.02
-"""Polygons whose edges are turned, and their area at most in units of that of the best one."""
+"""Maximum number of polygons whose edges are turned, and their largest area relative to the best one."""
 
 MAX_SWEEPS = 20
-"""Maximum number of times that all edges are turned in turn."""
+"""Maximum number of sweeps over all edges."""
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """Factor by which an interval shrinks in a step of golden-section search."""
@@ -58,7 +58,7 @@ GOLDEN_STEPS = 30
 """Steps of it: intervals are 1e-6 of the first one then, and areas exact to its square."""
 
 NEGLIGIBLE_GAIN = 1e-10
-"""Fraction of the area below which a search has come to its end."""
+"""Relative gain of area at which a search ends."""
 
 
 class Wall(NamedTuple):
@@ -71,7 +71,7 @@ class Wall(NamedTuple):
 
 
 class Tangents(NamedTuple):
-    """Lines n · x = h that touch a hull, or are a distance away from it."""
+    """Lines n · x = h that touch a hull, or keep a distance from it."""
 
     angle: FloatArray
     """(N,) of the normals n, in radians."""
@@ -140,7 +140,7 @@ class Hull:
         return self.tangents(np.unique(angles))
 
     def reduced(self, count: int) -> Tangents:
-        """The tangents along edges without those whose loss adds the least area, until so many are left."""
+        """The tangents along edges without those whose removal adds least area, reduced to a given number."""
         left = self.tangents(self.flush)
         while len(left.angle) > count:
             many = max(1, (len(left.angle) - count) // 4)
@@ -165,7 +165,7 @@ class Hull:
         return added
 
     def sector(self, one: Tangents, other: Tangents) -> FloatArray:
-        """(...,) T between tangents and those that follow; infinite where they do not meet, or beyond a wall."""
+        """(...,) T between tangents and their successors; infinite where they do not meet or cross a wall."""
         turn = np.mod(other.angle - one.angle, 2.0 * np.pi)
         meet = (turn > SMALLEST_TURN) & (turn < np.pi - SMALLEST_TURN)
         turn = np.where(meet, turn, 1.0)
@@ -275,7 +275,7 @@ def _middles(cycle: IntArray, size: int) -> IntArray:
 
 
 def _turned(hull: Hull, tangents: Tangents) -> Tangents:
-    """The polygon with edges turned, one after the other, as long as that makes it smaller."""
+    """The polygon with edges turned one by one, as long as the area shrinks."""
     angles = tangents.angle.copy()
     breaks = np.unique(np.mod(hull.flush, 2.0 * np.pi))
     for _ in range(MAX_SWEEPS):
@@ -290,7 +290,7 @@ def _turned(hull: Hull, tangents: Tangents) -> Tangents:
 
 
 def _rests(hull: Hull, tangents: Tangents, k: int) -> bool:
-    """Whether the middle of an edge lies on an edge of the hull, moved by the distance: turning it costs area."""
+    """Whether the middle of an edge lies on an edge of the offset hull, so that turning it costs area."""
     around = tangents.at(np.array([k - 1, k, (k + 1) % len(tangents.angle)]))
     ends = corner(around.at(np.array([0, 1])), around.at(np.array([1, 2])))
     normal = np.array([np.cos(around.angle[1]), np.sin(around.angle[1])])

@@ -1,4 +1,4 @@
-"""Where a cage matters: weights along a shape, and places that keep a vertex."""
+"""Importance: weights along a shape, and places that keep a vertex."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ..geometry.vectors import norm
 from .outline import Outline
 
 LEAST_WEIGHT = 0.02
-"""Lower bound of the weights, as a fraction of their mean: where nothing matters, edges are still pulled inwards."""
+"""Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""
 
 PIN_REACH = 1e-3
-"""Distance from a pin, in diagonals, up to which a vertex is there; pinned vertices may be moved by as much."""
+"""Distance from a pin, in diagonals, up to which a vertex counts as pinned; such vertices may move by as much."""
 
 
 @dataclass(frozen=True, eq=False)
 class Importance:
-    """Weights and pins of a fine mesh, in input units; the same objects for all levels around it."""
+    """Weights and pins of a fine mesh, in input units; shared by all its levels."""
 
     fine: Mesh
     weights: FloatArray | None
-    """(n,) weight of each fine vertex, at least 0; None for all alike."""
+    """(n,) weight of each fine vertex, at least 0; None: equal weights."""
     pins: FloatArray
     """(P, 2) places that keep a vertex, near the outline of the fine mesh."""
     symmetry: Symmetry | None = None
@@ -73,7 +73,7 @@ class Importance:
         return held
 
     def with_vertices(self, outline: Outline) -> Outline:
-        """The outline with further vertices where pins have none."""
+        """The outline with additional vertices at pins without one."""
         for pin in self.pins:
             if norm(outline.vertices - pin).min() > 0.5 * PIN_REACH * self.fine.diagonal:
                 outline = _with_vertex(outline, pin)

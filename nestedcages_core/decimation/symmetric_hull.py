@@ -1,8 +1,8 @@
 """Greedy outer hull of a symmetric outline: every move is made together with its images, or not at all.
 
-The images of a move have the same cost and are made right after it, each with the exact tests of its own. If one of
-them is blocked, those before it are undone and the move is discarded. A move that is its own image, at a mirror's axis,
-is made alone.
+The images of a move have the same cost and are made right after it, each with its own exact tests. If one of them is
+blocked, the previous ones are undone and the move is discarded. A move that is its own image, at a mirror's axis, is
+made alone.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from .outline import Outline
 from .progressive_hull import MAX_REACH_ROUNDS, PAUSE, REACH_GROWTH, ProgressiveHull, Weights
 
 SYMMETRY_TOLERANCE = 1e-3
-"""Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric: offsets
-into narrow gaps may differ by their whole length, where rounding decides what touches."""
+"""Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric. Offsets in
+narrow gaps, where rounding decides what touches, may differ by their whole length."""
 
 AXIS_TOLERANCE = 1e-9
 """The same for new vertices of a move that is its own image."""
@@ -42,14 +42,14 @@ def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:
 
 
 def symmetrised(outline: Outline, symmetry: Symmetry) -> Outline:
-    """The outline, symmetric up to a tolerance, with exact symmetry. Raises AsymmetricError."""
+    """An outline that is symmetric up to a tolerance, made exactly symmetric. Raises AsymmetricError."""
     return outline.moved(orbits_of(outline, symmetry).symmetrised(outline.vertices))
 
 
 def padded_alike(outline: Outline, total: int, symmetry: Symmetry) -> list[FloatArray]:
     """The loops (k, 2) of a symmetric outline with edges divided evenly, images alike, up to `total` vertices.
 
-    May stop short of it where edges come in orbits. Raises AsymmetricError.
+    May have fewer vertices where edges come in orbits. Raises AsymmetricError.
     """
     successor = outline.successor
     steps = outline.vertices[successor] - outline.vertices
@@ -76,7 +76,7 @@ def padded_alike(outline: Outline, total: int, symmetry: Symmetry) -> list[Float
 
 
 class SymmetricHull(ProgressiveHull):
-    """State of the greedy, with the image of each vertex under the generator; see `ProgressiveHull`."""
+    """State of the greedy with the image of each vertex under the generator; see `ProgressiveHull`."""
 
     def __init__(
         self,
@@ -110,7 +110,7 @@ class SymmetricHull(ProgressiveHull):
             if loops.total <= count or max_cost < inf:
                 break
             if loops.total - count < self.symmetry.order:
-                self._count = count - self.symmetry.order  # vertices that are too few can be added to edges
+                self._count = count - self.symmetry.order  # missing vertices can be added to edges
                 self._consider_all()
             elif rounds < MAX_REACH_ROUNDS:
                 self.reach *= REACH_GROWTH
@@ -180,7 +180,7 @@ class SymmetricHull(ProgressiveHull):
                 self.partner[v] = partner
 
     def _on_axis(self, place: tuple[float, ...]) -> tuple[float, ...] | None:
-        """The new vertices of a move that is its own image, made symmetric; None for a lopsided one."""
+        """The new vertices of a move that is its own image, made symmetric; None if they are not nearly so."""
         if not place:
             return place
         points = np.array(place).reshape(-1, 2)

@@ -1,8 +1,8 @@
 """Thinning: rounds of the moves of a progressive hull, many at once, in arrays; for outlines of many vertices.
 
-A round makes moves that no cheaper one on the same stretch competes with, and whose added triangles touch neither other
-edges nor each other. One after the other, in any order, they would be allowed too. A move takes a tenth of the time
-that it takes `ProgressiveHull`, but the order is only roughly cheapest first: the last part of the way is left to that.
+A round makes all moves that are the cheapest on their stretch and whose added triangles touch neither other edges nor
+each other, so they could also be made one by one in any order. A move takes a tenth of the time of `ProgressiveHull`,
+but the order is only roughly cheapest first: `ProgressiveHull` makes the last moves.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MIN_SIZE_LEFT, SIZE_FACTOR_LEFT = 400, 8
 twice what the restarts of the search begin at; excess did not change with more."""
 
 SMALLEST_LOOP = 16
-"""Vertices of a loop below which it is left alone."""
+"""Number of vertices below which a loop is not thinned."""
 
 COSTS_PER_OCTAVE = 4.0
 """Classes of cost per factor of two. Within a class moves are chosen at random: along smooth curves cost changes so
@@ -58,7 +58,7 @@ class _Moves(NamedTuple):
 
 
 def thinned(outline: Outline, count: int, minimum: Sequence[int], weights: Weights) -> Outline:
-    """An outline of many vertices with fewer of them, by moves that only add area; a smaller one as it is.
+    """A large outline with fewer vertices, by moves that only add area; small outlines are returned unchanged.
 
     count: the number of vertices that is wanted in the end; several times as many are left. minimum: vertices that each
     loop keeps. weights: of the costs, without noise or factors per loop; there are no pivots.

@@ -25,7 +25,7 @@ ANGLE_STIFFNESS = 20.0
 
 
 def short_edges(coarse: Mesh, least: float) -> BoundElementEnergy:
-    """½ k Σ max(0, l - |b - a|)² over the edges a → b, with l a little more than the least length."""
+    """½ k Σ max(0, l - |b - a|)² over the edges a → b, with l slightly above the least length."""
     length = (1.0 + LENGTH_MARGIN) * least
     stiffness = LENGTH_STIFFNESS / length
 
@@ -37,7 +37,7 @@ def short_edges(coarse: Mesh, least: float) -> BoundElementEnergy:
 
 
 def sharp_angles(coarse: Mesh, least: float) -> BoundElementEnergy:
-    """½ k Σ max(0, β - α)² over the angles α between edges, with β a little more than the least one.
+    """½ k Σ max(0, β - α)² over the angles α between edges, with β slightly above the least angle.
 
     least: an angle in degrees, measured inside or outside, whichever is smaller.
     """

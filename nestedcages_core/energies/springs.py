@@ -1,4 +1,4 @@
-"""Springs that hold some vertices of the cage at their places."""
+"""Springs that hold some vertices of the cage in place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Area that counts more in some places: the cage's excess, weighted along the fine mesh."""
+"""Weighted area: the cage's excess, weighted along the fine mesh."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .base import CageEnergy
 from .blocks import Blocks
 
 SAMPLES_PER_EDGE = 8
-"""Places along each cage edge whose weights are averaged."""
+"""Number of places along each cage edge whose weights are averaged."""
 
 MAX_BACKWARDS = 0.2
-"""Fraction of a loop up to which the closest points of an edge's ends may be in the other order."""
+"""Fraction of a loop up to which the closest points of an edge's ends may be in reverse order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class WeightedArea(CageEnergy):
         *,
         inside: bool = False,
     ) -> WeightedArea:
-        """The energy at a cage (m, 2); inside: the cage lies inside the fine mesh and is walked the other way round."""
+        """The energy at a cage (m, 2); inside: the cage lies inside the fine mesh and has reversed loops."""
         outline = FineOutline(fine, -1.0 if inside else 1.0)
         return cls(weight_at, outline, successor, np.ones(len(cage)), cage, 0.0).after(cage)
 
@@ -87,7 +87,7 @@ class FineOutline:
     """The fine mesh, for closest points and for the areas that stretches between them sweep around the origin."""
 
     def __init__(self, fine: Mesh, sense: float) -> None:
-        """sense: 1 if the cage is walked as the fine mesh is, -1 for the other way round."""
+        """sense: 1 if the cage has the direction of the fine mesh, -1 if it is reversed."""
         self.fine, self.sense = fine, sense
         self.edges = EdgeSearch(fine.vertices, fine.edge_ends)
         self.length, self.area = np.empty(len(fine.vertices)), np.empty(len(fine.vertices))

@@ -1,4 +1,4 @@
-"""How often outlines cross, counted before they are united: each crossing takes time and memory there."""
+"""Number of crossings of outlines, counted before they are united, since each crossing takes time and memory."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def edges_in(shapely: Any, geometries: Any) -> Edges:
 
 
 def spend_crossings(edges: Edges, budget: Budget | None, what: str) -> None:
-    """Count the pairs of edges that cross, or lie on each other in part; none that meet at ends. None counts nothing.
+    """Count the pairs of edges that cross or overlap, but not those that meet at ends; None: no count.
 
     Raises NestedCagesError beyond the limit.
     """

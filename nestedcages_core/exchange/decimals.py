@@ -1,4 +1,4 @@
-"""Numbers with few decimals: written as they were certified, or not at all."""
+"""Numbers with few decimals: written exactly as certified, or rejected."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
 
 MAX_DECIMALS = 15
-"""Most decimals that a double can have whatever it is."""
+"""Maximum number of decimals that every double can have."""
 
 ENOUGH_DIGITS = Context(prec=60)
-"""Digits of sums of decimals: enough for two doubles that make a difference to each other."""
+"""Digits for sums of decimals: enough for two doubles of comparable size."""
 
 
 def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
-    """Raise NestedCagesError where a vertex has more decimals: rounding it would undo a certificate."""
+    """Raise NestedCagesError if a vertex has more decimals, since rounding would invalidate the certificate."""
     if decimals is None:
         return
     if isinstance(decimals, bool) or not isinstance(decimals, int | np.integer) or not 0 <= decimals <= MAX_DECIMALS:
@@ -38,6 +38,6 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
 
 
 def subtracted(whole: float, numbers: FloatArray) -> FloatArray:
-    """(n,) whole - numbers (n,) in decimals, each rounded to a double once: few decimals stay few."""
+    """(n,) whole - numbers (n,) in decimal arithmetic, rounded once to doubles, so that few decimals stay few."""
     minuend = Decimal(repr(float(whole)))
     return np.array([float(ENOUGH_DIGITS.subtract(minuend, Decimal(repr(number)))) for number in numbers.tolist()])

@@ -1,4 +1,4 @@
-"""A grid: the multiples of a length, each rounded to the nearest double, as writing and reading decimals does."""
+"""A grid: the multiples of a length, each rounded to the nearest double, as when reading decimals."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ MAX_PLACE = 10**15
 class Grid:
     """The numbers k · spacing, k whole, each as the nearest double.
 
-    The spacing means the shortest decimal that reads as it: that of 0.01 is one hundredth, not the double next to it.
-    So a grid point is what reading its decimals gives.
+    The spacing stands for the shortest decimal that reads as this double: 0.01 is one hundredth exactly. So a grid
+    point equals the double that its decimals read as.
     """
 
     spacing: float
@@ -30,17 +30,17 @@ class Grid:
 
     @classmethod
     def of_decimals(cls, decimals: int) -> Grid:
-        """The numbers with so many decimals; 0 for whole numbers."""
+        """The numbers with a given number of decimals; 0 for whole numbers."""
         return cls(float(Fraction(1, 10**decimals)))
 
     @cached_property
     def ratio(self) -> Fraction:
-        """The spacing that is meant: its shortest decimal, or the double itself where that is the simpler fraction."""
+        """The exact spacing: its shortest decimal, or the double itself if that is the simpler fraction."""
         given, written = Fraction(self.spacing), Fraction(repr(self.spacing))
         return min(written, given, key=lambda ratio: ratio.numerator)
 
     def resolves(self, points: FloatArray) -> bool:
-        """Whether doubles at points (..., 2) are close enough together to tell grid points apart."""
+        """Whether doubles at points (..., 2) are dense enough to separate grid points."""
         return float(np.abs(points).max(initial=0.0)) <= MAX_PLACE * self.spacing
 
     def places(self, points: FloatArray) -> IntArray:

@@ -1,6 +1,6 @@
 """Union and intersection of solids whose outlines may cross, touch and coincide: an arrangement of their edges.
 
-Vertices closer than a tolerance become one, edges are divided at vertices on them and where they cross, until nothing
+Vertices closer than a tolerance are merged, and edges are divided at crossings and at vertices on them, until nothing
 changes. A piece is on the outline of the result where the solid lies on one side of it only. The result is accurate to
 the tolerance; exact predicates judge what is built on it.
 """
@@ -21,7 +21,7 @@ from .predicates import BoxTree, segments_intersect
 from .vectors import cross
 
 MERGED = 1e-9
-"""Distance, in diagonals, below which vertices become one and a vertex lies on an edge."""
+"""Distance, in diagonals, below which vertices are merged and a vertex lies on an edge."""
 
 MAX_ROUNDS = 12
 """Maximum number of rounds that divide edges; new vertices rarely need more than two."""

@@ -1,4 +1,4 @@
-"""The cheapest choice of one candidate per layer where costs are between neighbours in a circle."""
+"""The cheapest choice of one candidate per layer, with costs between neighbours in a circle."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from .arrays import FloatArray, IntArray
 
 
 def shortest_cycle(costs: list[FloatArray]) -> IntArray | None:
-    """(m,) for each of m layers the point of a cycle of least cost that visits one point of each; None if none is
-    finite.
+    """(m,) the point of each layer on the cheapest cycle through all m layers; None if no cycle has finite cost.
 
     costs: for each layer (K, K') of the steps to the next one, infinite where there is none; the last leads to the
     first.

@@ -19,7 +19,7 @@ QUARTER_TURNS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 """Cosine and sine of multiples of 90°, exactly."""
 
 SIGNIFICANT = 9
-"""Decimals, relative to a diagonal of 1 to 10, that places of a symmetry keep when they are measured."""
+"""Decimals, relative to a diagonal of 1 to 10, of measured places of a symmetry."""
 
 SETTLING_STEPS = 4
 """Maximum number of double images until a point is its own."""
@@ -35,7 +35,7 @@ class Symmetry(Protocol):
 
     @property
     def reverses(self) -> bool:
-        """Whether the generator turns loops round."""
+        """Whether the generator reverses loops."""
         ...
 
     def image(self, points: FloatArray, element: int = 1) -> FloatArray:
@@ -47,15 +47,15 @@ class Symmetry(Protocol):
         ...
 
     def fixed(self, points: FloatArray) -> FloatArray:
-        """The closest points (..., 2) that the generator leaves where they are."""
+        """The closest fixed points (..., 2) of the generator."""
         ...
 
     def placed(self, mesh: Mesh) -> Symmetry:
-        """The symmetry with its place, that of a mesh if it has none."""
+        """The symmetry with its place; taken from a mesh if it has none."""
         ...
 
     def about_origin(self) -> Symmetry:
-        """Its linear part."""
+        """The linear part."""
         ...
 
 
@@ -154,10 +154,10 @@ class Mirror:
 
 @dataclass(frozen=True)
 class Rotation:
-    """Rotations by multiples of 360° / order around a centre. Those by multiples of 90° are free of cosines."""
+    """Rotations by multiples of 360° / order around a centre; multiples of 90° are exact."""
 
     centre: Sequence[float] | None = (0.0, 0.0)
-    """The point (x, y) that stays; None: the centroid of the drawing."""
+    """The fixed point (x, y); None: the centroid of the drawing."""
     order: int = 2
     """Number of positions in one turn, at least 2."""
 
@@ -221,7 +221,7 @@ class Rotation:
 
 
 def rounded(point: FloatArray, diagonal: float) -> FloatArray:
-    """A place (2,) without digits that are round-off, relative to a diagonal; never -0."""
+    """A place (2,) without digits at rounding level, relative to a diagonal; never -0."""
     near: FloatArray = np.round(point, SIGNIFICANT - int(np.floor(np.log10(diagonal)))) + 0.0
     return near
 

@@ -14,13 +14,13 @@ from .signed_distance import EdgeSearch
 from .symmetry import Mirror, Rotation, Symmetry, rounded
 
 SAMPLES = 400
-"""Points along the outline that are compared with it, at least."""
+"""Minimum number of points along the outline whose images are compared with it."""
 
 ANGLES = 90
-"""Directions of mirrors that are tried: 2° apart."""
+"""Number of directions of mirrors that are tried: 2° apart."""
 
 REFINEMENTS = 12
-"""Maximum number of times that a mirror is fitted to the closest points of the images."""
+"""Maximum number of fits of a mirror to the closest points of the images."""
 
 MAX_FITTED = 6
 """Number of best directions that are fitted."""
@@ -32,16 +32,17 @@ EXACT = 1e-9
 """Difference, in diagonals, up to which axes along a coordinate count as exact."""
 
 AS_GOOD = 1.05
-"""Factor on the difference up to which a vertical or horizontal mirror is preferred to one found."""
+"""Factor on the difference up to which a vertical or horizontal mirror is preferred to a fitted one."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """The symmetry of the drawing, found by itself: a mirror if there is one, else rotations of the highest order."""
+    """The symmetry of the drawing, found automatically: a mirror if there is one, else rotations of the highest
+    order."""
 
     tolerance: float = 0.01
-    """Largest distance between the outline and its image, as a fraction of the diagonal: what is drawn by hand is
-    symmetric only nearly."""
+    """Largest distance between the outline and its image, as a fraction of the diagonal: hand drawings are only nearly
+    symmetric."""
 
     def __post_init__(self) -> None:
         check_positive(self, "tolerance")

@@ -1,4 +1,4 @@
-"""One level of convex cages: around each part the convex polygon of least area with so many vertices."""
+"""One level of convex cages: the smallest convex polygon with a given number of vertices around each part."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from .settings import Settings
 from .units import SolverUnits
 
 DISTANCE_MARGINS = (0.0, 1e-13, 1e-11, 1e-9)
-"""Lengths added to the clearance, in diagonals, until rounded corners keep it."""
+"""Lengths added to the clearance, in diagonals, tried until rounded corners keep it."""
 
 SOURCE = "convex hull"
-"""What these cages start from, in reports."""
+"""Name of the start of these cages in reports."""
 
 
 class ConvexLevelBuilder:
@@ -39,7 +39,7 @@ class ConvexLevelBuilder:
         self.fine, self.clearances, self.settings, self.progress = fine, clearances, settings, progress
         self.units = SolverUnits.of(fine)
         self.parts = [k for k in range(len(fine.loops)) if fine.parent_of_loop[k] < 0]
-        """Loops that no other loop encloses."""
+        """Loops that are not enclosed by another loop."""
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level with ``wanted`` vertices around each part. Raises NestingError."""
@@ -65,7 +65,7 @@ class ConvexLevelBuilder:
         raise NestingError(f"There is no convex cage around this shape: {problem}.")
 
     def _polygons(self, hulls: list[Hull], wanted: int) -> Stage[Progress, list[Tangents] | None]:
-        """The polygon of each part; those that overlap are made anew with a wall between them. None if there are
+        """The polygon of each part; overlapping ones are made again with a wall between them. None if there are
         none."""
         found: list[Tangents | None] = [None] * len(hulls)
         for walled in (False, True):
@@ -89,7 +89,7 @@ class ConvexLevelBuilder:
         return None
 
     def _in_each_others_way(self, hulls: list[Hull], wanted: int) -> str:
-        """Why parts have no polygons of their own."""
+        """Why parts have no separate polygons."""
         names = [f"loop {k}" for k in self.parts]
         for one, other in combinations(range(len(hulls)), 2):
             if _between(hulls[one], hulls[other]) is None:
@@ -141,7 +141,7 @@ class ConvexLevelBuilder:
         return Level(self.fine, cage.moved(steps[0]).validated(), cage, flow, resting, report)
 
     def _steps(self, cage: Mesh, hulls: list[Hull], polygons: list[Tangents]) -> FloatArray:
-        """(K + 1, m, 2) from the hull without the edges that matter least to the cage, if that way is free."""
+        """(K + 1, m, 2) steps from the hull without its least important edges, if that motion is collision-free."""
         starts = []
         for hull, polygon in zip(hulls, polygons, strict=True):
             start = hull.reduced(len(polygon.angle))

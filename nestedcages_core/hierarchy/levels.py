@@ -1,4 +1,4 @@
-"""Levels as people write them, in the shell and in Blender: numbers of vertices, percentages, distances, excesses."""
+"""Levels as text, in the shell and in Blender: vertex counts, percentages, distances, excesses."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..geometry.mesh import Mesh
 from .tolerance import Within
 
 UNITS: Mapping[str, float] = {"px": 1.0, "u": 1.0}
-"""What marks a distance, and its length in units of the input: pixels and units of a file, which mean the same."""
+"""Suffixes of distances with their lengths in input units: pixels and units of a file, which mean the same."""
 
 LEAST_OF_A_SHARE = 4
-"""Vertices per loop that a share comes to at least, if the loop has them: a triangle around a rectangle is twice as
-large. Whoever wants one asks for three."""
+"""Minimum number of vertices per loop for a percentage, if the loop has them: a triangle around a rectangle is twice as
+large. For triangles, ask for 3 vertices."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Share:
 
 
 def level_words(text: str, units: Mapping[str, float] = UNITS) -> list[str]:
-    """The single levels of a text such as "32, 8 %; 2 px +25 %": separators are commas, semicolons and spaces."""
+    """The levels of a text such as "32, 8 %; 2 px +25 %": separators are commas, semicolons and spaces."""
     names = "|".join(sorted(map(re.escape, units), key=len, reverse=True))
     joined = re.sub(rf"(?<=[\d.])\s+(?=%|(?:{names})(?![^\s,;]))", "", text.lower())
     joined = re.sub(r"\+\s+(?=[\d.])", "+", joined)
@@ -41,10 +41,10 @@ def level_words(text: str, units: Mapping[str, float] = UNITS) -> list[str]:
 
 
 def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "") -> int | Share | Within:
-    """The level that one word stands for: `64`, `20%`, `2px` or `+25%`.
+    """Parse one level: `64`, `20%`, `2px` or `+25%`.
 
-    units: lengths of what may mark a distance; the first one is shown as the example. others: what else is accepted
-    by the caller, for the message. Raises NestedCagesError.
+    units: suffixes of distances with their lengths; the first one is the example in messages. others: further kinds
+    that the caller accepts, for messages. Raises NestedCagesError.
     """
     found = re.fullmatch(r"(\+?)(\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?)([^\d.]*)", word)
     sign, number, unit = found.groups() if found else ("", "nan", "")
@@ -64,6 +64,6 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
 
 
 def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:
-    """What `nested_cages` takes for each level around a mesh. What is too many is clamped there."""
+    """The levels around a mesh as arguments of `nested_cages`, which clamps counts that are too high."""
     sizes = [len(loop) for loop in mesh.loops]
     return [level.of(sizes) if isinstance(level, Share) else level for level in levels]

@@ -1,4 +1,4 @@
-"""A level whose cage lies on a grid: made from one whose cage does not, and certified on the numbers of the grid."""
+"""A level with its cage on a grid: made from a level off the grid, and certified on the grid's numbers."""
 
 from __future__ import annotations
 
@@ -32,14 +32,15 @@ from .units import SolverUnits
 logger = logging.getLogger(__name__)
 
 GRID_ROOM = 0.8
-"""Steps of the grid added to the clearance where a cage does not fit on the grid. The nearest grid point is at most
-0.71 steps away, so that even plain rounding keeps the clearance then."""
+"""Grid steps added to the clearance where a cage does not fit on the grid. The nearest grid point is at most 0.71 steps
+away, so even plain rounding then keeps the clearance."""
 
 FINER = ("0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
-"""Parts of a grid without a cage that are tried for the message."""
+"""Finer grids that are tried for the error message, relative to one without a cage."""
 
 PUSHES = (0.5, 1.0, 2.0, 4.0)
-"""Steps of the grid by which the cage makes room, in turn, where its straight way to the grid meets the fine mesh."""
+"""Grid steps by which the cage is pushed outwards, tried in turn, where its straight motion to the grid meets the fine
+mesh."""
 
 
 class Builder(Protocol):
@@ -56,7 +57,7 @@ class Builder(Protocol):
 
 
 class GridLevelBuilder:
-    """Makes levels with another builder and puts their cages on the grid of its settings."""
+    """Makes levels with another builder and puts their cages on the grid."""
 
     def __init__(self, builder: Builder, with_clearances: Callable[[tuple[float, ...]], Builder]) -> None:
         """with_clearances: the same builder for other clearances."""
@@ -69,7 +70,7 @@ class GridLevelBuilder:
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level. Raises NestedCagesError; a NestingError where no cage on the grid is found.
 
-        What does not fit on the grid gets more room: first the cage, then, made anew, the level.
+        Where a cage does not fit on the grid, first the cage, then the whole level is made with more clearance.
         """
         if not self.grid.resolves(self.fine.vertices):
             raise NestingError(
@@ -102,7 +103,7 @@ class GridLevelBuilder:
         )
 
     def on_grid(self, level: Level) -> Stage[Progress, Level | None]:
-        """The level with its cage on the grid, certified; None where that is not found."""
+        """The level with its cage on the grid, certified; None if there is none."""
         yield from self.progress.begin("verification")
         found = yield from self._moved(level, self.grid)
         if found is None:
@@ -113,7 +114,7 @@ class GridLevelBuilder:
         return replace(found, report=replace(found.report, seconds=dict(self.progress.seconds)))
 
     def _moved(self, level: Level, grid: Grid) -> Stage[Progress, Level | None]:
-        """The level with its cage on a grid, certified; None where that is not found."""
+        """The level with its cage on a grid, certified; None if there is none."""
         rounding = SolverUnits.of(level.fine)
         search = put_on_grid(
             level.cage,
@@ -156,9 +157,9 @@ def _without_dents(level: Level, cage: Mesh) -> Level:
 
 
 def _path(level: Level, vertices: FloatArray, grid: Grid) -> Reinflation | None:
-    """The way of the level, and on to vertices (m, 2) on a grid; None where it is not free.
+    """The steps of the level, continued to vertices (m, 2) on a grid; None if that motion is not collision-free.
 
-    Straight; or by a place between where the edges are shifted away from the fine mesh; or from an earlier step.
+    Tried in turn: straight, with edges pushed away from the fine mesh half-way, and from an earlier step.
     """
     way, bodies = level.reinflation, Bodies.of(level.cage, level.fine)
     last = way.cage_steps[-1]
@@ -178,7 +179,7 @@ def _path(level: Level, vertices: FloatArray, grid: Grid) -> Reinflation | None:
 
 
 def _widened(level: Level, more: float, settings: Settings) -> Level:
-    """The level tightened at a clearance that is larger by a length."""
+    """The level tightened at a larger clearance."""
     units = SolverUnits.of(level.fine)
     cage, fine = units.from_input(level.cage), units.from_input(level.fine)
     bodies, energy = Bodies.of(cage, fine), Area().at(cage)

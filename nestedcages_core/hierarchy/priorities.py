@@ -1,4 +1,4 @@
-"""Where it matters: weights, pins and limits of the settings, as a cost of decimation and as energies of a cage."""
+"""Priorities: weights, pins and limits of the settings, as costs of decimation and energies of a cage."""
 
 from __future__ import annotations
 
@@ -28,25 +28,26 @@ PIN_STIFFNESS = 1e4
 """Stiffness of a pin's spring, without unit: the pull of the area, half an edge, moves a vertex by 1e-5 of that."""
 
 MAX_MITRE = 4.0
-"""Longest distance of a pinned vertex from its corner, in clearances: sharper corners get it there."""
+"""Largest distance of a pinned vertex from its corner, in clearances; used at sharper corners."""
 
 KEPT = 2.0
-"""Distance of a cage vertex from its pin, in those that the clearance needs, up to which the pin is kept."""
+"""Distance of a cage vertex from its pin, relative to the distance that the clearance needs, up to which the pin counts
+as kept."""
 
 KEPT_ANYWAY = 1e-3
 """The same in diagonals."""
 
 
 FILLED = 0.8
-"""Fraction of the edges of the least length that fit along an outline up to which they can go where they are best."""
+"""Fraction of the edges of least length that fit along an outline up to which edges can be placed freely."""
 
 NO_FOLDS = 15.0
-"""Least angle in degrees where only edges have a least length: otherwise those without room would fold into spikes."""
+"""Least angle in degrees if only edges have a least length: without it, edges without space would fold into spikes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Priorities:
-    """What the settings ask for, for one drawing; lengths in input units."""
+    """The priorities of the settings for one drawing; lengths in input units."""
 
     importance: Importance
     min_edge: float | None
@@ -54,7 +55,7 @@ class Priorities:
 
     @classmethod
     def of(cls, settings: Settings, fine: Mesh) -> Priorities | None:
-        """The priorities around a drawing; None if there are none. Raises NestingError for what does not fit it."""
+        """The priorities around a drawing; None if there are none. Raises NestingError if they do not fit it."""
         if not settings.has_priorities:
             return None
         weights = None if settings.weights is None else np.asarray(settings.weights, np.float64)
@@ -65,7 +66,7 @@ class Priorities:
         return cls(importance, settings.min_edge, settings.min_angle)
 
     def applied(self, settings: Settings) -> Settings:
-        """The settings with hulls that keep to the priorities."""
+        """The settings with hulls that respect the priorities."""
         fallback = settings.fallback
         return replace(
             settings,
@@ -74,7 +75,7 @@ class Priorities:
         )
 
     def possible_count(self, count: int, outline: Mesh) -> tuple[int, tuple[str, ...]]:
-        """The number of vertices, or fewer where edges of the least length leave no room for them; and a note if so."""
+        """The number of vertices, reduced if edges of the least length do not allow so many; and a note if so."""
         if self.min_edge is None:
             return count, ()
         most = sum(
@@ -128,7 +129,7 @@ class Priorities:
         )
 
     def _targets(self, inner: Mesh, pins: FloatArray, clearance: float, inside: bool) -> tuple[FloatArray, FloatArray]:
-        """(P, 2) where the vertices of pins belong, and (P,) how far that is from the mesh."""
+        """(P, 2) target positions of pinned vertices, and (P,) their distances from the mesh."""
         reach = PIN_REACH * inner.diagonal + MAX_MITRE * clearance
         ahead = inner.edge_ends - inner.vertices
         normal = rotated_right(ahead) / norm(ahead)[:, None]
@@ -152,7 +153,7 @@ class Priorities:
         return target, away
 
     def notes(self, cage: Mesh, inner: Mesh, clearance: float, *, inside: bool) -> tuple[str, ...]:
-        """A sentence for each priority that the cage does not keep."""
+        """A sentence for each priority that the cage misses."""
         notes = []
         pins = self.importance.pins
         if len(pins):
@@ -174,7 +175,7 @@ class Priorities:
 
 
 def _divided(loop: FloatArray, length: float) -> int:
-    """How often a divider with an opening of that length fits along a loop (k, 2)."""
+    """Number of steps of a given length that fit along a loop (k, 2), as with a pair of dividers."""
     x, y = loop[0].tolist()
     steps = 0
     for u, v in [*loop[1:].tolist(), loop[0].tolist()]:
@@ -194,7 +195,7 @@ def sharpest_angle(mesh: Mesh) -> float:
 
 
 def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
-    """Pairs of a place and a vertex, each once, of least total distance."""
+    """Pairs of a place and a vertex, each used once, with the least total distance."""
     distance = norm((places[:, None] - vertices[None]).reshape(-1, 2)).reshape(len(places), len(vertices))
     chosen, vertex = scipy.optimize.linear_sum_assignment(distance)
     return chosen.astype(np.int64), vertex.astype(np.int64)

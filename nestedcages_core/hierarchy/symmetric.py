@@ -1,4 +1,4 @@
-"""Symmetric cages: which symmetry, which numbers of vertices it allows, and symmetric coarse meshes."""
+"""Symmetric cages: choice of the symmetry, possible vertex counts, and symmetric coarse meshes."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ ALIKE_TOLERANCE = 1e-6
 
 
 SPECK = 1e-3
-"""Area, as a fraction of the whole, below which holes that are left between a drawing and its images are filled."""
+"""Area, as a fraction of the whole, below which holes between a drawing and its images are filled."""
 
 BESIDE = 1e-6
 """Distance of a point in a hole from the middle of its longest edge, in lengths of that."""
 
 NEGLIGIBLE_CHANGE = 1e-6
-"""Change of the area, in per cent, that is not worth a note."""
+"""Change of the area, in per cent, below which there is no note."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Alike:
 
 
 def with_symmetry(settings: Settings, fine: Mesh) -> tuple[Settings, tuple[str, ...]]:
-    """The settings with a symmetry that has been found, and methods that keep it; and a note about it.
+    """The settings with the symmetry found and methods that keep it, and a note about it.
 
     Raises NestingError for methods that cannot keep a symmetry.
     """
@@ -90,7 +90,7 @@ def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
 
 
 def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[str, ...]]:
-    """A symmetric mesh for the decimation: the fine mesh itself, or the union of it and its images; and a note if so.
+    """A symmetric mesh for the decimation: the fine mesh, or the union with its images and a note.
 
     inside: their intersection, for inner cages. Raises NestingError.
     """
@@ -126,7 +126,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
 
 
 def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
-    """The union of some images without holes that are not in a hole of each image, and without specks."""
+    """The union of some images without holes that are not inside a hole of every image, and without specks."""
     holes = np.flatnonzero(union.loop_signs < 0)
     kept = [k for k in holes.tolist() if abs(union.loop_areas[k]) >= SPECK * union.area]
     longest = [union.loops[k][np.argmax(union.edge_lengths[union.loops[k]])] for k in kept]
@@ -146,8 +146,8 @@ def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
 def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tuple[str, ...]]:
     """The number of vertices closest to `count`, less if possible, that a cage around a symmetric mesh can have.
 
-    And a note if it is another one. With a mirror, loops that cross it take any number, and pairs of loops even ones;
-    with rotations every number is a multiple of their order.
+    And a note if it differs. With a mirror, loops across it can have any number, and pairs of loops even ones; with
+    rotations every number is a multiple of their order.
     """
     orbits = orbits_of(fine, symmetry)
     if orbits is None:
@@ -169,7 +169,7 @@ def orbits_of(mesh: Mesh, symmetry: Symmetry) -> Orbits | None:
 
 
 def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Alike:
-    """A start with exact symmetry; inside: for a cage that is walked the other way round. Raises NestingError."""
+    """A start with exact symmetry; inside: for a cage with reversed loops. Raises NestingError."""
     coarse = start.coarse
     orbits = orbits_of(coarse, symmetry)
     if orbits is None and start.makeshift_for is not None:

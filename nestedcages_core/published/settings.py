@@ -1,6 +1,6 @@
 """The published methods as settings: one definition for the add-on's presets, the benchmarks and scripts.
 
-They fall back on nothing, start from one coarse mesh, and have no tightening but their own.
+They have no fallback, start from one coarse mesh, and have no tightening but their own.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ AUGMENTED_2022_REPAIRED = replace(
         solver=GradientDescent(refuse_infinite=True), repairs=Repairs(parity=True, exact_home=True)
     ),
 )  # fmt: skip
-"""The same with the faults of its program mended, without which the fine mesh never quite returns."""
+"""The same with fixes of its program, without which the fine mesh never fully returns."""
 
 NESTED_CAGES_2015 = replace(
     AUGMENTED_2022,

@@ -1,8 +1,8 @@
 """Symmetric positive definite systems, sparse, factorised on one thread.
 
-OpenBLAS divides larger matrices among threads: too small to gain from it, they take longer then, and their last digits
-depend on the number of threads. What is used here stays below that: Cholesky factorisation within a narrow band, else
-sparse LU.
+OpenBLAS uses several threads for larger matrices. Ours are too small to gain from that: it would take longer, and the
+last digits would depend on the number of threads. So only single-threaded methods are used: Cholesky factorisation
+within a narrow band, else sparse LU.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Tied unknowns: vertices that are images of each other under a symmetry move as one.
+"""Tied unknowns: vertices that are images of each other under a symmetry move together.
 
 With the motion d of the first vertex of each orbit, all vertices move by D = S d, where S stacks the linear parts of
 the symmetry. A program in D becomes one in d with the gradient Sᵀ G, the Hessian Sᵀ W S and the rows J S. Its solution
@@ -80,11 +80,11 @@ class Tie:
         return largest[self.edge_orbit]
 
     def longest(self, motion: FloatArray) -> FloatArray:
-        """(m, 2) a symmetric motion: of each orbit the longest of a motion (m, 2), taken back to the first vertex."""
+        """(m, 2) a symmetric motion: for each orbit the longest of a motion (m, 2), mapped back to the first vertex."""
         back = _transposed(self.linear, motion)
         by_length = np.argsort(back[:, 0] ** 2 + back[:, 1] ** 2, kind="stable")
         of_orbit = np.zeros((len(self.first), 2))
-        of_orbit[self.orbit[by_length]] = back[by_length]  # the last one written stays
+        of_orbit[self.orbit[by_length]] = back[by_length]  # the last value written stays
         return self.motion(of_orbit)
 
     def _least(self, values: FloatArray) -> FloatArray:

@@ -1,9 +1,9 @@
 """A cage of least area whose vertices lie on a grid.
 
-Every vertex gets a layer of grid points next to it. Whether an edge keeps its distance depends on its two ends alone,
-and the area is a sum over edges: the best choice of one point per layer is a shortest cycle, found by dynamic
-programming. Layers are then laid around that choice, until nothing gets smaller. Edges that come near each other get a
-line between them that neither crosses, so that a loop stays simple. The result is certified elsewhere.
+Every vertex gets a layer of nearby grid points. Whether an edge keeps its distance depends only on its two ends, and
+the area is a sum over edges, so the best choice of one point per layer is a shortest cycle, found by dynamic
+programming. This is repeated with layers around the choice until nothing improves. A line separates edges that are near
+each other, so that loops stay simple. The result is certified elsewhere.
 """
 
 from __future__ import annotations
@@ -25,14 +25,13 @@ from ..geometry.vectors import cross, norm, rotated_right
 from ..stages import Stage
 
 FIRST_REACHES = (1, 2, 4)
-"""Steps of the grid that first layers reach to each side of a vertex and of its way outwards; more where no cage is
-found."""
+"""Reach of first layers around a vertex and its path outwards, in grid steps; larger ones where no cage is found."""
 
 LATER_REACHES = (2, 3)
-"""The same around a choice that is to be improved: the next one where the one before finds nothing better."""
+"""The same around a choice to improve: the next one is used where the previous one finds nothing better."""
 
 PUSH, MAX_PUSH = 1.0, 6.0
-"""Shift of the edges, in steps of the grid, that first layers make room for, and the longest way of a vertex there."""
+"""Shift of the edges, in grid steps, that first layers allow for, and the largest displacement of a vertex."""
 
 MAX_LAYER = 72
 """Maximum number of points of a layer; the closest ones are kept."""
@@ -41,7 +40,7 @@ MAX_IMPROVEMENTS = 12
 """Maximum number of improvements."""
 
 FIRST_CHUNK, MAX_CHUNK = 48, 384
-"""Fine vertices or edges that are measured together, at first and later: edges that fail are left out then."""
+"""Number of fine vertices or edges measured together, first and later, when failed edges are left out."""
 
 LENGTH_COST = 1e-6
 """Cost of a cage's length, in squared steps per step: of cages with the same area, the shortest has no spikes."""
@@ -53,7 +52,7 @@ OFF_THE_WALL = 1e-9
 def put_on_grid(
     cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, inside: bool
 ) -> Stage[float, FloatArray | None]:
-    """(m, 2) places on the grid for the vertices of a cage around a fine mesh, or inside it; None if none were found.
+    """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
     clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. A generator:
     yields a fraction after every improvement.
@@ -80,7 +79,7 @@ def put_on_grid(
 
 @dataclass(frozen=True, eq=False)
 class _Layers:
-    """The points to choose from."""
+    """The candidate points."""
 
     centres: FloatArray
     """(m, 2) a cage whose edges are apart from each other."""
@@ -97,7 +96,7 @@ class _Search:
     sense: float
     """1 for a cage around the fine mesh, -1 for one inside it."""
     origin: IntArray = field(init=False)
-    """(2,) place that areas are measured from."""
+    """(2,) origin of areas."""
 
     def __post_init__(self) -> None:
         self.distance = SignedDistance.of(self.fine)
@@ -114,7 +113,7 @@ class _Search:
         return np.asarray(0.5 * self.sense * cross(a, b) + LENGTH_COST * norm(b - a))
 
     def first_layers(self, reach: int) -> _Layers:
-        """Points next to each vertex and to its way outwards when its edges are shifted by a step."""
+        """Points near each vertex and its path outwards when its edges are shifted by a step."""
         cage, step = self.cage, self.grid.spacing
         along = cage.edge_ends - cage.vertices
         n = self.sense * rotated_right(along) / norm(along)[:, None]

@@ -6,11 +6,11 @@ target, an augmented Lagrangian pulls it there (supplement, section 2),
 
     ρ/2 Σ |f - target|² - Σ λ · (f - target),
 
-with ρ doubled while the fine mesh is far from arriving and λ updated from then on.
+with ρ doubled while the fine mesh is far from its target and λ updated from then on.
 
-Minimised by Newton steps in all positions at once, with the full sparse Hessian, every pair's and every edge's part
-projected by clamping eigenvalues, bounded by continuous collision detection, and halved while they raise the potential.
-The fine mesh, which arrives within a thousandth, is placed exactly once it can go straight there: that alone is ours.
+The potential is minimised by Newton steps in all positions at once, with the full sparse Hessian, every pair's and
+every edge's part projected by clamping eigenvalues, bounded by continuous collision detection, and halved while they
+raise the potential. Our only addition: once the fine mesh can move straight to its target, it is placed there exactly.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ SLACKNESS = 0.8
 """Fraction of the time of impact that a step may take."""
 
 FIRST_PENALTY, LARGEST_PENALTY, PENALTY_GROWTH = 1e6, 1e8, 2.0
-"""ρ: at first, at most, and its growth."""
+"""ρ: first value, maximum, and growth factor."""
 
 NEAR_ARRIVAL = 0.99
-"""Part of the way from which λ is updated instead of ρ."""
+"""Fraction of the way from which λ is updated instead of ρ."""
 
 MAX_HALVINGS = 60
 """Cap on the halvings of a step."""
@@ -59,7 +59,7 @@ class OriginalIPC:
     """One range for all pairs, adaptive stiffness, full projected Newton; lengths in bounding-box diagonals."""
 
     energy: Energy = field(default_factory=Area)
-    """E_cages, positive definite or of positive definite projection: the potential of the cage."""
+    """E_cages, the potential of the cage; its projected Hessian must be positive definite."""
     d_hat: float = 1e-3
     """d̂, the range of the barrier."""
     tolerance: float = 2.5e-4
@@ -136,7 +136,7 @@ class _TimeStep:
         return self.arrived
 
     def _pull(self, before: float, whole: float, longest: float) -> float:
-        """Update the penalty or the multipliers; the part of the way that is done."""
+        """Update the penalty or the multipliers; returns the fraction of the way that is done."""
         part = 1.0 - float(np.linalg.norm(self.x[self.bodies.m :] - self.target)) / whole
         softer = self.penalty < LARGEST_PENALTY
         if part < before and softer:
@@ -149,7 +149,7 @@ class _TimeStep:
         return part
 
     def _place(self) -> bool:
-        """Put the fine mesh at its target if it can go straight there; whether it has just got there."""
+        """Put the fine mesh at its target if it can move straight there; returns whether it was put there now."""
         if self.arrived:
             return False
         motion = np.zeros_like(self.x)
@@ -196,7 +196,7 @@ class _TimeStep:
         return value + 0.5 * self.penalty * float((away * away).sum()) - float((self.multiplier * away).sum())
 
     def _direction(self, barriers: SquaredBarrier) -> FloatArray:
-        """Newton direction; the fine mesh does not move any more where it has arrived."""
+        """Newton direction; the fine mesh no longer moves once it has arrived."""
         m, x = self.bodies.m, self.x
         gradient = self._cage_gradient(x) + self.kappa * barriers.gradient()
         cage = self.energy.projected_hessian(x[:m], self.bodies.cage_successor).sparse(m)

@@ -34,7 +34,7 @@ class StiffnessBounds:
 
     @classmethod
     def of(cls, d_hat: float) -> StiffnessBounds:
-        """κ whose barrier at the reference distance is as stiff as asked for, and a hundred times that."""
+        """κ that gives the barrier the wanted stiffness at the reference distance, and a hundred times that."""
         squared = REFERENCE_DISTANCE**2
         curvature = float(barrier(np.array([squared]), np.array([d_hat**2])).second[0])
         least = LEAST_STIFFNESS / (4.0 * squared * curvature)
@@ -47,6 +47,6 @@ class StiffnessBounds:
         return min(max(balancing, self.least), self.largest)
 
     def raised(self, kappa: float, before: dict[int, float], now: dict[int, float]) -> float:
-        """κ after a step: doubled where a pair that was very close has come no farther away."""
+        """κ after a step: doubled if a pair that was very close has not moved apart."""
         closer = any(now.get(pair, np.inf) <= distance for pair, distance in before.items())
         return min(STIFFENING * kappa, self.largest) if closer else kappa

@@ -1,9 +1,9 @@
 """Expansion with El Topo (Sacht et al. 2015, section 5; Brochu & Bridson 2009, section 4) in the plane, as published.
 
 The velocity of the cage is filtered in El Topo's order: pairs that are too close are pushed apart; collisions lose
-their relative normal velocity one after the other; what remains goes to inelastic impact zones. Where these fail as
-well, half of the time is tried. Below a thousandth of the time the original calls asynchronous contact mechanics, and
-this fails. El Topo's rigid impact zones are left out: they move the fine mesh too, whose velocity is prescribed.
+their relative normal velocity one after the other; what remains goes to inelastic impact zones. If these fail too,
+the time is halved. Below a thousandth of the time, the original calls asynchronous contact mechanics, and ours fails.
+El Topo's rigid impact zones are left out, since they also move the fine mesh, whose velocity is prescribed.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .impulses import COLLISION_DISTANCE, Impulses
 from .inelastic_zones import InelasticZones
 
 SMALLEST_TIME = 1e-3
-"""Part of a step below which the original gives up on El Topo."""
+"""Fraction of a step below which the original gives up on El Topo."""
 
 MAX_SUBSTEPS = 200
 """Cap on the parts of one step; the original has none."""
 
 REACH = 4.0
-"""Motions that pairs are searched for, in longest wished motions: impulses make vertices faster."""
+"""Search radius of pairs, in longest desired motions, since impulses make vertices faster."""
 
 SKIN_PER_EDGE = 0.3
 """Skin of the candidate list, as a fraction of the mean coarse edge length."""
@@ -42,13 +42,13 @@ class ElTopo:
     """Prescribed fine velocities, cage velocities filtered by impulses; lengths in bounding-box diagonals."""
 
     energy: Energy = field(default_factory=NoEnergy)
-    """What the cage lowers while the fine mesh goes back."""
+    """Energy that the cage lowers while the fine mesh moves back."""
     final_energy: Energy = field(default_factory=Area)
-    """What it lowers once the fine mesh is back; ``NoEnergy()`` leaves that pass out."""
+    """Energy that it lowers once the fine mesh is back; ``NoEnergy()``: no final pass."""
     proximity: float = 1e-3
     """Distance below which pairs are pushed apart."""
     room: float = 5e-3
-    """The same for a cage without energy, to leave room for the final pass."""
+    """The same for a cage without energy, to leave space for the final pass."""
     final_proximity: float = 5e-4
     """The same in the final pass."""
     first_step: float = 1e-2
@@ -95,7 +95,7 @@ class _Surface:
         self.systems = 0
 
     def integrated(self, x: FloatArray, wish: FloatArray, target: FloatArray) -> Filtered:
-        """All parts of a step; it ends where one of them is too short."""
+        """All parts of a step; ends if one of them is too short."""
         m = self.bodies.m
         goal = np.concatenate([x[:m] + wish, target])
         states: list[FloatArray] = []
@@ -112,7 +112,7 @@ class _Surface:
         return Filtered(states, False)
 
     def _part(self, x: FloatArray, wished: FloatArray) -> tuple[FloatArray, float]:
-        """Positions after as much of the time as possible, and that part of it; 0 if it is too short."""
+        """Positions after the largest possible fraction of the time, and that fraction; 0 if it is too short."""
         m = self.bodies.m
         longest = float(np.sqrt((wished * wished).sum(axis=1).max())) + self.proximity
         pairs = self.candidates.within(x, REACH * longest, SKIN_PER_EDGE * self.bodies.cage_edge_length)

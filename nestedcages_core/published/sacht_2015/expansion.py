@@ -1,9 +1,9 @@
 """Expansion (Sacht et al. 2015, section 5): the fine mesh goes back step by step while the cage lowers its energy.
 
-The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the cage wishes to
-descend the gradient of its energy. A filter replaces the velocity of the cage by one without penetration. Then the fine
-mesh rests while the cage lowers its energy further by filtered steps: one that raises the energy is undone and halved,
-one that lowers it makes the next longer by a tenth.
+The fine mesh has infinite mass and goes back by one step of the flow with a prescribed velocity; the desired velocity
+of the cage descends the gradient of its energy. A filter replaces the velocity of the cage by one without penetration.
+Then the fine mesh rests while the cage lowers its energy further by filtered steps: one that raises the energy is
+undone and halved, one that lowers it makes the next longer by a tenth.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1
 
 
 class Filtered(NamedTuple):
-    """What a filter made of a wished motion."""
+    """Result of filtering a desired motion."""
 
     states: list[FloatArray]
     """Positions (m + n, 2) on the way, free of collisions between each other."""
     arrived: bool
-    """Whether the fine mesh got to its target."""
+    """Whether the fine mesh reached its target."""
 
 
 Filter = Callable[[FloatArray, FloatArray, FloatArray], Filtered]
@@ -38,7 +38,7 @@ Filter = Callable[[FloatArray, FloatArray, FloatArray], Filtered]
 
 @dataclass(frozen=True)
 class Descent:
-    """How the cage lowers its energy; lengths in bounding-box diagonals of the fine mesh."""
+    """Descent of the cage's energy; lengths in bounding-box diagonals of the fine mesh."""
 
     first_step: float
     """First step, relative to the gradient of the energy."""

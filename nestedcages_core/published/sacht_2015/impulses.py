@@ -23,7 +23,7 @@ from ...contact.pairs import Pairs
 from ...geometry.arrays import TINY, FloatArray
 
 SEPARATION_RATE = 0.1
-"""Fraction of what is missing to the proximity by which a pair may separate in a step."""
+"""Fraction of the missing distance by which a pair may separate in a step."""
 
 PROXIMITY_STIFFNESS = 10.0
 """Largest impulse of a pair that is too close, per missing distance and time."""
