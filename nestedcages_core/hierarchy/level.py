@@ -266,7 +266,8 @@ class LevelBuilder:
         """
         yield from self.progress.begin("verification")
         may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
-        for start in self.starts if attempt.may_fall_back or self.starts[0].on_curve is None else ():
+        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
+        for start in self.starts if hulls_count else ():
             certificate = verify(start.coarse, self.fine)
             clearance = min(wanted, certificate.clearance) if may_be_less else wanted
             if certificate.holds and certificate.clearance >= clearance:
