@@ -40,6 +40,8 @@ MOVING = "nested_cages_moving"
 
 # Of an output collection and its cages: whether they lie inside the drawing.
 INSIDE = "nested_cages_inside"
+# Of an output collection: what its cages are by the rules for them, in words.
+KINDS = "nested_cages_kinds"
 
 # Of the objects of an output: the level, 0 for the fine mesh, and the number of vertices. Of cages: the report.
 LEVEL = "nested_cages_level"

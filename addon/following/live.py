@@ -184,6 +184,9 @@ def why_not(collection: bpy.types.Collection) -> str:
     """Why the cages of an output cannot follow edits; empty if they can."""
     if ownership.is_inside(collection):
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
+    kinds = keys.text(collection, keys.KINDS)
+    if kinds:
+        return f"These cages are {kinds}, which following edits would undo: make them again with Generate"
     if ownership.is_bound(collection):
         return "Unbind the drawing from its cages first"
     if keys.flag(collection, keys.MOVING):

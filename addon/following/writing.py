@@ -16,7 +16,8 @@ from ..animation.timeline import Timing
 from ..core import core
 from ..errors import UserError
 from ..generation import output
-from ..generation.generate import CageLevel, Result
+from ..generation.generate import Result
+from ..generation.storage import CageLevel
 from ..scene import ownership
 from ..scene.convert import Drawing
 from ..scene.plane import Frame

@@ -40,9 +40,9 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
         raise UserError(str(error)) from error
 
 
-def counted(level: int | core.hierarchy.Share, fine: core.Mesh) -> Wanted:
-    """The vertex count that a level comes to for a drawing's ``Mesh``: enough for each loop."""
-    total, sizes = len(fine.vertices), [len(loop) for loop in fine.loops]
+def counted(level: int | core.hierarchy.Share, sizes: Sequence[int]) -> Wanted:
+    """The vertex count that a level comes to for loops of these sizes: enough for each."""
+    total = sum(sizes)
     loops = "an outline needs" if len(sizes) == 1 else f"its {len(sizes)} loops need"
     if isinstance(level, int):
         least = 3 * len(sizes)
@@ -54,7 +54,13 @@ def counted(level: int | core.hierarchy.Share, fine: core.Mesh) -> Wanted:
 
 
 def wanted_levels(
-    levels: Sequence[Level], fine: core.Mesh, own: Sequence[core.Mesh], name: str, scale: float = 1.0
+    levels: Sequence[Level],
+    fine: core.Mesh,
+    own: Sequence[core.Mesh],
+    name: str,
+    scale: float = 1.0,
+    *,
+    convex: bool = False,
 ) -> tuple[Wanted, ...]:
     """What is to be made for each level of a drawing; scale: the scene's length of its unit. Raises: UserError."""
     if not levels:
@@ -64,15 +70,18 @@ def wanted_levels(
             f"'{name}': own objects (*) in the levels: {levels.count(OWN)}, objects named: {len(own)}; "
             "name one for each"
         )
+    sizes = [len(loop) for loop in fine.loops]
+    if convex:  # so many vertices around each part
+        sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
     meshes, found = iter(own), []
     for level in levels:
         if isinstance(level, str):
             found.append(Wanted(next(meshes)))
         elif isinstance(level, core.Within):
             distance = None if level.distance is None else level.distance / scale
-            found.append(Wanted(replace(level, distance=distance, of=fine)))
+            found.append(Wanted(replace(level, distance=distance)))
         else:
-            found.append(counted(level, fine))
+            found.append(counted(level, sizes))
     return tuple(found)
 
 

@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
 from ..core import core
 from ..errors import UserError
 
+Level: TypeAlias = "int | core.Mesh | core.Within"
 
-def stricter(level: int | core.Mesh | core.Within, slack: float) -> int | core.Mesh | core.Within:
+
+def stricter(level: Level, drawing: core.Mesh, slack: float) -> Level:
     """A stricter tolerance, so that points may move by a slack in the drawing's units. Raises: UserError if nothing is
     left."""
-    if not isinstance(level, core.Within) or level.of is None:
+    if not isinstance(level, core.Within):
         return level
     if level.distance is not None:
         if level.distance <= slack:
             raise UserError(f"A distance must be more than {slack:.3g}, what Blender's single precision can tell apart")
         return replace(level, distance=level.distance - slack)
-    boundary = float(np.hypot(*(level.of.edge_ends - level.of.vertices).T).sum())
-    excess = level.limit - slack * boundary / level.of.area
+    boundary = float(np.hypot(*(drawing.edge_ends - drawing.vertices).T).sum())
+    excess = level.limit - slack * boundary / drawing.area
     if excess <= 0.0:
         raise UserError("An excess so small is less than Blender's single precision can tell apart: ask for more")
     return replace(level, excess=excess)
 
 
-def missed(level: int | core.Mesh | core.Within, cage: core.Mesh) -> str:
+def missed(level: Level, drawing: core.Mesh, cage: core.Mesh) -> str:
     """Why a stored cage misses the tolerance; empty if it does not."""
-    if not isinstance(level, core.Within) or level.of is None or level.is_met(cage, level.of):
+    if not isinstance(level, core.Within) or level.is_met(cage, drawing):
         return ""
     return (
         "the cage is not within what was asked for in Blender's single precision; move the drawing closer to its "
@@ -36,20 +39,20 @@ def missed(level: int | core.Mesh | core.Within, cage: core.Mesh) -> str:
     )
 
 
-def sentence(level: int | core.Mesh | core.Within, cage: core.Mesh, clearance: float, scale: float) -> str:
+def sentence(level: Level, drawing: core.Mesh, cage: core.Mesh, clearance: float, scale: float) -> str:
     """The distance or excess of the cage, and the lower bound on its vertices; empty for other levels.
 
     clearance: kept by every cage, in the drawing's units. scale: length of such a unit in the scene.
     """
-    if not isinstance(level, core.Within) or level.of is None:
+    if not isinstance(level, core.Within):
         return ""
-    count, taken = len(cage.vertices), level.measured(cage, level.of)
+    count, taken = len(cage.vertices), level.measured(cage, drawing)
     if level.distance is None:
         return (
             f"{count} vertices, the fewest found within {100.0 * level.limit:.4g} % more area: {100.0 * taken:.4g} %."
         )
     fewest_links = core.decimation.minimal_nested.fewest_links
-    least = sum(fewest_links(level.of, k, level.distance, clearance) for k in range(len(level.of.loops)))
+    least = sum(fewest_links(drawing, k, level.distance, clearance) for k in range(len(drawing.loops)))
     return (
         f"{count} vertices, the fewest found within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}; no "
         f"cage within it has fewer than {least}."

@@ -18,8 +18,9 @@ from ..errors import UserError
 from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership
 from ..scene.ownership import collection_of, colours_of, level_of, member, members
-from .generate import CageLevel, Result
+from .generate import Result
 from .rollback import Rollback
+from .storage import CageLevel
 
 
 def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
@@ -164,7 +165,13 @@ def _write_one(
         collection[keys.OTHERS] = others
     keys.store(
         collection,
-        {keys.NAME: name, keys.LEVELS: len(result.levels), keys.END: played[-1].end, keys.INSIDE: result.inside},
+        {
+            keys.NAME: name,
+            keys.LEVELS: len(result.levels),
+            keys.END: played[-1].end,
+            keys.INSIDE: result.inside,
+            keys.KINDS: ", ".join(result.kinds),
+        },
     )
     timeline.extend_scene(scene, collection, played, timing)
     return collection

@@ -76,6 +76,8 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
         options = conversion.options(self, scene)
         if options.inside:
             raise UserError("Cages that follow a motion lie around the drawing: leave 'Inside' off")
+        if options.rules.kinds() or self.weight_group or self.pin_group or self.joint_armature:
+            raise UserError(f"Cages that follow a motion have no settings of '{groups.SHAPE_TITLE}': leave these alone")
         name = scene.name
         self._set_range(scene)
         frames = list(range(self.frame_start, self.frame_end + 1, 1 if self.still else self.frame_step))

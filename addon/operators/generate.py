@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
+import numpy as np
 
 from .. import keys
 from ..binding import binding, originals
@@ -13,12 +14,16 @@ from ..generation import output
 from ..generation.generate import Generation, Request, Result
 from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
+from ..generation.rules import Places
 from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties
 from ..rigging.pose import Pose, unmoved
-from ..scene import convert, ownership
+from ..scene import convert, ownership, painted
 from ..scene.selection import scene_of
 from .base import JobOperator, Outcome, remember_fault
+
+# Weight in a vertex group from which on a vertex is pinned.
+PINNED = 0.5
 
 
 class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.types.Operator):
@@ -235,7 +240,33 @@ def _request(
     coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
     if values.use_selected_as_levels:
         coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
-    return Request(fine, tuple(coarse))
+    return Request(fine, tuple(coarse), _places(context, objects, fine, values))
+
+
+def _places(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], fine: convert.Drawing, values: GenerationProperties
+) -> Places:
+    """Where it matters in a drawing. Raises: UserError."""
+    points, notes = np.concatenate(fine.loops), []
+    found = {}
+    for group in filter(None, (values.weight_group, values.pin_group)):
+        weights = painted.painted(context, objects, fine.frame, group, points)
+        if weights is None or not weights.any():
+            notes.append(f"'{fine.name}' has nothing in a vertex group '{group}', so that was left out.")
+        else:
+            found[group] = weights
+    joints: list[list[float]] = []
+    if values.joint_armature:
+        armature = context.scene.objects.get(values.joint_armature)
+        if armature is None or armature.type != "ARMATURE":
+            raise UserError(f"'{values.joint_armature}' is no armature in the scene: choose one for 'Joints'")
+        joints = painted.bone_ends(armature, fine.frame).tolist()
+    return Places(
+        weights=tuple(found[values.weight_group].tolist()) if values.weight_group in found else (),
+        pins=tuple(np.flatnonzero(found[values.pin_group] > PINNED).tolist()) if values.pin_group in found else (),
+        joints=tuple((x, y) for x, y in joints),
+        notes=tuple(notes),
+    )
 
 
 def _own_objects(context: bpy.types.Context, values: GenerationProperties) -> list[bpy.types.Object]:

@@ -11,12 +11,13 @@ from ..animation.timeline import Timing
 from ..generation.generate import Options
 from ..generation.levels import parse_levels
 from ..generation.methods import Methods
+from ..generation.rules import Rules
 from ..scene import units
 from ..scene.convert import ReadingOptions
 from . import level_list
 from .settings import GenerationProperties
 
-Filled = TypeVar("Filled", ReadingOptions, Timing, Methods)
+Filled = TypeVar("Filled", ReadingOptions, Timing, Methods, Rules)
 
 
 def reading_options(values: GenerationProperties) -> ReadingOptions:
@@ -27,7 +28,14 @@ def reading_options(values: GenerationProperties) -> ReadingOptions:
 def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
     """Levels and clearance, in units of the scene, and methods. Raises: UserError if the levels cannot be read."""
     levels = () if values.use_selected_as_levels else parse_levels(values.levels, units.lengths(scene))
-    return Options(levels=levels, clearance=values.clearance, inside=values.inside, methods=methods(values))
+    return Options(
+        levels=levels, clearance=values.clearance, inside=values.inside, rules=rules(values), methods=methods(values)
+    )
+
+
+def rules(values: GenerationProperties) -> Rules:
+    """What cages must be."""
+    return _filled(Rules, values)
 
 
 def methods(values: GenerationProperties) -> Methods:

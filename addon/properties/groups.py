@@ -7,11 +7,16 @@ from typing import Any
 
 import bpy
 
+from ..generation.rules import ROTATION
 from . import conversion
 from .settings import GenerationProperties
 
 SPACE: tuple[str, ...] = ("clearance", "inside")
 WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
+RULES: tuple[str, ...] = ("convex", "grid", "symmetry", "symmetry_order")
+PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_edge", "min_angle")
+# Names of vertex groups.
+GROUPS = ("weight_group", "pin_group")
 SHAPE: tuple[str, ...] = ("decimation", "energy")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
 ANIMATION: tuple[str, ...] = ("show_flow", "ease", "loop_back", "show_result")
@@ -23,8 +28,12 @@ ADVANCED: tuple[str, ...] = (
 )
 
 
-# Settings that only apply if the animation is fitted to a length (True), or only if it is not (False).
-ALTERNATIVES = {"length": True, "frames_per_step": False}
+# Settings that only apply if another one has a value.
+ALTERNATIVES: dict[str, tuple[str, object]] = {
+    "length": ("fit_length", True),
+    "frames_per_step": ("fit_length", False),
+    "symmetry_order": ("symmetry", ROTATION),
+}
 
 
 def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterable[str]) -> None:
@@ -32,8 +41,15 @@ def draw(layout: bpy.types.UILayout, values: GenerationProperties, names: Iterab
     chosen = conversion.methods(values)
     for name in names:
         line = layout.column()
-        line.active = chosen.has_use_for(name) and ALTERNATIVES.get(name, values.fit_length) == values.fit_length
-        line.prop(values, name)
+        other, wanted = ALTERNATIVES.get(name, ("fit_length", values.fit_length))
+        line.active = chosen.has_use_for(name) and getattr(values, other) == wanted
+        active = bpy.context.object
+        if name in GROUPS and active is not None and active.type == "MESH":
+            line.prop_search(values, name, active, "vertex_groups")
+        elif name == "joint_armature":
+            line.prop_search(values, name, bpy.data, "objects", icon="ARMATURE_DATA")
+        else:
+            line.prop(values, name)
 
 
 # The extension's package, whatever name Blender gave it.
@@ -52,7 +68,15 @@ def shows_research() -> bool:
     return found is not None and found.research
 
 
+# The title of what cages must be besides tight.
+SHAPE_TITLE = "Shape of Cages"
+
+
 def parts() -> list[tuple[str, tuple[str, ...]]]:
     """The parts of the operator's panel, by title."""
-    found = [("Animation", (*FRAMES, *ANIMATION)), ("Drawing and Cages", (*WHICH, *READING, *SHAPE, *LOOKS))]
+    found = [
+        ("Animation", (*FRAMES, *ANIMATION)),
+        (SHAPE_TITLE, (*RULES, *PLACES)),
+        ("Drawing and Cages", (*WHICH, *READING, *SHAPE, *LOOKS)),
+    ]
     return [*found, ("Advanced", ADVANCED)] if shows_research() else found

@@ -17,6 +17,8 @@ from bpy.props import (
 
 from ..generation.choices import REPAIRS, SETTINGS
 from ..generation.methods import Methods
+from ..generation.rules import NONE as NO_SYMMETRY
+from ..generation.rules import SYMMETRIES
 from . import level_list
 
 # Percentages suit every drawing; for a text or an imported icon these are about 60 and 24 vertices.
@@ -70,6 +72,63 @@ class GenerationProperties:
         name="Inside",
         description="Make cages inside the drawing, as large as their vertices allow, each inside the one before",
         default=False,
+    )
+    convex: BoolProperty(
+        name="Convex",
+        description="Make the smallest convex polygon around each part, with as many vertices as the level says",
+        default=False,
+    )
+    grid: FloatProperty(
+        name="Grid",
+        description="Put all vertices of cages at multiples of this length from the object's origin; 0 for none",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+    symmetry: EnumProperty(
+        name="Symmetry", description="What makes both sides of a cage alike", items=SYMMETRIES, default=NO_SYMMETRY
+    )
+    symmetry_order: IntProperty(
+        name="Order", description="Number of sectors that are alike", default=2, min=2, soft_max=12
+    )
+    weight_group: StringProperty(
+        name="Weights",
+        description="Vertex group: where its weights are high, cages have more vertices and less excess",
+        default="",
+    )
+    pin_group: StringProperty(
+        name="Pins",
+        description="Vertex group: cages keep a vertex at each of its vertices with a weight of more than a half",
+        default="",
+    )
+    joint_armature: StringProperty(
+        name="Joints",
+        description="Armature: cages keep a vertex on both sides of the ends of its bones",
+        default="",
+    )
+    min_edge: FloatProperty(
+        name="Shortest Edge",
+        description="No edge of a cage is shorter than this, where there is room; 0 for any",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+    min_angle: FloatProperty(
+        name="Sharpest Angle",
+        description="No angle of a cage is sharper than this, where there is room; 0 for any",
+        default=0.0,
+        min=0.0,
+        max=1.04,
+        subtype="ANGLE",
+        unit="ROTATION",
     )
     clearance: FloatProperty(
         name="Clearance",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..properties.groups import ADVANCED, ANIMATION, FRAMES
+from ..properties.groups import ADVANCED, ANIMATION, FRAMES, PLACES, RULES
 
 # The folder of the extension, or of the repository.
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,6 +39,7 @@ SETTINGS = {
     "together": "cages",
     "clearance": "levels",
     "inside": "levels",
+    **dict.fromkeys((*RULES, *PLACES), "shape"),
     "decimation": "levels",
     "energy": "levels",
     **dict.fromkeys((*FRAMES, *ANIMATION), "animation"),

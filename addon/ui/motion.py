@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 
 from ..following import live
+from ..properties import groups
 from ..properties.settings import copy_values, settings_of
 
 
@@ -15,7 +16,8 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """The button that follows an animation."""
     button: Any = layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
     copy_values(settings_of(context), button)
-    button.use_selected_as_levels = button.inside = False
+    for name in ("use_selected_as_levels", "inside", *groups.RULES, *groups.PLACES):
+        button.property_unset(name)
 
 
 def draw_live(layout: bpy.types.UILayout, width: int) -> None:

@@ -111,6 +111,13 @@ class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
             column.operator("object.nested_cages_remove_animation", icon="X")
 
 
+class VIEW3D_PT_nested_cages_rules(SettingsPanel, bpy.types.Panel):
+    """What cages must be besides tight: convex, on a grid, symmetric, finer where it matters"""
+
+    bl_label = groups.SHAPE_TITLE
+    names = (*groups.RULES, *groups.PLACES)
+
+
 class VIEW3D_PT_nested_cages_reading(SettingsPanel, bpy.types.Panel):
     """Which objects to enclose, how to read them, and the shape of cages"""
 
@@ -259,6 +266,7 @@ CLASSES = (
     VIEW3D_PT_nested_cages_result,
     VIEW3D_PT_nested_cages_animation,
     VIEW3D_PT_nested_cages_motion,
+    VIEW3D_PT_nested_cages_rules,
     VIEW3D_PT_nested_cages_reading,
     VIEW3D_PT_nested_cages_use,
     VIEW3D_PT_nested_cages_advanced,

@@ -118,8 +118,9 @@ def _hierarchy(
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
     fine, wanted = _checked(fine, levels, convex=settings.convex)
-    settings, remarks = with_symmetry(settings, fine)
-    priorities = Priorities.of(settings, fine)
+    about = _about(settings, fine, inside=builder is InnerLevelBuilder)
+    settings, remarks = with_symmetry(settings, about)
+    priorities = Priorities.of(settings, about)
     if priorities is not None:
         settings = priorities.applied(settings)
     finished: list[Level] = []
@@ -136,7 +137,6 @@ def _hierarchy(
             if isinstance(level, Within):
                 if builder is InnerLevelBuilder:
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
-                about = fine if level.of is None else _enclosed(level.of.validated(), inner, index)
                 made = (
                     fewest_convex(level, about, work)
                     if settings.convex
@@ -154,12 +154,15 @@ def _hierarchy(
     return Hierarchy(fine, tuple(finished))
 
 
-def _enclosed(about: Mesh, inner: Mesh, index: int) -> Mesh:
-    """The mesh that a level is to stay near, which the mesh inside the level encloses or is. Raises NestingError."""
-    same = np.array_equal(about.vertices, inner.vertices) and np.array_equal(about.edges, inner.edges)
-    if not same and not verify(inner, about, same_loops=False):
+def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
+    """The mesh that the settings are about. Raises NestingError if it is no mesh inside the fine one, or around it."""
+    if settings.about is None or settings.about is fine:
+        return fine
+    about = settings.about.validated()
+    same = np.array_equal(about.vertices, fine.vertices) and np.array_equal(about.edges, fine.edges)
+    if not same and not verify(*((about, fine) if inside else (fine, about)), same_loops=False):
         raise NestingError(
-            f"Level {index + 1}: the mesh that Within(of=...) names does not lie inside the enclosed mesh."
+            f"The mesh that the settings are about does not lie {'around' if inside else 'in'} the fine one."
         )
     return about
 

@@ -14,6 +14,7 @@ from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
 from ..geometry.symmetry import Symmetry
 from ..geometry.symmetry_search import Found
 from ..parameters import check_flag, has_method
@@ -72,6 +73,9 @@ class Settings:
     """No cage edge is shorter than this length, where there is room."""
     min_angle: float | None = None
     """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
+    about: Mesh | None = None
+    """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
+    drawing inside of it, or around it for inner cages, when levels are made one by one."""
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not _is_length(self.clearance):
@@ -84,6 +88,8 @@ class Settings:
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none."
             )
         check_flag(self, "convex")
+        if not isinstance(self.about, Mesh | None):
+            raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.")
         if not isinstance(self.starts, int | np.integer) or self.starts < 1:
             raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
         for name, (method, example) in METHODS.items():

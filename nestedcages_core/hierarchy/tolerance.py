@@ -41,15 +41,11 @@ class Within:
     """No point of the cage's solid is farther than this from the solid of the fine mesh; unit: the input's."""
     excess: float | None = None
     """area(cage) / area(fine) - 1 is at most this; 0.25 is a quarter."""
-    of: Mesh | None = None
-    """What the distance or the excess is from, if not the fine mesh of the hierarchy but one inside of it."""
 
     def __post_init__(self) -> None:
         given = [value for value in (self.distance, self.excess) if value is not None]
         if len(given) != 1:
             raise NestedCagesError("Within needs either a distance or an excess, for instance Within(distance=2.0).")
-        if self.of is not None and not isinstance(self.of, Mesh):
-            raise NestedCagesError(f"Within: of must be a Mesh, not {type(self.of).__name__}.")
         value = given[0]
         if isinstance(value, bool) or not isinstance(value, int | float | np.number):
             raise NestedCagesError(f"Within: a number above 0 is needed, not {value!r}.")

@@ -81,7 +81,7 @@ def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> No
 
 def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon, monkeypatch) -> None:
     names = sorted(set(addon.properties.settings.NAMES) - {"level_objects"})
-    parts = ("", "_animation", "_reading", "_advanced")
+    parts = ("", "_animation", "_rules", "_reading", "_advanced")
     drawn = [name for part in parts for name in draw(f"VIEW3D_PT_nested_cages{part}")]
     assert sorted(name for name in drawn if name in names) == names
     drawn = []

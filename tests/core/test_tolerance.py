@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nestedcages_core import Mesh, NestedCagesError, NestingError, Within, inner_cages, nested_cages, verify
+from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
 from nestedcages_core.decimation.minimal_nested import fewest_links, walks
 from nestedcages_core.hierarchy import level_words, parse_level, wanted_levels
 from nestedcages_core.verification.reach import REACH_PRECISION, reach, stays_within
@@ -135,11 +135,13 @@ def test_levels_as_people_write_them() -> None:
 
 def test_a_level_near_another_mesh_than_the_one_inside() -> None:
     fine, inner = ellipse(60), nested_cages(ellipse(60), [24]).cages[0]
-    (level,) = nested_cages(inner, [Within(distance=0.2, of=fine)]).levels
+    (level,) = nested_cages(inner, [Within(distance=0.2)], Settings(about=fine)).levels
     assert verify(level.cage, inner)
     assert reach(level.cage, fine) <= 0.2
     assert reach(inner, fine) < reach(level.cage, fine)
-    with pytest.raises(NestingError, match="is not inside of what is enclosed"):
-        nested_cages(inner, [Within(distance=0.2, of=level.cage)])
-    with pytest.raises(NestedCagesError, match="of must be a Mesh, not str"):
-        Within(distance=0.2, of="fine")  # type: ignore[arg-type]
+    with pytest.raises(NestingError, match="does not lie in the fine one"):
+        nested_cages(inner, [Within(distance=0.2)], Settings(about=level.cage))
+    with pytest.raises(NestingError, match="does not lie around the fine one"):
+        inner_cages(fine, [12], Settings(about=inner_cages(fine, [24]).cages[0]))
+    with pytest.raises(NestedCagesError, match="about must be a Mesh, not str"):
+        Settings(about="fine")  # type: ignore[arg-type]

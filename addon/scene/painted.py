@@ -1,0 +1,76 @@
+"""Where it matters in a drawing: vertex groups of its objects, and bones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .plane import Frame, transform
+
+# Distances that are computed at once.
+BLOCK = 2**22
+
+
+def painted(
+    context: bpy.types.Context,
+    objects: Sequence[bpy.types.Object],
+    frame: Frame,
+    group: str,
+    points: NDArray[np.float64],
+) -> NDArray[np.float64] | None:
+    """(n,) weight of the evaluated vertex closest to each point (n, 2) of a drawing's frame; None if no object has a
+    vertex group of that name.
+    """
+    places, values = [], []
+    for obj in objects:
+        if obj.type == "MESH":
+            found, weights = _weights(context, obj, group)
+            matrix = np.array(obj.matrix_world, dtype=np.float64)
+            places.append(frame.from_world(transform(matrix, found))[0])
+            values.append(weights)
+    if not any(weights is not None for weights in values):
+        return None
+    place = np.concatenate(places)
+    weight = np.concatenate([np.zeros(len(p)) if w is None else w for p, w in zip(places, values, strict=True)])
+    closest = [
+        ((part[:, None] - place[None]) ** 2).sum(axis=2).argmin(axis=1)
+        for part in np.array_split(points, max(1, len(points) * len(place) // BLOCK))
+    ]
+    chosen: NDArray[np.float64] = weight[np.concatenate(closest)]
+    return chosen
+
+
+def bone_ends(armature: bpy.types.Object, frame: Frame) -> NDArray[np.float64]:
+    """Both ends (k, 2) of the bones of an armature at rest, each once, in a drawing's frame."""
+    ends: list[Any] = [end for bone in armature.data.bones for end in (bone.head_local, bone.tail_local)]
+    points = np.array(list(dict.fromkeys(map(tuple, ends))), dtype=np.float64).reshape(-1, 3)
+    found: NDArray[np.float64] = frame.from_world(transform(np.array(armature.matrix_world, dtype=np.float64), points))[
+        0
+    ]
+    return found
+
+
+def _weights(
+    context: bpy.types.Context, obj: bpy.types.Object, group: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Evaluated vertices (n, 3) in the object's own space and their weights (n,), None without the group."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    try:
+        points = np.empty((len(mesh.vertices), 3), np.float32)
+        mesh.vertices.foreach_get("co", points.ravel())
+        named = obj.vertex_groups.get(group)
+        if named is None:
+            return points.astype(np.float64), None
+        weights = [
+            next((each.weight for each in vertex.groups if each.group == named.index), 0.0) for vertex in mesh.vertices
+        ]
+    finally:
+        evaluated.to_mesh_clear()
+    return points.astype(np.float64), np.array(weights, dtype=np.float64)

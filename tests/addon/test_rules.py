@@ -1,0 +1,206 @@
+"""What cages must be besides tight, as stored: on a grid, convex, symmetric, finer where it matters."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import bpy
+import numpy as np
+import pytest
+import shapely
+
+from drawings import at_frame, circle, poly_curve, solid, star
+
+
+def mesh_object(name, loops):
+    """A mesh of edge loops, selected and active."""
+    data = bpy.data.meshes.new(name)
+    points = np.concatenate(loops)
+    edges, first = [], 0
+    for loop in loops:
+        edges += [(first + k, first + (k + 1) % len(loop)) for k in range(len(loop))]
+        first += len(loop)
+    data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), edges, [])
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    return obj
+
+
+def paint(obj, name, weights):
+    group = obj.vertex_groups.new(name=name)
+    for k, weight in enumerate(weights):
+        group.add([k], float(weight), "REPLACE")
+    return group
+
+
+def cages(name="Drawing"):
+    found = [o for o in bpy.data.collections[f"{name} Cages"].objects if o.get("nested_cages_level", 0) > 0]
+    return sorted(found, key=lambda obj: obj["nested_cages_level"])
+
+
+def points(cage):
+    """(m, 2) float32 vertices as stored."""
+    found = np.empty((len(cage.data.vertices), 3), np.float32)
+    cage.data.vertices.foreach_get("co", found.ravel())
+    return found[:, :2]
+
+
+def assert_nested(name="Drawing"):
+    depsgraph = at_frame(9000)
+    shapes = [solid(obj, depsgraph) for obj in (bpy.data.objects[f"{name} Fine"], *cages(name))]
+    for inner, outer in pairwise(shapes):
+        assert outer.contains_properly(inner)
+    return shapes
+
+
+def test_every_level_is_on_the_grid() -> None:
+    poly_curve("Drawing", [star(60, 0.3)])
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12", grid=0.125) == {"FINISHED"}
+    assert_nested()
+    for cage in cages():
+        assert (points(cage) % 0.125 == 0.0).all()
+    bpy.data.objects["Drawing"].scale = (2.0, 2.0, 2.0)
+    assert bpy.ops.object.nested_cages_generate(levels="24", grid=0.125) == {"FINISHED"}
+    assert (points(cages()[0]) % 0.0625 == 0.0).all()
+    assert (points(cages()[0]) % 0.125 != 0.0).any()
+
+
+def test_convex_cages_have_so_many_vertices_around_each_part() -> None:
+    poly_curve("Drawing", [star(), circle(30, 0.3), circle(20, 0.5, (4.0, 0.0))])
+    assert bpy.ops.object.nested_cages_generate(levels="6, 4", convex=True) == {"FINISHED"}
+    depsgraph = at_frame(9000)
+    fine = solid(bpy.data.objects["Drawing Fine"], depsgraph)
+    for cage, count in zip(cages(), (6, 4), strict=True):
+        shape = solid(cage, depsgraph)
+        parts = list(shape.geoms)
+        assert len(parts) == 2
+        for part in parts:
+            assert len(part.exterior.coords) - 1 == count
+            assert part.convex_hull.area == pytest.approx(part.area, rel=1e-6)
+        assert shape.contains_properly(fine)
+    with pytest.raises(RuntimeError, match="leave 'Inside' or 'Convex' off"):
+        bpy.ops.object.nested_cages_generate(levels="6", convex=True, inside=True)
+
+
+@pytest.mark.parametrize("symmetry", ["MIRROR_X", "FOUND"])
+def test_mirrored_vertices_are_mirrored_to_the_last_bit(symmetry) -> None:
+    loop = star(61, 0.2, 3)[:, ::-1]  # symmetric about the y axis only
+    poly_curve("Drawing", [loop])
+    assert bpy.ops.object.nested_cages_generate(levels="18, 9", symmetry=symmetry) == {"FINISHED"}
+    assert_nested()
+    for cage in cages():
+        found = {tuple(point) for point in points(cage).tolist()}
+        mirrored = {(-x, y) for x, y in found}
+        if symmetry == "MIRROR_X":
+            assert found == mirrored
+        else:
+            gaps = [min(max(abs(x - u), abs(y - v)) for u, v in found) for x, y in mirrored]
+            assert max(gaps) < 1e-5
+    if symmetry == "FOUND":
+        assert "Found a mirror" in cages()[0]["nested_cages_notes"]
+
+
+def test_rotations_and_mirrors_of_a_drawing_away_from_the_origin() -> None:
+    poly_curve("Drawing", [star(60, 0.25, 5) + np.array([7.0, 3.0])])
+    assert bpy.ops.object.nested_cages_generate(levels="15", symmetry="ROTATION", symmetry_order=5) == {"FINISHED"}
+    assert_nested()
+    middle = 0.5 * (star(60).min(axis=0) + star(60).max(axis=0)) + np.array([7.0, 3.0])
+    away = np.linalg.norm(points(cages()[0]) - middle, axis=1)
+    values, counts = np.unique(np.round(away, 4), return_counts=True)
+    assert (counts % 5 == 0).all(), values
+    assert bpy.ops.object.nested_cages_generate(levels="16", symmetry="MIRROR_Y") == {"FINISHED"}
+    y = np.sort(points(cages()[0])[:, 1] - 3.0)
+    assert np.abs(y + y[::-1]).max() < 1e-5
+
+
+def test_rules_that_exclude_each_other_are_refused() -> None:
+    poly_curve("Drawing", [star()])
+    for rules in ({"symmetry": "FOUND", "grid": 0.1}, {"symmetry": "FOUND", "convex": True}):
+        with pytest.raises(RuntimeError, match="symmetr"):
+            bpy.ops.object.nested_cages_generate(levels="16", **rules)
+    assert "Drawing Cages" not in bpy.data.collections
+
+
+def test_painted_weights_draw_vertices(addon) -> None:
+    obj = mesh_object("Drawing", [star(120, 0.2, 9)])
+    bpy.ops.object.nested_cages_generate(levels="20, 14")
+    right = [(points(cage)[:, 0] > 0.0).sum() for cage in cages()]
+    paint(obj, "Matters", np.where(star(120, 0.2, 9)[:, 0] > 0.0, 1.0, 0.05))
+    bpy.ops.object.nested_cages_generate(levels="20, 14", weight_group="Matters")
+    assert_nested()
+    weighted = [(points(cage)[:, 0] > 0.0).sum() for cage in cages()]
+    assert all(after > before for before, after in zip(right, weighted, strict=True))
+    assert len(addon.generation.generate.known_levels._values) == 4
+
+
+def test_pins_of_a_vertex_group_are_kept_on_every_level() -> None:
+    loop = star(120, 0.25, 5)
+    obj = mesh_object("Drawing", [loop])
+    obj.location, obj.rotation_euler.z = (5.0, 1.0, 0.0), 1.0
+    bpy.context.view_layer.update()
+    tips = [24, 48]
+    paint(obj, "Pins", [1.0 if k in tips else 0.3 for k in range(120)])
+    bpy.ops.object.nested_cages_generate(levels="20, 10", pin_group="Pins")
+    assert_nested()
+    for cage in cages():
+        for tip in tips:
+            assert np.linalg.norm(points(cage) - loop[tip], axis=1).min() < 0.01
+    assert not any("pin" in cage["nested_cages_notes"] for cage in cages())
+
+
+def test_bones_are_joints() -> None:
+    bar = np.array([(x, y) for x, y in shapely.box(-2.0, -0.3, 2.0, 0.3).segmentize(0.1).exterior.coords[:-1]])
+    mesh_object("Drawing", [bar])
+    armature = bpy.data.armatures.new("Rig")
+    rig = bpy.data.objects.new("Rig", armature)
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = armature.edit_bones.new("Arm")
+    bone.head, bone.tail = (-1.0, 0.0, 0.0), (0.5, 0.0, 0.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = bpy.data.objects["Drawing"]
+    bpy.ops.object.nested_cages_generate(levels="8", joint_armature="Rig")
+    found = points(cages()[0])
+    for joint in ((-1.0, 0.3), (-1.0, -0.3), (0.5, 0.3), (0.5, -0.3)):
+        assert np.linalg.norm(found - joint, axis=1).min() < 0.02
+    with pytest.raises(RuntimeError, match="'Nobody' is no armature in the scene"):
+        bpy.ops.object.nested_cages_generate(levels="8", joint_armature="Nobody")
+
+
+def test_short_edges_and_sharp_angles_are_avoided() -> None:
+    poly_curve("Drawing", [star(120, 0.3, 7)])
+    bpy.ops.object.nested_cages_generate(levels="20", min_edge=0.2, min_angle=np.radians(50.0))
+    (shape,) = assert_nested()[1:]
+    corners = np.array(shape.exterior.coords)
+    assert np.linalg.norm(np.diff(corners, axis=0), axis=1).min() > 0.2 * (1 - 1e-5)
+
+
+def test_a_group_that_is_not_there_is_named() -> None:
+    mesh_object("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="16", weight_group="Nothing")
+    assert "nothing in a vertex group 'Nothing'" in cages()[0]["nested_cages_notes"]
+
+
+def test_cages_with_rules_do_not_follow() -> None:
+    poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="16", grid=0.1)
+    with pytest.raises(RuntimeError, match="These cages are on a grid, which following edits would undo"):
+        bpy.ops.object.nested_cages_live()
+    with pytest.raises(RuntimeError, match="have no settings of 'Shape of Cages'"):
+        bpy.ops.object.nested_cages_follow(levels="16", symmetry="FOUND")
+    bpy.ops.object.nested_cages_generate(levels="16")
+    assert bpy.ops.object.nested_cages_live.poll()
+
+
+def test_inner_cages_keep_rules_too() -> None:
+    poly_curve("Drawing", [star(61, 0.2, 3)[:, ::-1]])
+    bpy.ops.object.nested_cages_generate(levels="16, 10", symmetry="MIRROR_X", inside=True)
+    for cage in [o for o in bpy.data.collections["Drawing Inner Cages"].objects if o.get("nested_cages_level", 0) > 0]:
+        found = {tuple(point) for point in points(cage).tolist()}
+        assert found == {(-x, y) for x, y in found}
