@@ -137,12 +137,9 @@ def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> No
 
 def test_steps_that_rounding_spoils_count_as_flow(addon, core) -> None:
     """In the first two steps the circle is a hair too large for the octagon; from the third step on there is room."""
-    generation = addon.generation.generate.Generation(
-        [request(addon, [circle(48)])], addon.generation.generate.Options(levels=(8,))
-    )
     fine, cage = core.Mesh.from_loops([circle(48)]), core.Mesh.from_loops([circle(8)])
     sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
     fine_steps = (circle(48)[None] * sizes[:, None, None]).astype(np.float32)
     cage_steps = np.repeat(circle(8)[None], len(sizes), axis=0).astype(np.float32)
-    assert generation._nested_from(cage, fine, cage_steps, fine_steps, 0) == 2
-    assert generation._nested_from(cage, fine, cage_steps, fine_steps, 3) == 3
+    assert addon.generation.storage._nested_from(cage, fine, cage_steps, fine_steps, 0) == 2
+    assert addon.generation.storage._nested_from(cage, fine, cage_steps, fine_steps, 3) == 3

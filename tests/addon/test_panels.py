@@ -38,6 +38,10 @@ class Layout:
         assert name in data.bl_rna.properties
         self.drawn.append(name)
 
+    def prop_search(self, data: Any, name: str, found_in: Any, collection: str, **_named: Any) -> None:
+        assert hasattr(found_in, collection)
+        self.prop(data, name)
+
     def operator(self, name: str, **_named: Any) -> Layout:
         group, _, operator = name.partition(".")
         getattr(getattr(bpy.ops, group), operator).get_rna_type()
