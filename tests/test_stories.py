@@ -24,7 +24,19 @@ pytest.importorskip("matplotlib")
 from matplotlib.image import imread
 
 ROOT = Path(__file__).resolve().parents[1]
-STORIES = ("bend", "coast", "five_levels", "glyphs", "logo", "poisson", "regions", "sprite_outline", "walk", "waving")
+STORIES = (
+    "bend",
+    "butterfly",
+    "coast",
+    "five_levels",
+    "glyphs",
+    "logo",
+    "poisson",
+    "regions",
+    "sprite_outline",
+    "walk",
+    "waving",
+)
 NEED_BLENDER = ("waving",)
 
 
@@ -55,6 +67,9 @@ def _check_files(story: str, folder: Path) -> None:
         parts = [read_svg(folder / "logo_cages.svg", element=name) for name in ("shape", "cage-1", "cage-2")]
         assert verify(parts[1], parts[0])
         assert verify(parts[2], parts[1])
+    elif story == "butterfly":
+        parts = [read_svg(folder / "butterfly.svg", element=name) for name in ("shape", "cage-1")]
+        assert verify(parts[1], parts[0])
     elif story == "five_levels":
         parts = [read_svg(folder / "five_levels.svg", element=name) for name in ("shape", "cage-1", "cage-2", "cage-3")]
         assert all(verify(outer, inner) for inner, outer in pairwise(parts))

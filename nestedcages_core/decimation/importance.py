@@ -21,6 +21,11 @@ PIN_REACH = 1e-3
 """Distance from a pin, in diagonals, up to which a vertex counts as pinned; such vertices may move by as much."""
 
 
+FARTHEST_PIN = 0.02
+"""Distance from a pin, in diagonals, up to which the closest vertex of an outline is the pinned one: levels, and
+drawings united with their images, run that far outside of the drawing itself."""
+
+
 @dataclass(frozen=True, eq=False)
 class Importance:
     """Weights and pins of a fine mesh, in input units; shared by all its levels."""
@@ -69,7 +74,7 @@ class Importance:
         held = np.zeros(len(outline.vertices), bool)
         for pin in self.pins:
             distance = norm(outline.vertices - pin)
-            held[int(np.argmin(distance))] |= bool(distance.min() <= PIN_REACH * self.fine.diagonal)
+            held[int(np.argmin(distance))] |= bool(distance.min() <= FARTHEST_PIN * self.fine.diagonal)
         return held
 
     def with_vertices(self, outline: Outline) -> Outline:

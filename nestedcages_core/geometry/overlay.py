@@ -162,7 +162,7 @@ def _winding(points: FloatArray, starts: FloatArray, ends: FloatArray, count: Fl
         side: FloatArray = (ends[:, 0] - starts[:, 0]) * (y - starts[:, 1]) - (part[:, :1] - starts[:, 0]) * (
             ends[:, 1] - starts[:, 1]
         )
-        parts.append(((up & (side > 0.0)).astype(np.int64) - (down & (side < 0.0)).astype(np.int64)) @ count)
+        parts.append(((up & (side > 0.0)).astype(np.float64) - (down & (side < 0.0))) @ count)
     return np.concatenate(parts)
 
 

@@ -137,7 +137,8 @@ class InnerLevelBuilder:
         energy = inwards(self.settings.energy.at(coarse), around)
         if self.priorities is not None:
             room = self.units.clearance(clearance)
-            energy = self.priorities.energy(energy, coarse, self.unit_fine, self.units, room, inside=True)
+            outline = self.units.from_input(self.outline)
+            energy = self.priorities.energy(energy, coarse, outline, self.units, room, inside=True)
 
         def cost(cage: FloatArray) -> float:
             if self.priorities is not None:
@@ -194,7 +195,7 @@ class InnerLevelBuilder:
                 "use more cage vertices."
             )
         if self.priorities is not None:
-            notes = (*notes, *self.priorities.notes(result, self.fine, clearance, inside=True))
+            notes = (*notes, *self.priorities.notes(result, self.outline, clearance, inside=True))
         if clearance < wanted:
             notes = (
                 *notes,

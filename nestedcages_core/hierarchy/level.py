@@ -177,7 +177,8 @@ class LevelBuilder:
         energy = self.settings.energy.at(unit_coarse)
         if self.priorities is not None:
             clearance = self.units.clearance(attempt.clearances[0])
-            energy = self.priorities.energy(energy, unit_coarse, self.unit_fine, self.units, clearance, inside=False)
+            outline = self.units.from_input(self.outline)
+            energy = self.priorities.energy(energy, unit_coarse, outline, self.units, clearance, inside=False)
         return _Cage(start, unit_coarse, flow, reinflation, reinflation, energy, alike)
 
     def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
@@ -250,7 +251,7 @@ class LevelBuilder:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
             notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
         if self.priorities is not None:
-            notes = (*notes, *self.priorities.notes(result, self.fine, clearance, inside=False))
+            notes = (*notes, *self.priorities.notes(result, self.outline, clearance, inside=False))
         if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
             energy = type(self.settings.energy).__name__
             notes = (*notes, f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.")

@@ -38,6 +38,9 @@ KEPT_ANYWAY = 1e-3
 """The same in diagonals."""
 
 
+SAME_PIN = 0.01
+"""Distance from the image of another pin, in diagonals, up to which a pin is that: drawings by hand are not exact."""
+
 FILLED = 0.8
 """Fraction of the edges of least length that fit along an outline up to which edges can be placed freely."""
 
@@ -214,13 +217,16 @@ def _places(settings: Settings, fine: Mesh, symmetry: Symmetry | None) -> FloatA
             places.append(_closest(edges, np.asarray(pin, np.float64)))
     for joint in settings.joints:
         places += _across(fine, edges, np.asarray(joint, np.float64))
-    found = np.array(places).reshape(-1, 2)
-    if symmetry is not None:
-        found = np.concatenate([symmetry.image(found, k) for k in range(symmetry.order)])
     apart: list[FloatArray] = []
-    for each in found:
-        if all(np.hypot(*(each - other)) > PIN_REACH * fine.diagonal for other in apart):
+    near = (PIN_REACH if symmetry is None else SAME_PIN) * fine.diagonal
+    for each in places:
+        if all(np.hypot(*(each - other)) > near for other in apart):
             apart.append(each)
+            for k in range(1, symmetry.order if symmetry is not None else 1):
+                assert symmetry is not None
+                image = symmetry.image(each, k)
+                if np.hypot(*(image - each)) > near:
+                    apart.append(image)
     return np.array(apart).reshape(-1, 2)
 
 
