@@ -11,8 +11,9 @@ from typing import Any, TextIO
 
 from ..errors import NestedCagesError
 from ..exchange import Limits
+from .checks import check_use
 from .making import Result, make
-from .options import check_use, of_drawings, parser
+from .options import of_drawings, parser
 from .outputs import STEM, check, entry, format_of, frames_of, put, report, target, text_of
 from .progress import ProgressLine, tell
 from .sources import STREAM, Source, expanded, read

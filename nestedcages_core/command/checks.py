@@ -1,0 +1,90 @@
+"""Whether the options of the command fit each other and the files."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..geometry.grid import Grid
+from .outputs import STEM, WRITTEN
+from .sources import KINDS, STREAM, kind_of
+
+BELONGING = {
+    "tolerance": ("drawing",),
+    "element": ("drawing",),
+    "layers": ("drawing",),
+    "inside": ("drawing", "map"),
+    "no_strokes": ("drawing",),
+    "no_background": ("drawing",),
+    "no_crop": ("drawing",),
+    "opacity": ("drawing",),
+    "jobs": ("map",),
+    "borders": ("map",),
+    "padding": ("picture",),
+    "threshold": ("picture",),
+    "holes": ("picture",),
+}
+"""Options that only apply to some kinds of files, with these kinds."""
+
+OUTLINES = ("flip_y", "triangles", "pieces")
+"""Options for collision outlines."""
+
+
+def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
+    """Exit with a message if the options contradict each other or do not apply to the files; fill in defaults."""
+    kinds = {kind_of(path) for path in paths}
+    for path in paths:
+        if kind_of(path) is None:
+            options.error(f"{Path(path).name}: a file is read if it ends in {', '.join(KINDS)}")
+    for name, owners in BELONGING.items():
+        if getattr(given, name) and not kinds & {*owners, "stream"}:
+            options.error(f"--{name.replace('_', '-')} is for a {owners[0]}, and there is none among the input")
+    for name in ("jobs", "borders"):
+        if given.inside and getattr(given, name):
+            options.error(f"--{name} is for cages around the shapes; leave out --inside")
+    if given.padding is not None and given.clearance is not None:
+        options.error("--padding is the clearance of pictures; give only one of them")
+    if given.format and STREAM not in given.output:
+        options.error("--format is for the standard output (-o -); files are written by their extension")
+    if [*given.output, given.report].count(STREAM) > 1:
+        options.error("the standard output takes one of the outputs and the report")
+    if STREAM in given.output and len(paths) > 1:
+        options.error("the standard output takes the cages of one file")
+    _check_files(options, given, paths)
+    outlines = any(Path(path).suffix.lower() == ".json" or path == STREAM for path in given.output)
+    for name in OUTLINES:
+        if getattr(given, name) and not outlines:
+            options.error(f"--{name.replace('_', '-')} is for collision outlines; write one with -o FILE.json")
+    if given.decimals is not None:
+        given.grid = Grid.of_decimals(given.decimals).spacing
+    if given.convex and (given.inside or given.borders):
+        options.error(f"--convex is for cages around a shape; leave out {'--inside' if given.inside else '--borders'}")
+    if given.convex and (given.symmetry or given.min_edge or given.min_angle):
+        options.error("--convex takes no --symmetry, --min-edge and --min-angle; leave out one of them")
+    if given.symmetry and (given.grid is not None or given.borders):
+        options.error(
+            f"--symmetry cannot be kept {'at borders' if given.borders else 'on a grid'}; leave out one of them"
+        )
+    if given.borders and given.grid is not None:
+        options.error("--borders cuts cages where borders run, which is not on a grid; leave out one of them")
+    given.jobs = given.jobs or 1
+    given.limits = dict(given.limits)
+
+
+def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
+    """Exit with a message if the output files cannot be written."""
+    for path in given.output:
+        if path != STREAM and Path(path).suffix.lower() not in WRITTEN:
+            options.error(f"{Path(path).name}: a file is written if it ends in {', '.join(WRITTEN)}")
+        animation = Path(path).suffix.lower() == ".json" and all(kind_of(each) == "picture" for each in paths)
+        if path != STREAM and len(paths) > 1 and STEM not in path and not animation:
+            options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
+    stems = Counter(Path(path).stem.casefold() for path in paths)  # Windows and macOS take both cases for one file
+    doubled = next((Path(path).stem for path in paths if stems[Path(path).stem.casefold()] > 1), None)
+    if given.output and doubled is not None:
+        options.error(f"two input files are called {doubled}; run them one by one")
+    for path in [*given.output, given.report]:
+        if path is not None and path != STREAM and not Path(path).parent.is_dir():
+            options.error(f"{path}: there is no folder {Path(path).parent}")
