@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -33,3 +34,13 @@ def test_lost_cages_and_ratios_are_counted() -> None:
     assert (bought.successes, bought.flows, bought.changed, bought.time) == (1, 2, 1, 2.0)
     assert bought.worst == pytest.approx(2.0, rel=0.01)
     assert run((case, None)).certified
+
+
+def test_what_stays_cites_its_line() -> None:
+    """Beside the code stands "See docs/ablation.md: one; another." or "(docs/ablation.md: one)"; variants share it."""
+    cited: set[str] = set()
+    for path in (Path(__file__).resolve().parents[1] / "nestedcages_core").rglob("*.py"):
+        for names in re.findall(r"docs/ablation\.md: ([^)\"]*?)(?:\)|\.\n|\.\")", path.read_text(encoding="utf-8")):
+            cited |= {" ".join(name.split()) for name in names.split(";")}
+    known = {re.sub(r" \(.*\)$", "", name) for name in MECHANISMS}
+    assert {name.removesuffix(": outer hull alone") for name in known} == cited

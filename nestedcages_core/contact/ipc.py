@@ -27,13 +27,13 @@ STIFFENING = 4.0
 """Factor on λ_R when the minimum of the energy leaves the fine mesh short of its target."""
 
 MAX_STIFFENINGS = 12
-"""Maximum number of those per target: λ_R grows by at most 1.7e7."""
+"""Maximum number of those per target: λ_R grows by at most 1.7e7 (docs/ablation.md: IPC: stiffening)."""
 
 RANGE_REDUCTION = 0.25
 """Factor on d̂ when a solve is blocked, as by two cage edges closer to each other than d̂."""
 
 MAX_RANGE_REDUCTIONS = 4
-"""Maximum number of those per target."""
+"""Maximum number of those per target (docs/ablation.md: IPC: shorter ranges)."""
 
 PROGRESS_RATIO, MAX_IDLE_SOLVES = 0.98, 3
 """The path is blocked after this many solves in a row (second) none of which leaves less than this fraction (first) of

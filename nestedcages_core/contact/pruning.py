@@ -2,6 +2,8 @@
 
 All fine vertices on the inner side of a cage edge share its normal. Their constraints room + (1 - t) u + t v ≥ 0 on the
 motions u, v of its ends are implied by those on the lower convex hull of the points (t, room).
+
+See docs/ablation.md: pruning of implied constraints.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ SLOW_FRACTION, STRIDE_REDUCTION = 0.25, 0.5
 """After less than this fraction of a step (first) the stride shrinks by this factor (second)."""
 
 PACE_GROWTH, PACE_REDUCTION = 2.0, 0.4
-"""The same factors for the pace of a single vertex."""
+"""The same factors for the pace of a single vertex (docs/ablation.md: QP: pace per vertex)."""
 
 REACH, MAX_REACH = 1.5, 0.5
 """Bounds on the motion of a cage vertex: in longest fine motions, and in mean coarse edge lengths."""

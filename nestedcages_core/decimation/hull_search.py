@@ -29,7 +29,8 @@ RESTART_WEIGHTS = (
     Weights(drop=1.29, extend=1.0, slide=0.77, pivot=1.73, spike=0.081),
     Weights(drop=0.47, extend=0.84, slide=0.54, pivot=0.78, spike=0.056),
 )
-"""Weights that complement each other: of 44, those with the tightest cages over 124 random shapes and 52 glyphs."""
+"""Weights that complement each other: of 44, those with the tightest cages over 124 random shapes and 52
+glyphs (docs/ablation.md: restarts)."""
 
 STAGE_SHARE = 0.4
 """Approximate fraction of the time before the restarts; only for the progress bar."""
@@ -45,7 +46,7 @@ MAX_RESTART_MOVES = 12_000
 
 EXTRA_RESTARTS_PER_LOOP, MAX_RESTART_FACTOR = 2, 2
 """Additional restarts per loop after the second, since vertices can be distributed in many ways; maximum number of
-restarts, as a multiple of that of one loop."""
+restarts, as a multiple of that of one loop (docs/ablation.md: further restarts for loops)."""
 
 MIN_RESTARTS = 4
 """Minimum number of restarts, whatever the moves."""

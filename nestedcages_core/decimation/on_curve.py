@@ -1,4 +1,7 @@
-"""On the curve: an outer hull with each vertex put back onto the part of the fine mesh that it replaces."""
+"""On the curve: an outer hull with each vertex put back onto the part of the fine mesh that it replaces.
+
+See docs/ablation.md: places on the curve by the hull; the curve.
+"""
 
 from __future__ import annotations
 

@@ -33,7 +33,8 @@ HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""
 
 CLOSED_GAP_WIDTH = 1e-9
-"""Width, in diameters, below which gaps are filled first: no cage could keep a distance in them."""
+"""Width, in diameters, below which gaps are filled first: no cage could keep a distance in them
+(docs/ablation.md: filling of gaps like round-off)."""
 
 SAME_AREA_TOLERANCE = 1e-9
 """Relative difference of area below which two hulls count as equal."""
@@ -84,7 +85,10 @@ class OuterHull:
         return [Start(mesh, SOURCE) for mesh, _ in hulls]
 
     def hulls(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
-        """The meshes of `starts`, each with the hull of the request's outline that it is made of."""
+        """The meshes of `starts`, each with the hull of the request's outline that it is made of.
+
+        See docs/ablation.md: counts shared out anew.
+        """
         try:
             return (yield from self._best(request, clearance, most))
         except NestingError:
@@ -152,7 +156,10 @@ class _Search:
         return (yield from search)
 
     def without_small_details(self) -> Stage[float, list[Outline]]:
-        """Hulls of the outline without features at round-off scale; none if there are none."""
+        """Hulls of the outline without features at round-off scale; none if there are none.
+
+        See docs/ablation.md: details like round-off built over.
+        """
         start = without_small_details(self.start, 0.0)
         if len(start.vertices) == len(self.start.vertices):
             return []

@@ -2,6 +2,8 @@
 
 Paths run over a graph of points on the boundary and inside the fine solid. The core, the points well inside the coarse
 mesh, stays; all other vertices move along their paths to the core, so nothing leaves the fine solid.
+
+See docs/ablation.md: flow: geodesic.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ MAX_CLEARANCE = 1e6
 
 MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
-140, and an iteration takes fifty times as long."""
+140, and an iteration takes fifty times as long (docs/ablation.md: IPC gives way in crowds)."""
 
 QUICK_LIMIT = 10
 """Maximum number of steps of a descent of the flow where hulls compete: half the usual one."""
@@ -106,7 +106,8 @@ def in_turn(
     """The starts of an attempt that are worth trying; a generator that is sent the outcome of each.
 
     First the best one, on the curve, as in the paper; then the others as hulls, which is faster. If one of these leads
-    to a better cage, that cage is put on the curve, from where flow and reinflation lead back to it.
+    to a better cage, that cage is put on the curve, from where flow and reinflation lead back to it. See
+    docs/ablation.md: second and third start; third start.
     """
     least, better = inf, None
     prefers_curve = starts[0].on_curve is not None
@@ -128,7 +129,10 @@ def in_turn(
 
 
 def contacts_for(settings: Settings) -> tuple[Contact, ...]:
-    """The contacts to try in turn: the user's, or sequential QPs, which take less time, and IPC."""
+    """The contacts to try in turn: the user's, or sequential QPs, which take less time, and IPC.
+
+    See docs/ablation.md: sequential QPs first; sequential QPs; IPC behind sequential QPs.
+    """
     if isinstance(settings.contact, Sequence):
         return tuple(settings.contact)
     if settings.contact is not None:

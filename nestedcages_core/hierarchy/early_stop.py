@@ -1,4 +1,7 @@
-"""Stop a tightening early when its excess cannot fall below that of the best cage so far."""
+"""Stop a tightening early when its excess cannot fall below that of the best cage so far.
+
+See docs/ablation.md: early stop of losing starts.
+"""
 
 from __future__ import annotations
 

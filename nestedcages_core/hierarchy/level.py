@@ -263,7 +263,8 @@ class LevelBuilder:
     def _untightened(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
         """The level of the first coarse mesh that already is a cage.
 
-        Details that are tiny relative to the whole may be resolved in input units only, near the origin.
+        Details that are tiny relative to the whole may be resolved in input units only, near the origin. See
+        docs/ablation.md: untightened cage as last resort.
         """
         yield from self.progress.begin("verification")
         may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]

@@ -45,7 +45,8 @@ class Settings:
     starts: int = 3
     """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)
-    """Decimation to start from if the flow or the reinflation fails; None: raise an error."""
+    """Decimation to start from if the flow or the reinflation fails; None: raise an error (docs/ablation.md: the hull
+    as fallback)."""
     flow: FlowMethod = field(default_factory=TwoSidedFlow)
     """Brings the fine mesh inside the coarse one."""
     energy: Energy = field(default_factory=Area)

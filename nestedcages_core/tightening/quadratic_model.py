@@ -19,7 +19,7 @@ from .trust_region import TrustRegion
 
 REDUNDANCY = 0.02
 """Contacts whose constraints others imply up to this fraction of the clearance are dropped; restoration corrects for
-them."""
+them (docs/ablation.md: thinning of nearly implied constraints)."""
 
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""

@@ -53,7 +53,7 @@ ESCAPE_LENGTH = 0.5
 """Length of the step off a saddle, in first radii."""
 
 MAX_ESCAPES = 8
-"""Maximum number of steps off saddles."""
+"""Maximum number of steps off saddles (docs/ablation.md: escapes from saddles)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class Tightening:
     share: float = 2e-4
     """... or below this fraction of all decrease so far."""
     patience: int = 3
-    """... for so many iterations."""
+    """... for so many iterations (docs/ablation.md: patience)."""
     solver: InteriorPoint = field(default_factory=InteriorPoint)
     """Solves the quadratic programs."""
 

@@ -15,7 +15,8 @@ from ..solver.line_search import SUFFICIENT_DECREASE
 from .restoration import restore
 
 MAX_ATTEMPTS = 3
-"""Cap on the trials of one step; more gain nothing over a new model with smaller radii."""
+"""Cap on the trials of one step; more gain nothing over a new model with smaller radii (docs/ablation.md: trials of
+shortened steps)."""
 
 STEP_REDUCTION = 0.4
 """Factor on the steps of failing vertices."""

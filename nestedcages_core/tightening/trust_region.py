@@ -1,4 +1,7 @@
-"""Trust region: a radius per vertex."""
+"""Trust region: a radius per vertex.
+
+See docs/ablation.md: radius per vertex.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 A single restoration usually succeeds. Where walls block each other, the cage takes small steps, each the
 smallest motion that increases all distances at once.
+
+See docs/ablation.md: widening in small steps.
 """
 
 from __future__ import annotations
