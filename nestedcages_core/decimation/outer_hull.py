@@ -27,7 +27,7 @@ from .progressive_hull import ProgressiveHull, Weights
 from .remembered import remembered_hull
 from .request import Request
 from .symmetric_hull import AsymmetricError, SymmetricHull, padded_alike, symmetrised
-from .thinning import thinned
+from .thinning import thinning_rounds
 
 HULL_OFFSET = 5e-5
 """Distance, in diameters, between hull and fine mesh where there is space, unless the clearance is larger."""
@@ -99,7 +99,7 @@ class OuterHull:
     def _best(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
         """Up to `most` meshes of one request, least area first. Raises NestingError."""
         search = _Search(self, request, clearance)
-        yield 0.0
+        yield from search.begin()
         too_large: list[Outline] = []
         for hulls in (search.with_clearance, search.without_small_details):
             try:
@@ -128,13 +128,19 @@ class _Search:
         self.clearance = clearance
         self.symmetry = method.symmetry
         self.importance = method.importance
-        start, diameter = request.outline, request.outline.diameter
+        self.start = request.outline
+        self.distance = HULL_OFFSET * request.outline.diameter
+        self.stuck = np.zeros(0, dtype=np.int64)
+
+    def begin(self) -> Stage[float, None]:
+        """Prepare the outline that hulls are made of."""
+        start, diameter = self.start, self.start.diameter
         if self.symmetry is None and self.importance is None:
-            start = thinned(start, self.target, request.minimum, ROUGH_WEIGHTS)
+            thinning = thinning_rounds(start, self.target, self.request.minimum, ROUGH_WEIGHTS)
+            start = yield from mapped(thinning, lambda _: 0.0)
         start = without_gaps(start, CLOSED_GAP_WIDTH * diameter)
         self.start = self._alike(start if self.importance is None else self.importance.with_vertices(start))
-        self.distance = HULL_OFFSET * diameter
-        self.stuck = np.zeros(0, dtype=np.int64)
+        yield 0.0
 
     def with_clearance(self) -> Stage[float, list[Outline]]:
         """Hulls of an offset of the fine mesh that keeps the clearance; none if gaps are too narrow for an offset."""

@@ -15,6 +15,7 @@ import numpy as np
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import BoxTree, orientation
 from ..geometry.vectors import cross, norm
+from ..stages import Stage, drain
 from .linked_loops import MARGIN_ULPS
 from .outline import Outline
 from .progressive_hull import NEGLIGIBLE_AREA, NUDGE_ULPS, SMALLEST_DIVISOR, TURN_ROUNDING, Weights
@@ -63,6 +64,11 @@ def thinned(outline: Outline, count: int, minimum: Sequence[int], weights: Weigh
     count: the number of vertices that is wanted in the end; several times as many are left. minimum: vertices that each
     loop keeps. weights: of the costs, without noise or factors per loop; there are no pivots.
     """
+    return drain(thinning_rounds(outline, count, minimum, weights))
+
+
+def thinning_rounds(outline: Outline, count: int, minimum: Sequence[int], weights: Weights) -> Stage[None, Outline]:
+    """`thinned` as a generator that yields before every round."""
     if len(outline.vertices) < LARGE:
         return outline
     count = max(MIN_SIZE_LEFT, SIZE_FACTOR_LEFT * count)
@@ -70,6 +76,7 @@ def thinned(outline: Outline, count: int, minimum: Sequence[int], weights: Weigh
     ulp = float(np.spacing(max(np.abs(outline.vertices).max(), weights.reach * outline.diameter)))
     centre, reach = outline.centre, weights.reach * outline.diameter
     while len(outline.vertices) > count:
+        yield
         loop = np.repeat(np.arange(len(outline.sizes)), outline.sizes)
         large = np.array(outline.sizes) >= np.maximum(2 * np.array(minimum), SMALLEST_LOOP)
         moves = _cheapest_at(outline, large[loop], weights, centre, reach)
