@@ -55,7 +55,7 @@ class Result:
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
-    """The cages of a file; a shape that fails loses neither the others nor its own finished levels."""
+    """The cages of a file. If a shape fails, its finished levels and all other shapes are kept."""
     settings = Settings(
         clearance=given.clearance,
         grid=given.grid,

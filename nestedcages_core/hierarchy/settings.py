@@ -55,7 +55,7 @@ class Settings:
     """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None:
     sequential QPs, then IPC."""
     tightening: Tightening = field(default_factory=Tightening)
-    """How the cage is brought to its optimum once the fine mesh is back."""
+    """Brings the cage to its optimum once the fine mesh is back."""
     grid: float | None = None
     """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
     for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""

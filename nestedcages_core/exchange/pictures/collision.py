@@ -128,7 +128,7 @@ def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
 
 
 def _grown(opaque: BoolArray, padding: float, holes: bool, limits: Limits | None) -> Mesh:
-    """The boundary of all pixels that come closer than the padding to an opaque one, square to square."""
+    """The boundary of all pixels closer than the padding to an opaque one, square to square."""
     border = int(np.ceil(padding)) + 1
     height, width = opaque.shape
     (limits or Limits()).check("pixels", (height + 2 * border) * (width + 2 * border))

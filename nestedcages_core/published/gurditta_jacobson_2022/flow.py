@@ -1,7 +1,7 @@
 """The flow as the paper's program runs it (Gurditta & Jacobson 2022, section 3.1, Algorithms 1 and 2).
 
-Ray parity decides what is inside, and so the sign of the gradient. :class:`SignedDistanceFlow` is the same method with
-exact signs.
+Ray parity decides what is inside, and hence the sign of the gradient. :class:`SignedDistanceFlow` is the same method
+with exact signs.
 
 Text and program weigh the samples of Algorithm 2 differently. In the text a sample at t weighs (1 - t)² on either edge,
 and the sum is normalised, so that both edges count alike whatever their lengths. The program divides each weight by the
