@@ -28,7 +28,7 @@ help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
 	@echo "make test    runs every test of the core and of the add-on"
 	@echo "make test-fast     leaves out the slow ones, for use while working"
-	@echo "make lint    runs ruff and mypy"
+	@echo "make lint    runs ruff and mypy, and says whether the comparison is of this code"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
 	@echo "make bench   measures time, tightness and growth"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
@@ -51,6 +51,7 @@ lint: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m ruff check .
 	$(TEST_ENV)/bin/python -m ruff format --check .
 	$(TEST_ENV)/bin/python -m mypy
+	$(if $(wildcard docs/comparison/digest.json),$(TEST_ENV)/bin/python benchmarks/compare.py --check)
 
 docs: $(DOCS_ENV)/ready
 	$(DOCS_ENV)/bin/python packaging/docs_pages.py

@@ -41,6 +41,11 @@ def two_discs() -> Mesh:
     return Mesh.from_loops([ring(32, 0.6) + np.array([0.75, 0.0]), ring(32, 0.6) - np.array([0.75, 0.0])])
 
 
+def caught_hole() -> tuple[Mesh, Mesh]:
+    """A disc with a hole in a very coarse mesh, whose hole the disc's is caught on."""
+    return holed(32, 32), Mesh.from_loops([ring(5, 1.2), ring(3, 0.9)])
+
+
 def letter_a_coarse() -> Mesh:
     """A letter A with arms and a triangular hole."""
     half = [(0.5, 1.1), (0.85, 0.0), (1.5, 0.0), (1.55, 0.3), (1.25, 0.4), (0.95, 1.8), (1.9, 2.15), (1.85, 2.6)]

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from nestedcages_core import Mesh, NestedCagesError, Settings, nested_cages, verify, verify_motion
+from nestedcages_core import (
+    Area,
+    FlowResult,
+    Mesh,
+    NestedCagesError,
+    Settings,
+    Tightening,
+    nested_cages,
+    verify,
+    verify_motion,
+)
 from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
@@ -43,7 +52,15 @@ class Decimated(NamedTuple):
     seconds: float
 
 
-Wanted = Mesh | int | Decimated
+class Started(NamedTuple):
+    """A coarse mesh and the steps of a flow into it, so that all methods start alike."""
+
+    coarse: Mesh
+    steps: np.ndarray
+    """(J + 1, n, 2), in the units of the solvers."""
+
+
+Wanted = Mesh | int | Decimated | Started
 """A coarse mesh, or how many vertices it should have."""
 
 
@@ -54,6 +71,8 @@ class Measurement:
     fine: Mesh
     coarse: Mesh | None = None
     cage: Mesh | None = None
+    shrunk: Mesh | None = None
+    """The fine mesh at the end of the flow."""
     failed: str = ""
     """The phase that failed, or empty."""
     problem: str = ""
@@ -71,6 +90,8 @@ class Measurement:
     """Whether the cage strictly contains the fine mesh at home, simple, with its loops."""
     free: bool | None = None
     """Whether the animation is certified free of crossings, its first step included."""
+    megabytes: float = 0.0
+    """What it added to the peak memory of its process, where that was asked for."""
 
     @property
     def success(self) -> bool:
@@ -97,31 +118,14 @@ Results = dict[str, dict[str, Measurement]]
 """Shape -> method -> measurement."""
 
 
-def compare(
-    experiment: str,
-    cases: dict[str, tuple[Mesh, Wanted]],
-    methods: dict[str, Settings],
-    *,
-    repeats: int = 1,
-    limit: float = LIMIT,
-) -> Results:
-    """Every method on every case; says on the error stream how far it has come."""
-    results: Results = {}
-    for shape, (fine, wanted) in cases.items():
-        for name, settings in methods.items():
-            began = time.perf_counter()
-            result = measure(settings, fine, wanted, repeats, limit)
-            results.setdefault(shape, {})[name] = result
-            state = "ok" if result.success else f"{result.failed or 'not certified'} {result.problem[:60]}"
-            seconds = time.perf_counter() - began
-            print(f"{seconds:7.2f} s  {experiment}: {shape}: {name}: {state}", file=sys.stderr, flush=True)
-    return results
+Method = Settings | Callable[[Mesh, Wanted], Measurement]
+"""What is measured: settings, phase by phase, or a function of its own, which can be pickled."""
 
 
-def measure(
-    settings: Settings, fine: Mesh, wanted: Wanted, repeats: int = REPEATS, limit: float = LIMIT
-) -> Measurement:
+def measure(settings: Method, fine: Mesh, wanted: Wanted, repeats: int = REPEATS, limit: float = LIMIT) -> Measurement:
     """Run a method on a fine mesh, from a coarse mesh or a vertex count; short runs are repeated for their times."""
+    if not isinstance(settings, Settings):
+        return settings(fine, wanted)
     best = _once(settings, fine, wanted, limit)
     for _ in range(repeats - 1):
         if best.total > SHORT:
@@ -187,12 +191,15 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
         enter("flow")
         if isinstance(wanted, Decimated):
             result.seconds["decimation"] = wanted.seconds
-        flow = drain(mapped(settings.flow.run(home, coarse), in_time))
-        result.flow_steps = len(flow.steps) - 1
+        if isinstance(wanted, Started):
+            steps = wanted.steps
+        else:
+            steps = drain(mapped(settings.flow.run(home, coarse), in_time)).steps
+        result.flow_steps, result.shrunk = len(steps) - 1, home.moved(steps[-1])
         enter("reinflation")
         contacts = contacts_for(settings)
         recorded = [Recorded(contact, states) for contact in contacts]
-        way = drain(mapped(reinflate(home, coarse, flow.steps, contacts=recorded, clearance=CLEARANCE), in_time))
+        way = drain(mapped(reinflate(home, coarse, steps, contacts=recorded, clearance=CLEARANCE), in_time))
         enter("tightening")
         if settings.tightening.iterations > 0:
             tightening = settings.tightening.run(
@@ -209,14 +216,34 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
         result.failed, result.problem = phase, str(error)
         if isinstance(error.partial, Reinflation):
             way = error.partial
+        elif isinstance(error.partial, FlowResult):
+            result.flow_steps, result.shrunk = len(error.partial.steps) - 1, home.moved(error.partial.steps[-1])
     enter("")
     if way is not None and result.coarse is not None:
         _judge(result, way, home)
     return result
 
 
-def measure_default(fine: Mesh, coarse: Mesh) -> Measurement:
+def tightened(result: Measurement) -> Measurement:
+    """The same run with the tightening after it, which begins where its reinflation ended."""
+    again = replace(result, seconds=dict(result.seconds))
+    if not result.success or result.coarse is None or result.cage is None:
+        return again
+    units = SolverUnits.of(result.fine)
+    home, cage = units.from_input(result.fine), result.cage.vertices
+    began = time.process_time()
+    steps = list(
+        Tightening().run(Bodies.of(result.coarse, home), cage, home.vertices, clearance=CLEARANCE,
+                         energy=Area().at(result.coarse))
+    )  # fmt: skip
+    again.seconds["tightening"] = time.process_time() - began
+    _judge(again, Reinflation(home.vertices[None], np.stack([cage, *steps]), result.iterations), home)
+    return again
+
+
+def measure_default(fine: Mesh, coarse: Wanted) -> Measurement:
     """What ``nested_cages`` does with a coarse mesh and no settings: contacts in turn, at last the outer hull."""
+    assert isinstance(coarse, Mesh)
     result = Measurement(fine)
     units = SolverUnits.of(fine)
     began = time.process_time()

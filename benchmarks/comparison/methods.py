@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from comparison.new_samples import NewSamplesFlow
 from nestedcages_core import (
     IPC,
     ArcLength,
@@ -15,6 +16,7 @@ from nestedcages_core import (
     BoundaryARAP,
     DouglasPeucker,
     EdgeCollapse,
+    ElTopo,
     EvenSamples,
     GaussLegendre,
     GradientDescent,
@@ -25,6 +27,7 @@ from nestedcages_core import (
     NoEnergy,
     NoFilter,
     OnCurve,
+    OriginalIPC,
     OuterHull,
     OwnDecimation,
     PaperContact,
@@ -48,7 +51,12 @@ from nestedcages_core import (
 from nestedcages_core.contact import AllPairs, Contact
 from nestedcages_core.decimation import Decimation
 from nestedcages_core.energies import Energy
-from nestedcages_core.geometry.quadrature import Quadrature
+from nestedcages_core.flow import FlowMethod
+from nestedcages_core.published.settings import (
+    AUGMENTED_2022,
+    AUGMENTED_2022_REPAIRED,
+    NESTED_CAGES_2015,
+)
 
 
 class Method(NamedTuple):
@@ -58,21 +66,11 @@ class Method(NamedTuple):
     settings: Settings
 
 
-PAPER = Settings(
-    fallback=None,
-    starts=1,
-    flow=PaperFlow(),
-    contact=PaperContact(),
-    tightening=Tightening(iterations=0),
-)
+PAPER = AUGMENTED_2022
 """Gurditta & Jacobson (2022) as written."""
 
-NESTED_CAGES = replace(PAPER, flow=SignedDistanceFlow(quadrature=Midpoint()), contact=VelocityFilter())
-"""Sacht et al. (2015): the flow down the signed distance with the gradient at midpoints, and the velocity filter, which
-lowers the area at every step and at last where the fine mesh stands at home."""
-
-SIMPLE = replace(PAPER, decimation=LevelSet())
-"""Simple nested cages (in Sellán et al. 2022): the level set itself is the cage. It takes no coarse mesh."""
+ONE_PROGRAM = replace(NESTED_CAGES_2015, contact=VelocityFilter())
+"""Sacht et al. (2015) with one quadratic program in place of El Topo, and the area lowered at every step."""
 
 EXACT_FLOW = PaperFlow(exact_parity=True)
 EXACT_PARITY = PaperContact(repairs=Repairs(parity=True))
@@ -91,7 +89,12 @@ LOCAL = replace(NEWTON, contact=IPC())
 TWO_SIDED = replace(LOCAL, flow=TwoSidedFlow())
 TIGHT = replace(TWO_SIDED, tightening=Tightening())
 
-PUBLISHED = {"Nested Cages 2015": NESTED_CAGES, "paper as written": PAPER, "paper repaired": HOME}
+PUBLISHED = {
+    "Nested Cages 2015": NESTED_CAGES_2015,
+    "2015 by programs": ONE_PROGRAM,
+    "paper as written": PAPER,
+    "paper repaired": AUGMENTED_2022_REPAIRED,
+}
 """Methods that take a coarse mesh, as they were published, and the paper with its three repairs."""
 LEVEL_SETS = "Simple Nested Cages"
 """The name of the published method that makes its own."""
@@ -138,14 +141,18 @@ FILTERS = {"none": NoFilter(), "smallest distance": SmallestDistance(), "time of
 BROAD_PHASES = {"all pairs": AllPairs(), "cells": UniformGrid()}
 
 
-QUADRATURES: dict[str, Quadrature] = {
-    "the paper's": QuadraticFallOff(),
-    "midpoints": Midpoint(),
-    "Gauss 1": GaussLegendre(1),
-    "Gauss 2": GaussLegendre(2),
-    "Gauss 3": GaussLegendre(3),
-    "even samples": EvenSamples(),
+FLOWS: dict[str, FlowMethod] = {
+    "the program's": PaperFlow(exact_parity=True),
+    "Algorithm 2": PaperFlow(exact_parity=True, over_length=False),
+    "fall-off by length": SignedDistanceFlow(quadrature=QuadraticFallOff()),
+    "midpoints": SignedDistanceFlow(quadrature=Midpoint()),
+    "Gauss 2": SignedDistanceFlow(quadrature=GaussLegendre(2)),
+    "Gauss 3": SignedDistanceFlow(quadrature=GaussLegendre(3)),
+    "even samples": SignedDistanceFlow(quadrature=EvenSamples()),
+    "new samples each step": NewSamplesFlow(),
+    "two-sided": TwoSidedFlow(),
 }
+"""How the gradient is sampled and weighed along the edges, and the flow that needs none."""
 
 
 def every_kth(loops: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
@@ -172,9 +179,30 @@ def with_contact(name: str, start: str = "flow") -> Settings:
     return replace(TIGHT, contact=CONTACTS[name], decimation=STARTS[start])
 
 
-def alone(name: str) -> Settings:
-    """The contact without the tightening: what its own descent on the area reaches."""
-    contact = VelocityFilter() if name == "velocity filter" else CONTACTS[name]
+class Alone(NamedTuple):
+    """A contact by itself."""
+
+    descent: Contact | None
+    """With the area as its energy, None if it has no energy."""
+    clearing: Contact
+    """Without an energy: it only makes way. IPC of 2020 needs one, and has the inertia of the cage."""
+
+
+ALONE: dict[str, Alone] = {
+    "IPC": Alone(IPC(), IPC(energy=NoEnergy())),
+    "IPC 2020": Alone(OriginalIPC(), OriginalIPC(energy=StepDisplacement())),
+    "sequential QP": Alone(None, SequentialQP()),
+    "velocity filter": Alone(VelocityFilter(), VelocityFilter(energy=NoEnergy())),
+    "El Topo": Alone(
+        ElTopo(energy=Area(), final_energy=NoEnergy()), ElTopo(energy=NoEnergy(), final_energy=NoEnergy())
+    ),
+    "paper's energy, Newton": Alone(BY_NEWTON, replace(BY_NEWTON, energy=NoEnergy())),
+}
+"""Every contact that the starts of the others are given to."""
+
+
+def alone(contact: Contact) -> Settings:
+    """A contact without the tightening."""
     return replace(TIGHT, contact=contact, tightening=Tightening(iterations=0))
 
 
@@ -195,9 +223,9 @@ def papers_energy(name: str) -> Settings:
     return replace(TIGHT, contact=replace(BY_NEWTON, energy=ENERGIES[name]), energy=ENERGIES[name])
 
 
-def with_quadrature(name: str) -> Settings:
-    """Ours, with the flow of the paper's Algorithms 1 and 2 and another rule along the edges."""
-    return replace(TIGHT, flow=SignedDistanceFlow(quadrature=QUADRATURES[name]))
+def with_flow(name: str) -> Settings:
+    """Ours, with another flow."""
+    return replace(TIGHT, flow=FLOWS[name])
 
 
 def with_decimation(name: str) -> Settings:

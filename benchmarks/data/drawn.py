@@ -65,13 +65,13 @@ def koch(depth: int = 4) -> Mesh:
     return Mesh.from_loops([loop])
 
 
-def glyph(character: str, em: float = 2.0, per_curve: int = 12) -> Mesh:
-    """A letter of DejaVu Sans. Raises ModuleNotFoundError without matplotlib."""
+def glyph(character: str, em: float = 2.0, per_curve: int = 12, family: str = "DejaVu Sans") -> Mesh:
+    """A letter of a font that comes with matplotlib. Raises ModuleNotFoundError without matplotlib."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path
     from matplotlib.textpath import TextPath
 
-    drawn = TextPath((0, 0), character, size=em, prop=FontProperties(family="DejaVu Sans"))
+    drawn = TextPath((0, 0), character, size=em, prop=FontProperties(family=family))
     parameters = np.arange(1, per_curve + 1)[:, None] / per_curve
     loops: list[list[Points]] = []
     for values, code in drawn.iter_segments(curves=True, simplify=False):
@@ -84,6 +84,10 @@ def glyph(character: str, em: float = 2.0, per_curve: int = 12) -> Mesh:
             start, (control, end) = loops[-1][-1][-1], points
             s, t = 1 - parameters, parameters
             loops[-1].append(s * s * start + 2 * s * t * control + t * t * end)
+        elif code == Path.CURVE4:
+            start, (first, second, end) = loops[-1][-1][-1], points
+            s, t = 1 - parameters, parameters
+            loops[-1].append(s**3 * start + 3 * s * s * t * first + 3 * s * t * t * second + t**3 * end)
     return Mesh.from_loops([without_repeats(np.concatenate(parts)) for parts in loops])
 
 

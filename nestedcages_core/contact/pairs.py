@@ -8,8 +8,10 @@ final shape does not.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -188,11 +190,11 @@ class CandidateList:
     """The pairs closer than a reach, found with a skin so that the list stays complete for a while (a Verlet list).
 
     A pair comes closer by at most the sum of the two largest motions since the list was built. The list is rebuilt when
-    that exceeds the skin.
+    that exceeds the skin. ``find`` searches: bodies, positions and radius to pairs.
     """
 
-    def __init__(self, bodies: Bodies) -> None:
-        self.bodies = bodies
+    def __init__(self, bodies: Bodies, find: Callable[[Bodies, FloatArray, Any], Pairs] = find_pairs) -> None:
+        self.bodies, self.find = bodies, find
         self.builds = 0
         self._radius: float | FloatArray = 0.0
         self._x: FloatArray | None = None
@@ -206,7 +208,7 @@ class CandidateList:
         if self._pairs is None or self._x is None or self._too_wide(reach + skin) or not self._covers(x, reach):
             self._radius = reach + skin
             self._x = x.copy()
-            self._pairs = find_pairs(self.bodies, x, self._radius)
+            self._pairs = self.find(self.bodies, x, self._radius)
             self.builds += 1
         return self._pairs
 

@@ -103,7 +103,7 @@ def test_least_stiffness_is_the_toolkit_s(toolkit) -> None:
     random = np.random.default_rng(4)
     energy, contact = random.normal(size=(2, 20, 2))
     for d_hat in (1e-3, 1e-2):
-        bounds = StiffnessBounds.of(d_hat)
+        bounds = StiffnessBounds.of(d_hat, OriginalIPC().stiffness)
         first, largest = toolkit.initial_barrier_stiffness(
             1.0, toolkit.ClampedLogBarrier(), d_hat, 1.0, energy.ravel(), contact.ravel()
         )

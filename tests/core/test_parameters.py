@@ -28,7 +28,7 @@ POSITIVE = {
     PaperFlow: ("step",),
     SignedDistanceFlow: ("step",),
     ElTopo: ("proximity", "room", "final_proximity", "first_step", "smallest_step", "still"),
-    OriginalIPC: ("d_hat", "tolerance"),
+    OriginalIPC: ("d_hat", "stiffness", "tolerance"),
     VelocityFilter: ("proximity", "room", "first_step", "smallest_step", "still", "stride"),
 }
 NOT_NEGATIVE = {

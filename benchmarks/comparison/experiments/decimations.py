@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from comparison import methods, plots
+from comparison.bench import Bench
 from comparison.cases import COUNT, Inputs
 from comparison.drawings import two_discs, two_holes
-from comparison.measure import Results, compare
+from comparison.measure import Results
 from comparison.tables import count, excess_and_time, matrix, table
 from nestedcages_core import LevelSet, Mesh, NestedCagesError, Settings, nested_cages
 
@@ -15,10 +16,10 @@ SHOWN = ("glyph_g", "blob_500", "comb")
 """Shapes in the picture."""
 
 
-def run(inputs: Inputs) -> Results:
+def run(inputs: Inputs, bench: Bench) -> Results:
     """Every decimation of every shape of the folder."""
     chosen = {name: methods.with_decimation(name) for name in methods.DECIMATIONS}
-    return compare("decimations", {name: (fine, COUNT) for name, fine in inputs.shapes.items()}, chosen)
+    return bench.compare("decimations", {name: (fine, COUNT) for name, fine in inputs.shapes.items()}, chosen)
 
 
 def changing() -> dict[str, tuple[Mesh, int]]:
@@ -42,7 +43,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         "tightening; one start each, where `nested_cages` would try several. *On the curve* chooses the vertices that "
         "describe the curve best; the last is a function of five lines, as a user's own may be (`OwnDecimation`).",
         matrix("shape", names, found, excess_and_time),
-        "![Decimations](comparison/decimations.png)",
+        "![Decimations](decimations.png)",
         "A level set at a large offset closes holes and merges parts. `LevelSet()` refuses that and says which loop is "
         "lost; `LevelSet(change_loops=True)` allows it, and the report says so:",
         table(["drawing, vertices", "LevelSet()", "LevelSet(change_loops=True)"], lines),

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from comparison import methods, plots
+from comparison.bench import Bench
 from comparison.cases import Inputs, Pair
 from comparison.drawings import bean, letter_a, letter_a_coarse, star, star_coarse
-from comparison.measure import REPEATS, Measurement, Results, compare
-from comparison.tables import folded, number, table
+from comparison.measure import REPEATS, Measurement, Results
+from comparison.tables import number, table
 from nestedcages_core import ArcLength
 
 BEAN_VERTICES, BEAN_COUNT = 160, 12
@@ -29,11 +30,11 @@ def pairs() -> dict[str, Pair]:
     }
 
 
-def run(inputs: Inputs) -> Results:
+def run(inputs: Inputs, bench: Bench) -> Results:
     """Every energy with and without the final pass."""
     chosen = {f"{name}, on the way": methods.on_the_way(name) for name in methods.ENERGIES}
     chosen |= {f"{name}, final": methods.with_energy(name) for name in methods.ENERGIES}
-    return compare("energies", pairs(), chosen, repeats=REPEATS)
+    return bench.compare("energies", pairs(), chosen, repeats=REPEATS)
 
 
 def asymmetry(result: Measurement) -> float | None:
@@ -78,7 +79,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         "Each energy in reinflation (first of two rows: the cage when the fine mesh is back, before the final "
         "pass) and in the final pass too (second row), on a letter, a star that is its own mirror image, and a curved "
         "drawing. Fine mesh (filled), coarse mesh (dashed), cage:",
-        "![Energies](comparison/energies.png)",
+        "![Energies](energies.png)",
         "What it looks like: *none* and *step displacement* stop where the fine mesh has pushed the cage, with no "
         "final pass; *initial displacement* stays with the coarse mesh's vertices wherever the fine mesh lets it; "
         "*area* hugs, and turns what is free to turn, as the hole of the letter; *boundary ARAP* keeps the lengths and "
@@ -107,7 +108,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         "*Asymmetry* is the longest way from a cage vertex to the nearest mirrored one, in diagonals, where drawing "
         "and coarse mesh are their own mirror images."
     )
-    return "\n\n".join([*parts, folded(found)])
+    return "\n\n".join(parts)
 
 
 def finding(found: Results, inputs: Inputs) -> str:

@@ -6,20 +6,30 @@ from collections import Counter
 from pathlib import Path
 
 from comparison import methods, plots
+from comparison.bench import Bench
 from comparison.cases import Inputs
-from comparison.measure import DEFAULT, Measurement, Results, compare, measure, measure_default
-from comparison.tables import count, excess_and_time, folded, matrix
+from comparison.drawings import drawings
+from comparison.measure import DEFAULT, Measurement, Method, Results, Wanted, measure, measure_default
+from comparison.tables import count, excess_and_time, matrix
+from nestedcages_core import Mesh
+from nestedcages_core.published.settings import SIMPLE_2022
 
 
-def run(inputs: Inputs) -> Results:
-    """The paper as written, repaired, and ours with every contact."""
-    chosen = methods.PUBLISHED | {name: methods.with_contact(name) for name in methods.CONTACTS}
-    found = compare("figures", inputs.figures, chosen)
-    for shape, pair in inputs.figures.items():
-        fine, coarse = pair
-        level_set = measure(methods.SIMPLE, fine, len(coarse.vertices))
-        found[shape] = {methods.LEVEL_SETS: level_set, **found[shape], DEFAULT: measure_default(*pair)}
-    return found
+def run(inputs: Inputs, bench: Bench) -> Results:
+    """Everything on our drawings of them."""
+    return bench.compare("figures", drawings(), whole_methods())
+
+
+def whole_methods() -> dict[str, Method]:
+    """Published methods, ours with every contact, and the program as it is."""
+    ours = {name: methods.with_contact(name) for name in methods.CONTACTS}
+    return {methods.LEVEL_SETS: measure_level_set} | methods.PUBLISHED | ours | {DEFAULT: measure_default}
+
+
+def measure_level_set(fine: Mesh, coarse: Wanted) -> Measurement:
+    """Simple nested cages, which makes its own coarse mesh, of as many vertices."""
+    assert isinstance(coarse, Mesh)
+    return measure(SIMPLE_2022, fine, len(coarse.vertices))
 
 
 def section(found: Results, inputs: Inputs, pictures: Path) -> str:
@@ -29,11 +39,11 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
     return "\n\n".join([
         "## The shapes of the paper's figures",
         "Our own drawings of them: a letter A, an octagon with a hole in a square with a hole, discs in coarser and "
-        "coarser annuli, a hole that the coarse mesh does not have, two components in one loop; and, where the folder "
-        "has them, the paper's own A and octagon.",
+        "coarser annuli, a hole that the coarse mesh does not have, two components in one loop. "
+        "`--paper FOLDER` does the same for the paper's own meshes, elsewhere.",
         matrix("shape", names, found, excess_and_time),
         "Fine mesh (filled), coarse mesh (dashed), cage:",
-        "![Figures](comparison/figures.png)", folded(found),
+        "![Figures](figures.png)",
     ])  # fmt: skip
 
 

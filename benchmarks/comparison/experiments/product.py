@@ -7,10 +7,12 @@ import time
 from pathlib import Path
 
 from comparison import methods, plots
+from comparison.bench import Bench
 from comparison.cases import COUNT, Inputs
-from comparison.measure import CLEARANCE, Decimated, Measurement, Results, compare
+from comparison.measure import CLEARANCE, Decimated, Measurement, Results
 from comparison.tables import excess_and_time, matrix, median, number, table
-from nestedcages_core import NestedCagesError, Settings
+from nestedcages_core import Mesh, NestedCagesError, Settings
+from nestedcages_core.decimation import Decimation
 
 PAPERS = "paper's energy, Newton"
 """The fourth way to resolve contact: the paper's barrier and weights, by projected Newton."""
@@ -30,27 +32,39 @@ def settings_of(way: str, energy: str) -> Settings:
     return methods.with_energy(energy, contact if contact in methods.CONTACTS else "IPC")
 
 
-def run(inputs: Inputs) -> Results:
+def run(inputs: Inputs, bench: Bench) -> Results:
     """Method names are "column / energy"."""
-    results: Results = {}
-    for shape, fine in inputs.shapes.items():
-        for start, decimation in methods.STARTS.items():
-            chosen = {
-                f"{way} / {energy}": settings_of(way, energy)
-                for way, own in ways().items()
-                if own == start
-                for energy in methods.ENERGIES
-            }
-            began = time.process_time()
-            try:
-                coarse = decimation.decimate(fine, COUNT, clearance=CLEARANCE * fine.diagonal)
-            except NestedCagesError as error:
-                failed = Measurement(fine, failed="decimation", problem=str(error))
-                results.setdefault(shape, {}).update(dict.fromkeys(chosen, failed))
-                continue
-            made = Decimated(coarse, time.process_time() - began)
-            results.setdefault(shape, {}).update(compare("product", {shape: (fine, made)}, chosen)[shape])
+    results: Results = {shape: {} for shape in inputs.shapes}
+    tasks = {(s, d): (methods.STARTS[d], fine) for d in methods.STARTS for s, fine in inputs.shapes.items()}
+    made = bench.each("coarse meshes", coarse_mesh, tasks)
+    for start in methods.STARTS:
+        chosen = {
+            f"{way} / {energy}": settings_of(way, energy)
+            for way, own in ways().items()
+            if own == start
+            for energy in methods.ENERGIES
+        }
+        cases = {}
+        for shape, fine in inputs.shapes.items():
+            coarse = made[shape, start]
+            if isinstance(coarse, str):
+                failed = Measurement(fine, failed="decimation", problem=coarse)
+                results[shape].update(dict.fromkeys(chosen, failed))
+            else:
+                cases[shape] = fine, coarse
+        for shape, runs in bench.compare("product", cases, chosen).items():
+            results[shape].update(runs)
     return results
+
+
+def coarse_mesh(decimation: Decimation, fine: Mesh) -> Decimated | str:
+    """A coarse mesh for all that start from it, or why there is none."""
+    began = time.process_time()
+    try:
+        coarse = decimation.decimate(fine, COUNT, clearance=CLEARANCE * fine.diagonal)
+    except NestedCagesError as error:
+        return str(error)
+    return Decimated(coarse, time.process_time() - began)
 
 
 def _of_energy(found: Results, energy: str) -> Results:
@@ -79,7 +93,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         table(["energy", *columns], lines),
         "With the area, shape by shape (✗: the phase that failed):",
         matrix("shape", columns, area, excess_and_time),
-        "![Contacts and starts](comparison/starts.png)",
+        "![Contacts and starts](starts.png)",
     ])  # fmt: skip
 
 

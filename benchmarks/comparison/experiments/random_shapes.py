@@ -7,25 +7,21 @@ import statistics
 from pathlib import Path
 
 from comparison import methods, plots
-from comparison.cases import FIRST_SEED, MOST_RANDOM_VERTICES, VERTICES_PER_COARSE, Inputs, random_cases
-from comparison.experiments.figures import failures
-from comparison.measure import DEFAULT, Results, compare, measure, measure_default
+from comparison.bench import Bench
+from comparison.cases import MOST_RANDOM_VERTICES, VERTICES_PER_COARSE, Inputs, random_cases
+from comparison.experiments.figures import failures, whole_methods
+from comparison.measure import DEFAULT, Results
 from comparison.tables import count, median, number, table
 
-LIMIT = 10.0  # CPU seconds of a run
+LIMIT = 6.0  # CPU seconds of a run
 SHOWN = 8  # shapes in the picture
 
 
-def run(inputs: Inputs) -> Results:
-    """The paper, its repairs, Newton, ours with every contact, and the program as it is."""
-    chosen = methods.PUBLISHED | {"paper, Newton": methods.NEWTON}
-    chosen |= {name: methods.with_contact(name) for name in methods.CONTACTS}
-    cases = random_cases()
-    found = compare("random shapes", cases, chosen, limit=LIMIT)
-    for shape, (fine, coarse) in cases.items():
-        level_set = measure(methods.SIMPLE, fine, len(coarse.vertices))
-        found[shape] = {methods.LEVEL_SETS: level_set, **found[shape], DEFAULT: measure_default(fine, coarse)}
-    return found
+def run(inputs: Inputs, bench: Bench) -> Results:
+    """Published methods, the paper with Newton, ours with every contact, and the program as it is."""
+    chosen = whole_methods() | {"paper, Newton": methods.NEWTON}
+    cases = random_cases(inputs.sizes.random, inputs.sizes.first_seed)
+    return bench.compare("random shapes", cases, chosen, limit=LIMIT)
 
 
 def section(found: Results, inputs: Inputs, pictures: Path) -> str:
@@ -58,9 +54,10 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         f"{len(found)} shapes of ten kinds (stars, blobs, combs, spirals, coasts, glyphs, discs, islands, needles, "
         f"slits) from `benchmarks/random_shapes.py`, with at most {MOST_RANDOM_VERTICES} vertices, gaps down to a "
         "millionth of their size, turned and scaled by up to a million; coarse meshes on the curve with a vertex for "
-        f"every {VERTICES_PER_COARSE}. Seeds from {FIRST_SEED} on, those that draw no valid shape of this size passed "
-        f"over: {seeds}. A run is ended after {LIMIT:.0f} s. No method falls back on another start, but *{DEFAULT}*: "
-        "that is the program as it is, without settings, which tries contacts in turn and the outer hull at last.",
+        f"every {VERTICES_PER_COARSE}. Seeds from {inputs.sizes.first_seed} on, those that draw no valid shape of "
+        f"this size passed over: {seeds}. A run is ended after {LIMIT:.0f} s. No method falls back on another start, "
+        f"but *{DEFAULT}*: that is the program as it is, without settings, which tries contacts in turn and the outer "
+        "hull at last.",
         table(["method", "success", "no start", "flow fails", "reinflation fails", "of these out of time", "refuted",
                "median s", "median excess %", "shared: s", "shared: excess %"], lines),
         "*No start*: refused before anything moved; *refuted*: the run ended well, but a certificate says no. Medians "
@@ -68,7 +65,7 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         f"{len(solved)} shapes on which every method leaves a cage that encloses the shape, home or not. "
         + ("Where one of ours did not succeed:\n\n" + "\n".join(lost) if lost else "Ours always succeeded."),
         f"The {min(SHOWN, len(found))} shapes that fewest methods solve:",
-        "![Random shapes](comparison/random.png)",
+        "![Random shapes](random.png)",
     ])  # fmt: skip
 
 

@@ -62,13 +62,15 @@ class OriginalIPC:
     """E_cages, the potential of the cage; its projected Hessian must be positive definite."""
     d_hat: float = 1e-3
     """d̂, the range of the barrier."""
+    stiffness: float = 1e11
+    """Curvature of the softest barrier at a distance of 1e-8, in units of the mass: the lower bound of κ."""
     tolerance: float = 2.5e-4
     """Largest component of a Newton step at which a time step ends: 1e-2 per unit of time, for steps of 0.025."""
     iterations: int = 300
     """Maximum number of Newton steps per step of the flow; the original has 10,000."""
 
     def __post_init__(self) -> None:
-        check_positive(self, "d_hat", "tolerance")
+        check_positive(self, "d_hat", "stiffness", "tolerance")
         check_count(self, "iterations")
         check_part(self, "energy", "at", "Area()")
 
@@ -98,7 +100,7 @@ class _TimeStep:
     ) -> None:
         self.settings, self.bodies, self.energy, self.target = settings, bodies, energy, target
         self.candidates = candidates
-        self.bounds = StiffnessBounds.of(settings.d_hat)
+        self.bounds = StiffnessBounds.of(settings.d_hat, settings.stiffness)
         self.kappa = self.bounds.least
         self.penalty = FIRST_PENALTY
         self.multiplier = np.zeros_like(target)

@@ -12,9 +12,6 @@ from ...geometry.arrays import FloatArray
 REFERENCE_DISTANCE = 1e-8
 """Distance, in bounding-box diagonals, at which the least stiffness is measured."""
 
-LEAST_STIFFNESS = 1e11
-"""Curvature of a barrier at that distance, in units of the mass."""
-
 STIFFNESS_RANGE = 100.0
 """Largest κ over the least one."""
 
@@ -33,11 +30,11 @@ class StiffnessBounds:
     largest: float
 
     @classmethod
-    def of(cls, d_hat: float) -> StiffnessBounds:
-        """κ that gives the barrier the wanted stiffness at the reference distance, and a hundred times that."""
+    def of(cls, d_hat: float, stiffness: float) -> StiffnessBounds:
+        """κ that gives the barrier the curvature ``stiffness`` at the reference distance, and a hundred times that."""
         squared = REFERENCE_DISTANCE**2
         curvature = float(barrier(np.array([squared]), np.array([d_hat**2])).second[0])
-        least = LEAST_STIFFNESS / (4.0 * squared * curvature)
+        least = stiffness / (4.0 * squared * curvature)
         return cls(least, STIFFNESS_RANGE * least)
 
     def first(self, energy: FloatArray, contact: FloatArray) -> float:
