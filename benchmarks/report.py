@@ -88,7 +88,7 @@ def make(results: dict[str, Any], pictures: Path, path: Path) -> None:
         for said in results["conclusions"].values()
     )
     paper.heading("4 Limits")
-    paper.items(report.LIMITS)
+    paper.items([*report.LIMITS, *report.MORE_LIMITS])
     paper.heading("References")
     paper.items(report.REFERENCES, small=True)
     paper.write(path)

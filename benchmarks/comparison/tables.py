@@ -11,11 +11,6 @@ import numpy as np
 
 from comparison.measure import PHASES, Measurement, Results
 
-COLUMNS = (
-    "method", "success", "excess %", "distance", "fine home", "crossing-free", "encloses", "flow steps",
-    "iterations", *(f"{phase} s" for phase in PHASES), "total s",
-)  # fmt: skip
-
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table in Markdown."""
@@ -26,40 +21,6 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def number(value: float | None, form: str = ".2f") -> str:
     """A number, or a dash where there is none."""
     return "–" if value is None or not np.isfinite(value) else format(value, form)
-
-
-def answer(value: bool | None) -> str:
-    """Yes, no, or a dash."""
-    return "–" if value is None else ("yes" if value else "**no**")
-
-
-def row(name: str, result: Measurement) -> list[str]:
-    """One run in the columns of COLUMNS."""
-    home = "–" if result.short is None else ("yes" if result.short == 0.0 else f"**{result.short:.0e} short**")
-    phases = [number(result.seconds.get(phase), ".3f") for phase in PHASES]
-    return [
-        name, answer(result.success), number(result.excess), number(result.smallest, ".0e"), home,
-        answer(result.free), answer(result.certified) if result.cage is not None else "–",
-        str(result.flow_steps), str(result.iterations), *phases, number(result.total, ".3f"),
-    ]  # fmt: skip
-
-
-def runs(results: dict[str, Measurement]) -> str:
-    """The table of one shape, with what went wrong below it; what several methods share is said once."""
-    problems: dict[str, list[str]] = {}
-    for name, result in results.items():
-        if result.problem:
-            problems.setdefault(f"{result.failed}: {result.problem}", []).append(name)
-    told = [f"* {', '.join(names)}; {problem}" for problem, names in problems.items()]
-    return "\n".join([table(COLUMNS, (row(*item) for item in results.items())), "", *told]).rstrip()
-
-
-def folded(results: Results) -> str:
-    """The tables of all shapes, each folded away."""
-    return "\n\n".join(
-        f"<details><summary>{shape}: every run</summary>\n\n{runs(found)}\n\n</details>"
-        for shape, found in results.items()
-    )
 
 
 def matrix(

@@ -19,11 +19,13 @@ from comparison.tables import number, table
 from nestedcages_core import Mesh, OnCurve, Settings
 
 LIMIT = 15.0  # CPU seconds of a run; a contact that takes longer gets no larger meshes
+MEMORY_LIMIT = 6.0  # gigabytes of a process; the same
 FINE_PER_COARSE = 50
 FIXED_FINE, COARSE = 3000, (20, 60, 180, 540)
 """Fine vertices where the coarse ones vary."""
 WAVES, STEEPNESS, SEED = 30, 0.25, 1
 MEGABYTE = 2.0**20
+OUT_OF_MEMORY = f"ended by its limit of {MEMORY_LIMIT:.0f} GB"
 
 
 def curve(count: int) -> Mesh:
@@ -56,7 +58,7 @@ def run(inputs: Inputs, bench: Bench) -> Results:
         tasks = {(n, m, name): (settings, *start) for name, settings in chosen.items()}
         runs = bench.each("scaling", in_own_process, tasks, lambda run: run.problem[:60] or f"{run.megabytes:.0f} MB")
         found[f"{n} in {m}"] = {name: result for (_, _, name), result in runs.items()}
-        late |= {name for name, result in found[f"{n} in {m}"].items() if result.out_of_time}
+        late |= {name for name, result in found[f"{n} in {m}"].items() if result.out_of_time or _too_large(result)}
     return found
 
 
@@ -73,10 +75,20 @@ def in_own_process(settings: Settings, fine: Mesh, wanted: object) -> Measuremen
 
 
 def _with_memory(settings: Settings, fine: Mesh, wanted: object) -> Measurement:
+    if sys.platform != "darwin":  # where the system does not keep to it
+        most = int(1024.0 * MEGABYTE * MEMORY_LIMIT)
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
     before = _peak()
-    result = measure(settings, fine, wanted, 1, LIMIT)  # type: ignore[arg-type]
+    try:
+        result = measure(settings, fine, wanted, 1, LIMIT)  # type: ignore[arg-type]
+    except MemoryError:
+        result = Measurement(fine, failed="reinflation", problem=OUT_OF_MEMORY)
     result.megabytes = _peak() - before
     return result
+
+
+def _too_large(run: Measurement) -> bool:
+    return run.problem == OUT_OF_MEMORY
 
 
 def _peak() -> float:
@@ -114,7 +126,9 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         if run is None:
             return "left out"
         if not run.success:
-            return f"✗ {'over ' + str(int(LIMIT)) + ' s' if run.out_of_time else run.failed or 'not certified'}"
+            if _too_large(run):
+                return f"✗ over {MEMORY_LIMIT:.0f} GB"
+            return f"✗ over {LIMIT:.0f} s" if run.out_of_time else f"✗ {run.failed or 'not certified'}"
         return f"{number(run.seconds['reinflation'], '.3g')} s · {run.megabytes:.0f} MB"
 
     lines = [[shape, *(cell(runs, name) for name in names)] for shape, runs in found.items()]
@@ -124,8 +138,9 @@ def section(found: Results, inputs: Inputs, pictures: Path) -> str:
         "One wavy outline with more and more vertices, a coarse vertex for every "
         f"{FINE_PER_COARSE}, and {FIXED_FINE} vertices in coarser and finer meshes; area descent where a contact has "
         "one. Seconds of the reinflation, and what it adds to the peak memory of a process of its own. A contact that "
-        f"takes more than {LIMIT:.0f} s gets no larger meshes. *Growth*: exponent of the time with n, from the second "
-        "size on.",
+        f"takes more than {LIMIT:.0f} s or {MEMORY_LIMIT:.0f} GB gets no larger meshes. *Growth*: exponent of the time "
+        "with n, from the second size on. Memory of the barriers is that of their lists of pairs, which are as wide as "
+        "the longest motion of a Newton step.",
         table(["n in m", *names], [*lines, growth]),
         "![Scaling](scaling.png)",
     ])  # fmt: skip

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...contact.ccd import HIT_DISTANCE, REACH_MARGIN, impacts
 from ...contact.pairs import Pairs
-from ...geometry.arrays import TINY, FloatArray
+from ...geometry.arrays import TINY, FloatArray, IntArray
 
 SEPARATION_RATE = 0.1
 """Fraction of the missing distance by which a pair may separate in a step."""
@@ -50,7 +50,7 @@ class Impulses:
     def apart(self, x: FloatArray, v: FloatArray, time: float) -> FloatArray:
         """Velocities (m + n, 2) after the impulses of all pairs that are too close at x, in a step of length time."""
         found = self.pairs.measure(x)
-        close = np.flatnonzero(found.distance < self.proximity).tolist()
+        close = self._ordered(np.flatnonzero(found.distance < self.proximity))
         if not close:
             return v
         velocity = [(a, b) for a, b in v.tolist()]
@@ -91,7 +91,7 @@ class Impulses:
             return [other for vertex in corners if vertex < self.m for other in incident(vertex)]
 
         again: set[int] = set()
-        for k in hits.tolist():
+        for k in self._ordered(hits):
             again.update(handle(k))
         queue = deque(sorted(again))
         for _ in range(TESTS_PER_CANDIDATE * len(queue)):
@@ -99,6 +99,12 @@ class Impulses:
                 break
             queue.extend(handle(queue.popleft()))
         return np.array(velocity), not queue
+
+    def _ordered(self, chosen: IntArray) -> list[int]:
+        """Pairs in El Topo's order: first the vertices of the cage with the fine mesh, then its edges with all."""
+        first = (self.pairs.point[chosen] < self.m) & (self.pairs.start[chosen] >= self.m)
+        ordered: list[int] = np.concatenate([chosen[first], chosen[~first]]).tolist()
+        return ordered
 
     def _corners(self, k: int) -> tuple[int, int, int]:
         return int(self.pairs.point[k]), int(self.pairs.start[k]), int(self.pairs.end[k])
