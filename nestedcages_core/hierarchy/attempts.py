@@ -36,6 +36,10 @@ MAX_IPC_PAIRS = 10.0
 QUICK_LIMIT = 10
 """Maximum number of steps of a descent of the flow where hulls compete: half the usual one."""
 
+HULL_FROM = 20_000
+"""Number of fine vertices from which the best outer hull alone replaces starts on the curve, unless there is no
+fallback: from 30,000 vertices on it takes less than half of the time, and cages are as tight (benchmarks/growth.py)."""
+
 PAPER_PREFERENCE = 0.01
 """A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
 this fraction of its excess."""
@@ -75,13 +79,14 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
     if isinstance(wanted, Mesh):
         last = Attempt(wanted, size, 1, flow, contacts, clearances)
     else:
+        decimation, starts = settings.decimation, settings.starts
         may_fall_back = settings.fallback is not None
-        if may_fall_back and isinstance(settings.decimation, OnCurve):
+        if may_fall_back and isinstance(decimation, OnCurve) and len(fine.vertices) >= HULL_FROM:
+            decimation, starts = decimation.hull, 1
+        if may_fall_back and isinstance(decimation, OnCurve):
             # its hulls need neither flow nor contact and lead to nearly the same cages: give up on these early
             flow, contacts = _quick(flow), contacts if settings.contact else contacts[:1]
-        last = Attempt(
-            settings.decimation, wanted, settings.starts, flow, contacts, clearances, may_fall_back=may_fall_back
-        )
+        last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
     yield last
     searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
     if settings.fallback is not None and settings.fallback not in searched:

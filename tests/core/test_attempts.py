@@ -25,6 +25,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.decimation import Start
 from nestedcages_core.hierarchy.attempts import (
+    HULL_FROM,
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
     Attempt,
@@ -52,6 +53,17 @@ def kinds(found: list[Attempt]) -> list[tuple[str, bool, bool]]:
 class TestOrder:
     def test_meshes_on_the_curve_have_searched_the_fallback_already(self) -> None:
         assert kinds(tried(Settings(), 12)) == [("OnCurve", False, True), ("OnCurve", False, False)]
+
+    def test_large_shapes_start_from_the_best_hull(self) -> None:
+        large = Mesh.from_loops([ring(HULL_FROM)])
+        found = tried(Settings(decimation=OnCurve(OuterHull(seed=3)), fallback=OuterHull(seed=3)), 12, large)
+        assert kinds(found) == [("OuterHull", False, True), ("OuterHull", False, False)]
+        assert found[0].source == OuterHull(seed=3)
+        assert found[0].starts == 1
+        assert found[0].flow == Settings().flow
+        (first, _) = tried(Settings(fallback=None), 12, large)
+        assert first.source == OnCurve()
+        assert first.starts == Settings().starts
 
     def test_another_hull_than_that_of_the_decimation_is_tried(self) -> None:
         found = tried(Settings(fallback=OuterHull(restarts=2)), 12)
