@@ -24,10 +24,13 @@ ANGLE_STIFFNESS = 20.0
 """Stiffness of a sharp angle in squared mean edge lengths, for the same reason."""
 
 
-def short_edges(coarse: Mesh, least: float) -> BoundElementEnergy:
-    """½ k Σ max(0, l - |b - a|)² over the edges a → b, with l slightly above the least length."""
+def short_edges(coarse: Mesh, least: float, pull: float = 1.0) -> BoundElementEnergy:
+    """½ k Σ max(0, l - |b - a|)² over the edges a → b, with l slightly above the least length.
+
+    pull: how often the pull of the area is multiplied, where it is weighted.
+    """
     length = (1.0 + LENGTH_MARGIN) * least
-    stiffness = LENGTH_STIFFNESS / length
+    stiffness = LENGTH_STIFFNESS * pull / length
 
     def penalty(now: Corners, rest: Corners) -> Any:
         short = np.maximum(length - (now[1] - now[0]).length(), 0.0)
@@ -36,13 +39,13 @@ def short_edges(coarse: Mesh, least: float) -> BoundElementEnergy:
     return ElementEnergy.per_edge(penalty).at(coarse)
 
 
-def sharp_angles(coarse: Mesh, least: float) -> BoundElementEnergy:
+def sharp_angles(coarse: Mesh, least: float, pull: float = 1.0) -> BoundElementEnergy:
     """½ k Σ max(0, β - α)² over the angles α between edges, with β slightly above the least angle.
 
-    least: an angle in degrees, measured inside or outside, whichever is smaller.
+    least: an angle in degrees, measured inside or outside, whichever is smaller. pull: as for short edges.
     """
     angle = radians(least + ANGLE_MARGIN)
-    stiffness = ANGLE_STIFFNESS * float(coarse.edge_lengths.mean()) ** 2
+    stiffness = ANGLE_STIFFNESS * pull * float(coarse.edge_lengths.mean()) ** 2
 
     def penalty(now: Corners, rest: Corners) -> Any:
         before, after = now[0] - now[1], now[2] - now[1]

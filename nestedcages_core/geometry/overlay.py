@@ -13,11 +13,10 @@ import numpy as np
 import scipy
 
 from ..errors import InvalidMeshError
-from .all_pairs import blocks
 from .arrays import FloatArray, IntArray
 from .broad_phase import near_pairs
 from .mesh import Mesh
-from .predicates import BoxTree, segments_intersect
+from .predicates import BoxTree, segments_intersect, winding_number
 from .vectors import cross
 
 MERGED = 1e-9
@@ -145,25 +144,14 @@ def _boundary(
         mine = owner == k
         net: FloatArray = np.zeros(len(unique))
         np.add.at(net, piece[mine], np.where(forward[mine], 1.0, -1.0))
-        bounding = np.flatnonzero(net)
-        inside = _winding(middle, points[unique[bounding, 0]], points[unique[bounding, 1]], net[bounding]) > 0
+        beside = np.flatnonzero(net == 0.0)
+        bounding = np.flatnonzero(mine)[net[piece[mine]] != 0.0]
+        inside = np.zeros(len(unique), bool)
+        inside[beside] = winding_number(middle[beside], points[start[bounding]], points[end[bounding]]) > 0
         left = combine(left, np.where(net == 0, inside, net > 0))
         right = combine(right, np.where(net == 0, inside, net < 0))
     ahead, back = unique[left & ~right], unique[right & ~left]
     return np.concatenate([ahead[:, 0], back[:, 1]]), np.concatenate([ahead[:, 1], back[:, 0]])
-
-
-def _winding(points: FloatArray, starts: FloatArray, ends: FloatArray, count: FloatArray) -> FloatArray:
-    """(P,) winding numbers of edges that count several times, for points that are not on them."""
-    parts: list[FloatArray] = []
-    for part in blocks(points, len(starts)):
-        y = part[:, 1:]
-        up, down = (starts[:, 1] <= y) & (ends[:, 1] > y), (ends[:, 1] <= y) & (starts[:, 1] > y)
-        side: FloatArray = (ends[:, 0] - starts[:, 0]) * (y - starts[:, 1]) - (part[:, :1] - starts[:, 0]) * (
-            ends[:, 1] - starts[:, 1]
-        )
-        parts.append(((up & (side > 0.0)).astype(np.float64) - (down & (side < 0.0))) @ count)
-    return np.concatenate(parts)
 
 
 def _linked(points: FloatArray, start: IntArray, end: IntArray) -> list[FloatArray]:

@@ -68,6 +68,11 @@ class Priorities:
         importance = Importance(fine, weights, _places(settings, fine, symmetry), symmetry)
         return cls(importance, settings.min_edge, settings.min_angle)
 
+    @property
+    def pull(self) -> float:
+        """How often the pull of the area is multiplied at most."""
+        return 1.0 if self.importance.weights is None else float(self.importance.relative.max())
+
     def applied(self, settings: Settings) -> Settings:
         """The settings with hulls that respect the priorities."""
         fallback = settings.fallback
@@ -110,10 +115,10 @@ class Priorities:
             pin, vertex = _assigned(target, coarse.vertices)
             terms.append((1.0, Springs(vertex, target[pin], PIN_STIFFNESS)))
         if self.min_edge is not None:
-            terms.append((1.0, short_edges(coarse, self.min_edge / units.scale)))
+            terms.append((1.0, short_edges(coarse, self.min_edge / units.scale, self.pull)))
         angle = self.min_angle if self.min_angle is not None else NO_FOLDS if self.min_edge is not None else None
         if angle is not None:
-            terms.append((1.0, sharp_angles(coarse, angle)))
+            terms.append((1.0, sharp_angles(coarse, angle, self.pull)))
         return BoundSum(tuple(terms)) if len(terms) > 1 else energy
 
     def _weighted(self, energy: CageEnergy, coarse: Mesh, inner: Mesh, units: SolverUnits, inside: bool) -> CageEnergy:
