@@ -16,11 +16,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from data import shape, shape_names
-from needed import convex, grids, symmetry
+from needed import convex, grids, symmetry, within
 from needed.table import Table
 from nestedcages_core import Mesh
 
 TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
+    "within": within.table,
     "grids": grids.table,
     "convex": convex.table,
     "symmetry": symmetry.table,

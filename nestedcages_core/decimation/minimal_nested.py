@@ -1,12 +1,17 @@
-"""Minimal nested polygons: few edges around a loop within a distance of it, and a lower bound on their number.
+"""Minimal nested polygons: few links around a loop within a distance of it, and a bound that no polygon undercuts.
 
-A gate is a segment from a point of the fine loop (its foot) straight outwards to a point farther from the fine mesh
-than the distance (its tip). Gates do not cross, so a cage's loop within the distance meets them in their order, and
-each of its edges meets a run of consecutive gates, with their feet on its left and their tips on its right. A run
-whose feet and tips cannot be separated by a line needs more than one edge, so the smallest number of separable runs
-that cover all gates is a lower bound. A greedy walk of longest edges through the same gates gives a polygon. Between
-convex loops it has at most one vertex too many (Aggarwal, Booth, O'Rourke, Suri, Yap 1989; for simple polygons see Suri
-& O'Rourke 1985, Ghosh & Maheshwari 1990, whose edges start from whole segments).
+A gate is a segment from a point of the fine loop straight outwards to a place farther from the fine mesh than the
+distance. Segments to nearest points do not cross, so a loop of a cage within the distance meets the gates in their
+order, and each of its edges, a link, meets a run of consecutive ones: it passes between their two ends, that on the
+fine mesh to its left.
+
+What j links can reach from a gate ends at a window: a chord of the last line that passes as many gates as any. It
+touches an inner end and an outer end of gates, and the window runs from the later one of these to where the line misses
+a gate. A link that goes on crosses the window, wherever it likes: so the next window is that of a line with the window
+for its first gate (Suri 1986; for polygons between two others Suri & O'Rourke 1985, Ghosh & Maheshwari 1990; between
+convex ones Aggarwal, Booth, O'Rourke, Suri & Yap 1989). Once around from a gate, links are as few as possible. A
+polygon has at most one less, since it is a path from a point of the gate back to it. A walk of such lines that closes
+up is a polygon.
 """
 
 from __future__ import annotations
@@ -15,41 +20,47 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import SignedDistance
+from ..geometry.signed_distance import EdgeSearch, SignedDistance
 from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .base import LEAST_PER_LOOP
-from .clearing import CLEARANCE_RESERVE
+from .corridor import Corridor
 
-FIRST_GATES, MAX_GATES = 192, 1024
-"""First and maximum number of gates of a loop."""
+FIRST_GATES, MAX_GATES = 192, 2048
+"""Gates of a loop at first, and at most."""
 
-GATES_PER_LINK = 20
-"""Wanted number of gates per edge; the bound may lose one of them."""
+GATES_PER_LINK = 32
+"""Gates aimed at for each link: it may lose one of them in the bound."""
 
 FAN_STEP = 0.1
 """Largest turn, in radians, between gates at a convex corner."""
 
 RELAXED = 1e-6
-"""Relative excess length of the gates of the bound over the distance, against rounding."""
+"""Relative width by which the gates of the bound are longer than the distance, to stay above rounding."""
 
 RESERVE = 1e-3
-"""Relative shortening of the gates of the walk."""
+"""Relative width by which the gates of the walk are shorter."""
 
-FIRST_WINDOW = 32
-"""First number of gates tested for a run; doubled where a run is longer."""
+WALK_CLEARANCES = 1.05
+"""Clearances that the walk stays away from the fine mesh, so that chords between its gates have some slack."""
+
+CORNER_HALVINGS = 24
+"""Halvings of the way between two gates, one of which is free and one not."""
 
 ANGLE_SLACK = 1e-9
-"""Radians by which a line may miss a gate before a run counts as too long; above the rounding of angles."""
+"""Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
 
-WALKS = 32
-"""Number of gates of a loop at which a walk starts."""
+BOUND_STARTS, WALK_STARTS = 16, 32
+"""Gates of a loop from which links are counted, and from which walks start."""
+
+MIN_WALKS, MAX_LINKS = 4, 1500
+"""Walks that are made in any case, and links of all of them after which there are no more."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gates:
-    """Gates of one loop, in its order: feet (N, 2) on the loop, and unit normals (N, 2)."""
+    """Gates of one loop in its order: from the feet (N, 2) on the loop along unit normals (N, 2)."""
 
     foot: FloatArray
     normal: FloatArray
@@ -59,142 +70,127 @@ class Gates:
         return self.foot + low * self.normal, self.foot + high * self.normal
 
 
+class _Boundary:
+    """The boundary of a loop's offset by a distance: edges moved along their normals, and arcs at convex corners."""
+
+    def __init__(self, fine: Mesh, loop: int, distance: float) -> None:
+        self.points = fine.vertices[fine.loops[loop]]
+        self.steps = np.roll(self.points, -1, axis=0) - self.points
+        lengths = norm(self.steps)
+        self.normals = rotated_right(self.steps) / lengths[:, None]
+        after = np.roll(self.normals, -1, axis=0)
+        turns = np.arctan2(cross(self.normals, after), (self.normals * after).sum(axis=1))
+        self.is_notch = turns < 0.0
+        self.turns = np.maximum(turns, 0.0)
+        # edge by edge, each with the corner at its end
+        self.lengths = np.stack([lengths, distance * self.turns], axis=1).ravel()
+        self.ends = np.cumsum(self.lengths)
+
+    @property
+    def length(self) -> float:
+        """Of the whole boundary."""
+        return float(self.ends[-1])
+
+    def samples(self, count: int) -> FloatArray:
+        """(N,) about so many places, the middles of equal parts of edges and arcs, at least one on each."""
+        spacing = self.length / count
+        turns = np.stack([np.zeros_like(self.turns), self.turns], axis=1).ravel()
+        parts = np.maximum(np.rint(np.maximum(self.lengths / spacing, turns / FAN_STEP)), 1.0).astype(np.int64)
+        parts[self.lengths == 0.0] = 0
+        piece = np.repeat(np.arange(len(parts)), parts)
+        number = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+        places: FloatArray = (self.ends - self.lengths)[piece] + (number + 0.5) / parts[piece] * self.lengths[piece]
+        return places
+
+    def at(self, places: FloatArray) -> Gates:
+        """The gates at places (N,) along the boundary, counted on and on around."""
+        places = np.mod(places, self.length)
+        piece = np.minimum(np.searchsorted(self.ends, places, side="right"), len(self.ends) - 1)
+        part = np.clip((places - (self.ends - self.lengths)[piece]) / self.lengths[piece], 0.0, 1.0)
+        edge, on_arc = piece // 2, piece % 2 == 1
+        angle = np.where(on_arc, part * self.turns[edge], 0.0)
+        normal = np.cos(angle)[:, None] * self.normals[edge] + np.sin(angle)[:, None] * rotated_left(self.normals[edge])
+        return Gates(self.points[edge] + np.where(on_arc, 1.0, part)[:, None] * self.steps[edge], normal)
+
+
 def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
-    """About ``count`` gates of a loop of the fine mesh; none where other parts of the mesh are closer."""
-    ring = fine.loops[loop]
-    points = fine.vertices[ring]
-    steps = np.roll(points, -1, axis=0) - points
-    lengths = norm(steps)
-    normal = rotated_right(steps) / lengths[:, None]
-    before = np.roll(normal, 1, axis=0)
-    turn = np.arctan2(cross(before, normal), (before * normal).sum(axis=1))
-    # evenly spaced along the offset curve: places and normals change by the same amount per gate
-    spacing = float((lengths + distance * np.maximum(turn, 0.0)).sum()) / count
-    feet, normals = [], []
-    for k in range(len(ring)):
-        if turn[k] > 0.0:
-            angle = turn[k] * _parts(max(distance * turn[k] / spacing, turn[k] / FAN_STEP))
-            cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-            normals.append(cosine * before[k] + sine * rotated_left(before[k]))
-            feet.append(np.broadcast_to(points[k], normals[-1].shape))
-        part = _parts(lengths[k] / spacing)
-        feet.append(points[k] + part[:, None] * steps[k])
-        normals.append(np.broadcast_to(normal[k], (len(part), 2)))
-    foot, out = np.concatenate(feet), np.concatenate(normals)
-    if len(foot) > MAX_GATES:
-        chosen = np.unique(np.linspace(0, len(foot), MAX_GATES, endpoint=False).astype(np.int64))
-        foot, out = foot[chosen], out[chosen]
-    reach = SignedDistance.of(fine).at(foot + (1.0 + RELAXED) * distance * out).distance
-    free = reach > (1.0 + 0.5 * RELAXED) * distance
-    return Gates(foot[free], out[free])
+    """About so many gates of a loop of the fine mesh; none where others of its points are closer.
+
+    Where these begin, a gate is as close to them as doubles tell: there the offset has a corner that turns inwards.
+    """
+    boundary, search = _Boundary(fine, loop, distance), SignedDistance.of(fine)
+
+    def free(places: FloatArray) -> BoolArray:
+        found = boundary.at(places)
+        reach = search.at(found.foot + (1.0 + RELAXED) * distance * found.normal).distance
+        return np.asarray(reach > (1.0 + 0.5 * RELAXED) * distance)
+
+    places = boundary.samples(count)
+    most = min(2 * count, MAX_GATES)
+    if len(places) > most:
+        places = places[np.unique(np.linspace(0, len(places), most, endpoint=False).astype(np.int64))]
+    notches = boundary.ends[::2][boundary.is_notch]  # no gate is free there
+    places = np.unique(np.mod(np.concatenate([places, notches]), boundary.length))
+    kept = free(places)
+    ends = np.flatnonzero(kept != np.roll(kept, -1))
+    here, there = places[ends], np.append(places, places[0] + boundary.length)[ends + 1]
+    good, bad = np.where(kept[ends], here, there), np.where(kept[ends], there, here)
+    for _ in range(CORNER_HALVINGS if len(ends) else 0):
+        middle = 0.5 * (good + bad)
+        is_free = free(middle)
+        good, bad = np.where(is_free, middle, good), np.where(is_free, bad, middle)
+    return boundary.at(np.unique(np.mod(np.concatenate([places[kept], good]), boundary.length)))
 
 
-def _parts(pieces: float) -> FloatArray:
-    """The middles of equal parts of the unit interval, about ``pieces`` of them and at least one."""
-    number = max(1, round(pieces))
-    return (np.arange(number) + 0.5) / number
+def _protruding(fine: Mesh, loop: int, found: Gates) -> float:
+    """How far vertices of a loop protrude from the chords between the feet of gates, at most."""
+    feet = np.concatenate([found.foot, found.foot[:1]])
+    points = fine.vertices[fine.loops[loop]]
+    chords = EdgeSearch(feet[:-1], feet[1:])
+    near = chords.closest(points)
+    start, end = feet[near.edge], feet[near.edge + 1]
+    outside = cross(end - start, points - start) < 0.0
+    return float(near.distance[outside].max(initial=0.0))
 
 
 def fewest_links(fine: Mesh, loop: int, distance: float, clearance: float) -> int:
-    """Lower bound on the vertices of a cage's loop that stays within a distance of its fine loop."""
-    links = _fewest_runs(gates(fine, loop, distance, FIRST_GATES), distance, clearance)
+    """Lower bound on the vertices of a cage's loop around a loop of the fine mesh, all of it within a distance."""
+    links = _bound(gates(fine, loop, distance, FIRST_GATES), distance, clearance)
     if GATES_PER_LINK * links > FIRST_GATES:
         more = gates(fine, loop, distance, min(GATES_PER_LINK * links, MAX_GATES))
-        links = max(links, _fewest_runs(more, distance, clearance))
+        links = max(links, _bound(more, distance, clearance))
     return links
 
 
-def _fewest_runs(found: Gates, distance: float, clearance: float) -> int:
-    """The smallest number of runs that cover the circle, by leaps from every gate at once; at least 3."""
-    count = len(found.foot)
-    if count < LEAST_PER_LOOP:
+def _bound(found: Gates, distance: float, clearance: float) -> int:
+    """The larger of two bounds: by links that meet, from some gates, and by runs that need not, from every gate."""
+    if len(found.foot) < LEAST_PER_LOOP:
         return LEAST_PER_LOOP
-    run = _longest_runs(*found.ends(clearance, (1.0 + RELAXED) * distance))
-    place, links = np.arange(count), np.zeros(count, dtype=np.int64)
-    goal = place + count
-    while (going := place < goal).any():
-        place[going] += run[place[going] % count]
-        links[going] += 1
-    return max(LEAST_PER_LOOP, int(links.min()))
+    corridor = Corridor(*found.ends(clearance, (1.0 + RELAXED) * distance), slack=ANGLE_SLACK)
+    meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
+    return max(LEAST_PER_LOOP, meeting, corridor.fewest_runs())
 
 
-def _longest_runs(feet: FloatArray, tips: FloatArray) -> IntArray:
-    """(N,) number of gates from each one on, in circular order, whose feet (N, 2) and tips (N, 2) a line separates.
+def walks(fine: Mesh, loop: int, distance: float, clearance: float, *, enough: int = 0) -> list[FloatArray]:
+    """Polygons (k, 2) around a loop of few links each, fewest first; they are to be verified.
 
-    With n from tip to foot, a line separates where n · (foot_k - tip_l) ≥ 0 for all k and l: each pair allows half a
-    circle of normals around the direction of its difference.
+    enough: number of links with which only some of them are made.
     """
-    count = len(feet)
-    runs = np.zeros(count, dtype=np.int64)
-    window = min(FIRST_WINDOW, count)
-    for start in range(count):
-        while True:
-            k = (start + np.arange(window)) % count
-            along = feet[k][:, None] - tips[k][None, :]
-            turned = along @ np.array([[feet[start] - tips[start]], [rotated_right((feet - tips)[start])]])[:, 0].T
-            angle = np.arctan2(turned[..., 1], turned[..., 0])
-            highest = np.maximum.accumulate(np.maximum(_corner(angle), _corner(angle.T)))
-            lowest = np.minimum.accumulate(np.minimum(-_corner(-angle), -_corner(-angle.T)))
-            apart = highest - lowest > np.pi + ANGLE_SLACK
-            length = int(apart.argmax()) if apart.any() else window
-            if length < window or window == count:
-                break
-            window = min(2 * window, count)
-        runs[start] = max(1, length)
-    return runs
-
-
-def _corner(values: FloatArray) -> FloatArray:
-    """(W,) largest value of each row up to the diagonal."""
-    largest: FloatArray = np.where(np.tril(np.ones(values.shape, dtype=bool)), values, -np.inf).max(axis=1)
-    return largest
-
-
-def walks(fine: Mesh, loop: int, distance: float, clearance: float) -> list[FloatArray]:
-    """Polygons (k, 2) with few edges around a loop, fewest first; to be verified."""
     found = gates(fine, loop, distance, MAX_GATES // 2)
     if len(found.foot) < LEAST_PER_LOOP:
         return []
-    low, high = CLEARANCE_RESERVE * clearance, (1.0 - RESERVE) * distance
+    low, high = WALK_CLEARANCES * clearance + _protruding(fine, loop, found), (1.0 - RESERVE) * distance
     if not low < high:
         return []
-    feet, tips = found.ends(low, high)
-    starts = np.unique(np.linspace(0, len(feet), WALKS, endpoint=False).astype(np.int64))
-    found_ones = [_walk(feet, tips, start, side) for side in (tips, feet) for start in starts.tolist()]
-    return sorted([polygon for polygon in found_ones if polygon is not None], key=len)
-
-
-def _walk(feet: FloatArray, tips: FloatArray, start: int, side: FloatArray) -> FloatArray | None:
-    """The polygon of longest edges from the tip or the foot of a gate; None if it does not get around."""
-    count = len(feet)
-    at, place, goal = side[start], start, start + count
-    corners = [at]
-    while len(corners) <= count:
-        ahead = np.arange(place + 1, goal + 1)
-        k = ahead % count
-        forward = rotated_left(tips[place % count] - feet[place % count])
-        axes = np.stack((forward, rotated_left(forward))) / norm(forward)
-        left, right = (feet[k] - at) @ axes.T, (tips[k] - at) @ axes.T
-        to_feet, to_tips = (np.unwrap(np.arctan2(to[:, 1], to[:, 0])) for to in (left, right))
-        upper, lower = np.minimum.accumulate(to_feet), np.maximum.accumulate(to_tips)
-        blocked = upper < lower
-        if not blocked.any():
-            last = (to_tips if side is tips else to_feet)[-1]  # towards the first corner
-            closes = lower[-1] - ANGLE_SLACK <= last <= upper[-1] + ANGLE_SLACK
-            return np.array(corners) if closes and len(corners) >= LEAST_PER_LOOP else None
-        j = int(blocked.argmax())
-        if j == 0:
-            return None
-        by_outside = upper[j] == upper[j - 1]
-        angle = upper[j - 1] if by_outside else lower[j - 1]
-        chain = tips if by_outside else feet
-        direction = np.cos(angle) * axes[0] + np.sin(angle) * axes[1]
-        one, other = chain[k[j - 1]], chain[k[j]]
-        across = float(cross(direction, other - one))
-        if across == 0.0:
-            return None
-        part = min(1.0, max(0.0, float(cross(direction, at - one)) / across))
-        at = one + part * (other - one)
-        corners.append(at)
-        place = int(ahead[j - 1])
-    return None
+    corridor = Corridor(*found.ends(low, high), slack=0.0)
+    polygons: list[FloatArray] = []
+    for number, start in enumerate(corridor.some(WALK_STARTS)):
+        short = sum(len(polygon) <= enough for polygon in polygons)
+        if number >= MIN_WALKS and (short >= MIN_WALKS or sum(map(len, polygons)) > MAX_LINKS):
+            break
+        polygon = corridor.polygon(start)
+        if polygon is not None:
+            polygons.append(polygon)
+        elif number >= MIN_WALKS and not polygons:
+            break
+    return sorted(polygons, key=len)

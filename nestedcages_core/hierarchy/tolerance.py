@@ -9,6 +9,7 @@ from math import ceil, isfinite, sqrt
 import numpy as np
 
 from ..contact.reinflation import Reinflation
+from ..decimation import OuterHull
 from ..decimation.base import LEAST_PER_LOOP
 from ..decimation.minimal_nested import fewest_links, walks
 from ..errors import InvalidMeshError, NestedCagesError, NestingError
@@ -23,8 +24,14 @@ from .results import Level, Progress
 MAX_POLYGONS = 4
 """Number of greedy polygons that are tried."""
 
-SHARES = (1.0, 0.98)
-"""Fractions of the distance for greedy polygons: between two gates they may go a little farther."""
+SHARES = (1.0, 0.99, 0.97, 0.9)
+"""Parts of the distance that greedy polygons keep, in turn: between two gates they may go a little farther."""
+
+MAX_EXCEEDED = 0.1
+"""Fraction of the distance by which a greedy polygon may go too far."""
+
+MAX_CUTS = 12
+"""Earlier steps of a tightening that are looked at, evenly."""
 
 MAX_TESTED = 12
 """Number of greedy polygons that are tested."""
@@ -137,24 +144,26 @@ class _Search:
             return
         yield from self.builder.progress.begin("decimation")
         loops = range(len(self.fine.loops))
-        self.bound = sum(fewest_links(self.fine, k, distance, strictly) for k in loops)
+        bounds = [fewest_links(self.fine, k, distance, strictly) for k in loops]
+        self.bound = sum(bounds)
         for around, room in self._rooms(distance):
-            yield from self._try_walks_around(around, room)
+            if self.count > self.bound + len(bounds):
+                yield from self._try_walks_around(around, room, bounds)
 
-    def _try_walks_around(self, around: Mesh, room: float) -> Stage[Progress, None]:
-        """Polygons of longest links within so much room around a mesh."""
+    def _try_walks_around(self, around: Mesh, room: float, bounds: list[int]) -> Stage[Progress, None]:
+        """Polygons of longest links within so much room around a mesh; bounds: of their links, for each loop."""
+        clearance = self.builder.clearances[0]
         for share in SHARES:
-            polygons = [walks(around, k, share * room, self.builder.clearances[0]) for k in range(len(around.loops))]
+            polygons = [walks(around, k, share * room, clearance, enough=bound) for k, bound in enumerate(bounds)]
+            polygons = self._filled(polygons, bounds)
             tried = 0
             for number in range(min(MAX_TESTED, *map(len, polygons))):
-                if tried == MAX_POLYGONS or self.count <= self.bound:
-                    return
                 mesh = self._nested([each[number] for each in polygons])
-                if mesh is not None:
+                if mesh is not None and tried < MAX_POLYGONS:
                     tried += 1
                     yield from self._try(mesh)
-            if self.best is not None:
-                return
+                if self.count <= self.bound + len(bounds):
+                    return
 
     def _rooms(self, distance: float) -> Iterator[tuple[Mesh, float]]:
         """Meshes to walk around, and how far: what is within the rest around the mesh inside is within the distance."""
@@ -193,8 +202,23 @@ class _Search:
             f"the best one takes {taken}; ask for more, or for less clearance."
         )
 
+    def _filled(self, polygons: list[list[FloatArray]], bounds: list[int]) -> list[list[FloatArray]]:
+        """Polygons of an outer hull for loops that have none, such as holes smaller than the distance."""
+        if all(polygons) or not any(polygons):
+            return polygons
+        most = max(map(len, polygons))
+        try:
+            hull = OuterHull().decimate(self.inner, bounds, clearance=self.builder.clearances[0])
+        except NestedCagesError:
+            return polygons
+        others = [hull.vertices[loop] for loop in hull.loops]
+        return [found or [other] * most for found, other in zip(polygons, others, strict=True)]
+
     def _nested(self, loops: list[FloatArray]) -> Mesh | None:
-        """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best."""
+        """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best.
+
+        It may go a little too far: the tightening can mend that.
+        """
         if sum(map(len, loops)) >= self.count:
             return None
         try:
@@ -202,7 +226,7 @@ class _Search:
         except InvalidMeshError:
             return None
         fits = Nesting(mesh, self.inner).encloses_loop_by_loop()
-        return mesh if fits and stays_within(mesh, self.fine, self.need.limit) else None
+        return mesh if fits and stays_within(mesh, self.fine, (1.0 + MAX_EXCEEDED) * self.need.limit) else None
 
     def _try(self, wanted: int | Mesh) -> Stage[Progress, bool]:
         """Build a level; returns whether it, or a step of its tightening, is within the tolerance and the new best."""
@@ -231,7 +255,9 @@ def _cuts(level: Level) -> Iterator[Level]:
     """The level, then levels that end at an earlier step of its tightening, where these are certified too."""
     yield level
     way, report = level.reinflation, level.report
-    for last in range(len(way.cage_steps) - 2, way.tightening_start - 1, -1):
+    first = way.tightening_start
+    earlier = np.linspace(first, len(way.cage_steps) - 2, min(MAX_CUTS, len(way.cage_steps) - 1 - first)).astype(int)
+    for last in earlier[::-1].tolist():
         cage = level.coarse.moved(way.cage_steps[last])
         same_loops = level.coarse.has_loops_like(level.fine)
         certificate = verify(cage, level.fine, report.wanted_clearance, same_loops=same_loops)

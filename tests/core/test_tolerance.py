@@ -12,7 +12,7 @@ from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Wit
 from nestedcages_core.decimation.minimal_nested import fewest_links, walks
 from nestedcages_core.hierarchy import level_words, parse_level, wanted_levels
 from nestedcages_core.verification.reach import REACH_PRECISION, reach, stays_within
-from shapes import annulus, polygon, ring, star
+from shapes import annulus, letter_a, polygon, ring, star
 
 pytestmark = pytest.mark.slow
 
@@ -56,6 +56,40 @@ def test_the_bound_undercuts_every_cage() -> None:
     for count in (10, 14, 20):
         cage = nested_cages(fine, [count]).levels[0].cage
         assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= count
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_the_bound_undercuts_cages_of_random_shapes(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    corners = int(rng.integers(15, 50))
+    fine = Mesh.from_loops([ring(corners) * rng.uniform(rng.uniform(0.3, 0.9), 1.0, size=(corners, 1))])
+    cage = nested_cages(fine, [int(rng.integers(4, corners))]).levels[0].cage
+    assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= len(cage.vertices)
+
+
+@pytest.mark.parametrize("distance", [0.3, 0.1, 0.03])
+@pytest.mark.parametrize("fine", [star(5, 200), letter_a(), annulus(60)])
+def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
+    """Within one vertex per loop of the bound, and inside of the offset."""
+    level = nested_cages(fine, [Within(distance=distance)]).levels[0]
+    count, bound = len(level.cage.vertices), level.report.fewest
+    assert bound <= count <= bound + len(fine.loops)
+    assert verify(level.cage, fine, level.report.wanted_clearance)
+    assert within_by_shapely(level.cage, fine, distance)
+
+
+def test_a_corridor_by_hand() -> None:
+    """Around a square with gates of length 1 on its sides: the square itself is possible, a triangle is not."""
+    square = Mesh.from_loops([[[0, 0], [4, 0], [4, 4], [0, 4]]])
+    assert fewest_links(square, 0, 1.0, 0.0) == 4
+    assert min(map(len, walks(square, 0, 1.0, 0.0))) == 4
+    assert fewest_links(square, 0, 4.0, 0.0) == 3
+    # an L needs its inner corner where the distance is too small to fill it
+    corner = Mesh.from_loops([[[0, 0], [6, 0], [6, 2], [2, 2], [2, 6], [0, 6]]])
+    assert fewest_links(corner, 0, 0.1, 0.0) == 6
+    assert min(map(len, walks(corner, 0, 0.1, 0.0))) == 6
+    assert fewest_links(corner, 0, 3.0, 0.0) < 6
 
 
 def test_holes_and_levels() -> None:
