@@ -153,7 +153,8 @@ class Recorded:
         """What the contact does."""
 
         def record(state: np.ndarray) -> np.ndarray:
-            self.steps.append(state)
+            if state is not self.steps[-1]:
+                self.steps.append(state)
             return state
 
         self.steps[:] = [x]

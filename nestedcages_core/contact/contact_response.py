@@ -67,6 +67,17 @@ class Distances(WantedDistances):
 
 
 @dataclass(frozen=True, eq=False)
+class Prepared:
+    """A motion of the fine mesh, and the quadratic program whose solution is the motion of the cage."""
+
+    motion: FloatArray
+    """(m + n, 2), the cage at rest."""
+    pairs: Pairs
+    contacts: Contacts
+    program: QuadraticProgram
+
+
+@dataclass(frozen=True, eq=False)
 class Response:
     """A motion of cage and fine mesh, and the pairs that can meet in it."""
 
@@ -96,6 +107,10 @@ class ContactResponse:
 
     def to(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Response:
         """The response to a motion (n, 2) of the fine mesh at x (m + n, 2), at most ``radius`` along each axis."""
+        return self.solved(self.prepared(fine_motion, x, radius))
+
+    def prepared(self, fine_motion: FloatArray, x: FloatArray, radius: float) -> Prepared:
+        """The first half of :meth:`to`: the pairs that can meet and their constraints."""
         m, gap = self.bodies.m, self.distances.gap
         length = np.hypot(fine_motion[:, 0], fine_motion[:, 1])
         longest = float(length.max())
@@ -123,10 +138,15 @@ class ContactResponse:
             order=self.bodies.cage_order,
             scale=max(longest, SMALLEST_SCALE * gap),
         )
-        solution = self.bodies.solved(self.solver, program, ABSOLUTE_TOLERANCE * gap**2)
+        return Prepared(motion, all_pairs, all_contacts, program)
+
+    def solved(self, prepared: Prepared) -> Response:
+        """The second half of :meth:`to`: the motion of the cage."""
+        solution = self.bodies.solved(self.solver, prepared.program, ABSOLUTE_TOLERANCE * self.distances.gap**2)
+        motion = prepared.motion
         if np.isfinite(solution.step).all():
-            motion[:m] = solution.step
-        return Response(motion, all_pairs, all_contacts, solution.iterations)
+            motion = np.concatenate([solution.step, motion[self.bodies.m :]])
+        return Response(motion, prepared.pairs, prepared.contacts, solution.iterations)
 
     def _active(self, fine_motion: FloatArray, x: FloatArray, reach: float) -> BoolArray:
         """(m,) cage vertices near a moving fine vertex, and their neighbours; all if much of the fine mesh moves."""

@@ -131,7 +131,9 @@ class _Motion:
             part: FloatArray = np.minimum(pace, stride / np.maximum(length, stride))
             longest = float((part * length).max())
             radius = min(max(REACH * longest, self.gap), MAX_REACH * self.unit)
-            response = self.response.to(part[:, None] * remaining, self.x, radius)
+            prepared = self.response.prepared(part[:, None] * remaining, self.x, radius)
+            yield self.x  # each half of a large response takes a while
+            response = self.response.solved(prepared)
             self.systems += response.systems
             step = *self.rule.concerned(response.pairs, response.contacts, response.motion), self.x, response.motion
             fraction = self.rule.fraction(*step, REJECTED_FRACTION)

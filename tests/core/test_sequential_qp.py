@@ -27,10 +27,18 @@ def unit(mesh: Mesh) -> Mesh:
 def come_home(
     fine: Mesh, coarse: Mesh, path: list[np.ndarray], contact: SequentialQP | None = None
 ) -> tuple[ContactOutcome, list[np.ndarray]]:
-    """From the first place of the path through the others; all positions on the way."""
+    """From the first place of the path through the others; all positions on the way.
+
+    The same array yielded again is no step.
+    """
     steps = [np.concatenate([coarse.vertices, path[0]])]
     stage = (contact or SequentialQP()).reinflate(Bodies.of(coarse, fine), steps[0], path[1:], clearance=1e-5)
-    return drain(mapped(stage, steps.append)), steps
+
+    def record(x: np.ndarray) -> None:
+        if x is not steps[-1]:
+            steps.append(x)
+
+    return drain(mapped(stage, record)), steps
 
 
 def assert_free_of_crossings(fine: Mesh, coarse: Mesh, steps: list[np.ndarray], samples: int = 6) -> None:
