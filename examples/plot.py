@@ -55,13 +55,15 @@ def line(axes: plt.Axes, mesh: Mesh, colour: str, width: float = 1.5, dots: floa
         axes.plot(*mesh.vertices.T, ".", color=colour, markersize=dots, markeredgewidth=0.0, zorder=1)
 
 
-def panels(count: int, *, width: float = 5.0, height: float = 5.0) -> tuple[plt.Figure, list[plt.Axes]]:
-    """Panels side by side without frames."""
-    figure, axes = plt.subplots(1, count, figsize=(width * count, height), squeeze=False, layout="constrained")
-    for each in axes[0]:
+def panels(count: int, *, width: float = 5.0, height: float = 5.0, rows: int = 1) -> tuple[plt.Figure, list[plt.Axes]]:
+    """Panels of a size side by side, in rows, without frames."""
+    columns = -(-count // rows)
+    size = (width * columns, height * rows)
+    figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained")
+    for each in axes.flat:
         each.set_aspect("equal")
         each.axis("off")
-    return figure, list(axes[0])
+    return figure, list(axes.flat)[:count]
 
 
 def save(figure: plt.Figure, path: Path) -> None:

@@ -31,6 +31,7 @@ STORIES = (
     "five_levels",
     "glyphs",
     "logo",
+    "needs",
     "poisson",
     "regions",
     "sprite_outline",
@@ -70,6 +71,9 @@ def _check_files(story: str, folder: Path) -> None:
     elif story == "butterfly":
         parts = [read_svg(folder / "butterfly.svg", element=name) for name in ("shape", "cage-1")]
         assert verify(parts[1], parts[0])
+    elif story == "needs":
+        parts = [read_svg(folder / "needs.svg", element=name) for name in ("inner", "fine", "outer")]
+        assert all(verify(outer, inner) for inner, outer in pairwise(parts))
     elif story == "five_levels":
         parts = [read_svg(folder / "five_levels.svg", element=name) for name in ("shape", "cage-1", "cage-2", "cage-3")]
         assert all(verify(outer, inner) for inner, outer in pairwise(parts))

@@ -233,10 +233,7 @@ class Generation:
                     run.close()
                 missed = needs.missed(wanted, plan.fine, level.mesh)
                 if level.certificate.holds and not missed:
-                    yield replace(
-                        level,
-                        need=needs.sentence(wanted, plan.fine, level.mesh, clearance, plan.request.fine.frame.scale),
-                    )
+                    yield needs.told(level, wanted, plan.fine, clearance, plan.request.fine.frame.scale)
                     return
                 problem = missed or (
                     "the cage does not hold in Blender's single precision "

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core import core
 from ..errors import UserError
+from .storage import CageLevel
 
 Level: TypeAlias = "int | core.Mesh | core.Within"
 
@@ -39,21 +40,20 @@ def missed(level: Level, drawing: core.Mesh, cage: core.Mesh) -> str:
     )
 
 
-def sentence(level: Level, drawing: core.Mesh, cage: core.Mesh, clearance: float, scale: float) -> str:
-    """The distance or excess of the cage, and the lower bound on its vertices; empty for other levels.
+def told(made: CageLevel, level: Level, drawing: core.Mesh, clearance: float, scale: float) -> CageLevel:
+    """A level made within a tolerance, with a sentence on that in units of the scene instead of the core's.
 
     clearance: kept by every cage, in the drawing's units. scale: length of such a unit in the scene.
     """
     if not isinstance(level, core.Within):
-        return ""
-    count, taken = len(cage.vertices), level.measured(cage, drawing)
+        return made
+    count, taken = len(made.cage), level.measured(made.mesh, drawing)
     if level.distance is None:
-        return (
-            f"{count} vertices, the fewest found within {100.0 * level.limit:.4g} % more area: {100.0 * taken:.4g} %."
-        )
-    fewest_links = core.decimation.minimal_nested.fewest_links
-    least = sum(fewest_links(drawing, k, level.distance, clearance) for k in range(len(drawing.loops)))
-    return (
-        f"{count} vertices, the fewest found within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}; no "
-        f"cage within it has fewer than {least}."
-    )
+        need = f"{count} vertices, the fewest found within {100.0 * level.limit:.4g} % more area: {100.0 * taken:.4g} %"
+    else:
+        need = f"{count} vertices, the fewest found within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}"
+        if made.report.fewest is not None:
+            fewest_links = core.decimation.minimal_nested.fewest_links
+            least = sum(fewest_links(drawing, k, level.distance, clearance) for k in range(len(drawing.loops)))
+            need = f"{need}; no cage within it has fewer than {least}"
+    return replace(made, need=f"{need}.", report=replace(made.report, notes=made.report.notes[:-1]))
