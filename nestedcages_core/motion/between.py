@@ -129,20 +129,24 @@ class Straightener:
         last_resort = begin.part <= SHORTEST
         if begin.rounds >= (2 * ROUNDS if last_resort else ROUNDS) or (begin.handed_out and end.handed_out):
             return None
-        bodies, encloses = self.follower.bodies, self.follower.encloses
+        follower, bodies = self.follower, self.follower.bodies
         x0, x1 = (np.concatenate([key.cage, key.fine]) for key in (begin, end))
         pairs = find_pairs(bodies, 0.5 * (x0 + x1), RESTORED_REACH * bodies.cage_edge_length)
         missing = self._missing(pairs, x0, x1)
         missing[missing > 0.0] *= PUSH_FACTOR if begin.rounds < LATER else LATER_PUSH_FACTOR
         share = 2.0 if begin.handed_out or end.handed_out else 1.0
-        cages = []
+        cages: list[FloatArray] = []
         for key, x in ((begin, x0), (end, x1)):
             if key.handed_out:
                 cages.append(key.cage)
                 continue
-            cage = key.cage + outward_correction(bodies, pairs, measure(pairs, x), x, share * missing)
+            pushed = key.cage + outward_correction(bodies, pairs, measure(pairs, x), x, share * missing)
+            keeps = follower.encloses(pushed, key.fine, follower.clearance)  # a push may lead too close elsewhere
+            cage = pushed if keeps else follower.restored(key.cage, key.fine, pushed, key.fine)
+            if cage is None:
+                return None
             grown = signed_area(cage, bodies.cage_successor) / signed_area(key.cages[-1], bodies.cage_successor) - 1.0
-            if (grown > PUSHED_AREA and not last_resort) or not encloses(cage, key.fine):
+            if grown > PUSHED_AREA and not last_resort:
                 return None
             cages.append(cage)
         return cages[0], cages[1]

@@ -93,9 +93,9 @@ class Follower:
             return None
         return x[: bodies.m]
 
-    def encloses(self, cage: FloatArray, fine: FloatArray) -> bool:
-        """Whether a cage (m, 2) strictly encloses a pose (n, 2), by exact predicates."""
-        return verify(self.topology.moved(cage), self.fine.moved(fine)).holds
+    def encloses(self, cage: FloatArray, fine: FloatArray, clearance: float = 0.0) -> bool:
+        """Whether a cage (m, 2) strictly encloses a pose (n, 2), by exact predicates, and keeps a clearance."""
+        return verify(self.topology.moved(cage), self.fine.moved(fine), clearance).holds
 
     def _carried(self, cage: FloatArray, before: FloatArray, after: FloatArray, parts: int) -> FloatArray | None:
         """The cage carried along the straight motion in ``parts`` steps, restored after each."""
