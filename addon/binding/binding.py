@@ -24,7 +24,7 @@ from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
 from ..scene import display, filling, ownership
-from ..scene.plane import PLANARITY, size, transform
+from ..scene.plane import PLANARITY, size, space_to_space, transform
 from . import deform_modifiers, node_groups, originals
 from .deform_modifiers import Link
 
@@ -186,7 +186,7 @@ def _fill(levels: list[bpy.types.Object]) -> None:
 
 def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
     """Raises: UserError unless the cage, unposed, strictly encloses the unposed inner mesh in its plane."""
-    there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(inner.matrix_world)
+    there = space_to_space(cage, inner)
     drawing, corners = filling.mesh_of(inner), filling.points_of(filling.mesh_of(cage))
     points = transform(there, filling.points_of(drawing))
     if np.ptp(np.concatenate([points[:, 2], corners[:, 2]])) > PLANARITY * size(corners):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .. import keys
 from ..errors import UserError
 from ..scene import display, filling
-from ..scene.plane import size, transform
+from ..scene.plane import size, space_to_space, transform
 from . import node_groups, weights
 
 SURFACE: Final = "SURFACE_DEFORM"
@@ -220,7 +220,7 @@ def measure(context: bpy.types.Context, inner: bpy.types.Object, cage: bpy.types
     points = filling.points_of(filling.mesh_of(inner))
     extent = size(points)
     rest = float(np.abs(evaluated_points(context, inner) - points).max()) / extent
-    there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(inner.matrix_world)
+    there = space_to_space(cage, inner)
     back = np.linalg.inv(there)
     corners = filling.points_of(filling.mesh_of(cage))
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))

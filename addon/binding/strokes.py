@@ -11,7 +11,7 @@ from mathutils.kdtree import KDTree
 
 from .. import keys
 from ..scene import filling
-from ..scene.plane import transform
+from ..scene.plane import space_to_space, transform
 from . import node_groups
 
 # Largest difference of a layer's matrix from none that is round-off.
@@ -33,7 +33,7 @@ def add(source: bpy.types.Object, fine: bpy.types.Object, shown: bpy.types.Objec
 
     Points drawn later do not follow until the drawing is bound again.
     """
-    there = np.linalg.inv(np.array(source.matrix_world)) @ np.array(fine.matrix_world)
+    there = space_to_space(source, fine)
     corners = transform(there, filling.points_of(filling.mesh_of(fine)))
     tree = KDTree(len(corners))
     for number, corner in enumerate(corners):

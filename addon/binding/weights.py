@@ -12,7 +12,7 @@ from .. import keys
 from ..core import core
 from ..errors import UserError
 from ..scene import filling
-from ..scene.plane import PLANARITY, Array, size, transform
+from ..scene.plane import PLANARITY, Array, size, space_to_space, transform
 from . import node_groups
 
 HARMONIC, LINEAR = "HARMONIC", "LINEAR"
@@ -44,7 +44,7 @@ def add(
 
     Raises: UserError if the points are not in the plane and the inside of the cage.
     """
-    there = np.linalg.inv(np.array(cage.matrix_world)) @ np.array(obj.matrix_world)
+    there = space_to_space(cage, obj)
     inside, corners = transform(there, points), filling.points_of(filling.mesh_of(cage))
     if np.ptp(np.concatenate([inside[:, 2], corners[:, 2]])) > PLANARITY * size(corners):
         raise UserError(f"'{obj.name}' and '{cage.name}' do not lie in one plane")

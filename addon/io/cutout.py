@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..core import core, predicates
 from ..errors import UserError
 from ..scene import display, filling
-from ..scene.plane import PLANARITY, Frame
+from ..scene.plane import PLANARITY, Frame, world_matrix
 
 Points = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:
     matrix = np.eye(4)
     corner = -0.5 * extent
     if obj is not None:
-        matrix = np.array(obj.matrix_world, dtype=np.float64)
+        matrix = world_matrix(obj)
         if obj.type == "MESH":
             return _on_faces(obj, matrix)
         extent = extent * obj.empty_display_size

@@ -15,7 +15,7 @@ from ..errors import UserError
 from ..generation.job import Progress, Work
 from ..scene import filling
 from ..scene.areas import Area, Faces, Patch, areas_of, loops_of
-from ..scene.plane import Frame, fitted_frame, own_frame
+from ..scene.plane import Frame, fitted_frame, own_frame, world_matrix
 from ..scene.reading import READERS, lines_of
 from ..scene.uniting import united
 
@@ -46,7 +46,7 @@ def plane_of(context: bpy.types.Context, active: bpy.types.Object, plane: str) -
         points = np.array([corner[:] for corner in active.bound_box], dtype=np.float64)
         if active.type in READERS:
             points = lines_of(context, active).vertices.astype(np.float64)
-        matrix = np.array(active.matrix_world, dtype=np.float64)
+        matrix = world_matrix(active)
         return own_frame(matrix, points) or fitted_frame(matrix, points)
     if plane == "VIEW":
         view = getattr(context, "region_data", None)

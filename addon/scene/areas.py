@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from .chains import SMALLEST_LOOP, chains
 from .convert import read
-from .plane import transform
+from .plane import transform, world_matrix
 from .reading import READERS
 from .strokes import SMOOTH, STRAIGHT
 
@@ -93,7 +93,7 @@ def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
         mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
     finally:
         evaluated.to_mesh_clear()
-    world = transform(np.array(obj.matrix_world), points.astype(np.float64))
+    world = transform(world_matrix(obj), points.astype(np.float64))
     if len(triangles):
         yield Faces(world, triangles)
     lone = edges[np.bincount(used, minlength=len(edges)) == 0].astype(np.int64)
@@ -120,7 +120,7 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool) -> 
         frame = layer.current_frame()
         if layer.hide or frame is None or frame.drawing is None:
             continue
-        matrix = np.array(obj.matrix_world) @ np.array(layer.matrix_local)
+        matrix = world_matrix(obj) @ np.array(layer.matrix_local)
         scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
         for stroke in frame.drawing.strokes:
             drawn = np.array([(*point.position, point.radius) for point in stroke.points], np.float64).reshape(-1, 4)

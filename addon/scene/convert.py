@@ -13,7 +13,7 @@ from ..core import core
 from ..errors import Fault, UserError
 from . import faults
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
-from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform
+from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform, world_matrix
 from .reading import READERS, lines_of
 from .uniting import outline_of, united
 
@@ -100,7 +100,7 @@ def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOpti
     context.evaluated_depsgraph_get()  # updates the object's matrix
     vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
-    matrix = np.array(obj.matrix_world, dtype=np.float64)
+    matrix = world_matrix(obj)
     return Outline(obj.name, loops, matrix, obj.session_uid, letters=obj.type == "FONT")
 
 

@@ -140,14 +140,16 @@ def why_locked(obj: bpy.types.Object) -> str:
 def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
     """Makes an object a child of its drawing, in the drawing's plane; without a parent if the drawing is gone.
 
-    In the drawing's own space nothing is rounded: both have the same matrix, wherever the drawing moves.
+    In the drawing's own space nothing is rounded: both have the same matrix, wherever the drawing moves. A drawing that
+    is scaled to nothing along an axis has no such space for other frames than its own.
     """
-    if source is None or obj in _line_of(source):
+    inverse = source.matrix_world.inverted(None) if source is not None else None
+    if source is None or obj in _line_of(source) or (inverse is None and not frame.own):
         obj.parent = None
         obj.matrix_world = Matrix(frame.matrix.tolist())
         return
     obj.parent, obj.parent_type = source, "OBJECT"
-    fitted = Matrix() if frame.own else source.matrix_world.inverted() @ Matrix(frame.matrix.tolist())
+    fitted = Matrix() if frame.own or inverse is None else inverse @ Matrix(frame.matrix.tolist())
     obj.matrix_parent_inverse = fitted
     for name in ("location", "delta_location", "rotation_euler", "delta_rotation_euler"):
         setattr(obj, name, (0.0, 0.0, 0.0))

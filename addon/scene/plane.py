@@ -1,4 +1,4 @@
-"""The plane of a drawing: its frame in the world, and distances of points from it. Uses numpy only.
+"""The plane of a drawing: its frame in the world, and distances of points from it.
 
 Drawings are 2D, in the x and y of their ``Frame``. Blender stores float32, so the frame also determines which numbers
 are stored.
@@ -8,8 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
+
+from ..errors import UserError
 
 Array = NDArray[np.float64]
 
@@ -50,6 +53,28 @@ class Frame:
         return local[:, :2], (local[:, 2] - self.height) * self.scale
 
 
+def world_matrix(obj: bpy.types.Object) -> Array:
+    """The matrix (4, 4) from an object's space to the world. Raises: UserError if it is not finite."""
+    matrix = np.array(obj.matrix_world, dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise UserError(
+            f"The location, rotation or scale of '{obj.name}' is not a finite number: clear it with Alt+G, Alt+R or Alt+S"
+        )
+    return matrix
+
+
+def space_to_space(there: bpy.types.Object, here: bpy.types.Object) -> Array:
+    """The matrix (4, 4) from one object's space to that of another, `there`. Raises: UserError if there is none."""
+    try:
+        inverse = np.linalg.inv(world_matrix(there))
+    except np.linalg.LinAlgError:
+        inverse = np.full((4, 4), np.inf)
+    if not np.isfinite(inverse).all():
+        raise UserError(f"'{there.name}' is scaled to nothing along an axis: clear its scale with Alt+S")
+    matrix: Array = inverse @ world_matrix(here)
+    return matrix
+
+
 def transform(matrix: Array, points: Array) -> Array:
     """Points (n, 3) under an affine matrix (4, 4)."""
     moved: Array = points @ matrix[:3, :3].T + matrix[:3, 3]
@@ -85,6 +110,8 @@ def fitted_frame(matrix: Array, points: Array) -> Frame:
     as little as possible and not mirrored. The points may lie off the plane, see ``Frame.from_world``.
     """
     world = transform(matrix, points)
+    finite = np.isfinite(world).all(axis=1)
+    world[~finite] = world[finite].mean(axis=0) if finite.any() else 0.0
     middle = 0.5 * (world.min(axis=0) + world.max(axis=0))
     directions = np.linalg.svd(world - world.mean(axis=0), full_matrices=False)[2]
     normal = directions[2]
