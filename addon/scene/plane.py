@@ -58,7 +58,8 @@ def world_matrix(obj: bpy.types.Object) -> Array:
     matrix = np.array(obj.matrix_world, dtype=np.float64)
     if not np.isfinite(matrix).all():
         raise UserError(
-            f"The location, rotation or scale of '{obj.name}' is not a finite number: clear it with Alt+G, Alt+R or Alt+S"
+            f"The location, rotation or scale of '{obj.name}' is not a finite number: clear it with Alt+G, Alt+R or "
+            "Alt+S"
         )
     return matrix
 

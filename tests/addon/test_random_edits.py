@@ -309,14 +309,14 @@ def try_operator(operator: Any) -> Any:
 @pytest.mark.parametrize(
     "seed", [*range(FEW), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(FEW, MANY))]
 )
-def test_random_edits_between_and_during_jobs(  # noqa: PLR0913
+def test_random_edits_between_and_during_jobs(
     extension,
     addon,
-    modal,
+    modal,  # noqa: F811
     monkeypatch,
     tmp_path,
     capfd,
-    seed,  # noqa: F811
+    seed,
 ) -> None:
     """Every tick does one slice, so that a seed says what happens when."""
     advance = addon.generation.job.Job.advance
