@@ -12,8 +12,9 @@ import numpy as np
 from ..errors import InvalidMeshError, NestingError
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
+from ..geometry.orbits import Orbits
 from ..geometry.signed_distance import EdgeSearch
-from ..geometry.symmetry import Orbits, Symmetry
+from ..geometry.symmetry import Symmetry
 from ..stages import Stage, drain
 from .arc_length import ArcLength
 from .base import Count, Start

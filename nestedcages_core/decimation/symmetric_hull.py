@@ -14,7 +14,8 @@ import numpy as np
 
 from ..errors import NestingError
 from ..geometry.arrays import FloatArray
-from ..geometry.symmetry import Orbits, Symmetry
+from ..geometry.orbits import Orbits
+from ..geometry.symmetry import Symmetry
 from ..geometry.vectors import norm
 from ..stages import Stage
 from .importance import Importance

@@ -8,7 +8,7 @@
 - `signed_distance`: to the solid of a mesh, with gradient.
 - `smallest_gap`: the smallest distance between two boundaries.
 - `broad_phase`: the pairs of points and edges that are closer than a radius.
-- `symmetry`: mirrors and rotations, and the orbits of a mesh's vertices; `symmetry_search`: those of a drawing.
+- `symmetry`: mirrors and rotations; `orbits`: of the vertices of a mesh; `symmetry_search`: that of a drawing.
 - `overlay`: union and intersection of solids.
 - `shortest_cycle`: the cheapest choice of one candidate per layer.
 - `grid`: the multiples of a length.

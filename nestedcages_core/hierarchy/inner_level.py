@@ -10,7 +10,6 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
 from ..decimation import OnCurve, OuterHull, Start
-from ..decimation.base import clamped
 from ..decimation.inner_hull import inner_hulls
 from ..energies import inwards, signed_area
 from ..errors import NestingError
@@ -21,12 +20,13 @@ from ..geometry.symmetry_search import Found
 from ..stages import Stage
 from ..verification import Certificate, verify
 from ..verification.motion import certifying
+from .counts import possible
 from .early_stop import EarlyStop
 from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
-from .symmetric import Alike, made_alike, possible_count, with_images
+from .symmetric import Alike, made_alike, with_images
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -93,6 +93,8 @@ class InnerLevelBuilder:
         """At least one mesh strictly inside the fine one, and notes."""
         notes: tuple[str, ...] = ()
         count: int | list[int]
+        if self.symmetry is not None:
+            self.outline, notes = with_images(self.fine, self.symmetry, inside=True)
         if isinstance(wanted, Mesh):
             inside = verify(self.fine, wanted)
             if inside:
@@ -100,22 +102,14 @@ class InnerLevelBuilder:
             reason = "the coarse mesh does not lie strictly inside the fine one, loop by loop"
             if self.settings.fallback is None:
                 raise NestingError(f"No inner cage can start there: {reason}; move it inside, or give a vertex count.")
-            notes = (f"Started from the inner hull instead: {reason}.",)
+            notes = (*notes, f"Started from the inner hull instead: {reason}.")
             same = np.array_equal(wanted.loop_signs, self.fine.loop_signs)
             count = (
                 [len(loop) for loop in wanted.loops] if same else max(len(wanted.vertices), 3 * len(self.fine.loops))
             )
         else:
-            if self.symmetry is not None:
-                self.outline, notes = with_images(self.fine, self.symmetry, inside=True)
-            count, replaced = clamped(wanted, self.outline)
+            count, replaced = possible(wanted, self.outline, self.symmetry, self.priorities)
             notes += replaced
-            if self.priorities is not None:
-                count, replaced = self.priorities.possible_count(count, self.outline)
-                notes += replaced
-            if self.symmetry is not None:
-                count, replaced = possible_count(count, self.outline, self.symmetry)
-                notes += replaced
         yield from self.progress.begin("decimation")
         search = inner_hulls(
             _hull(self.settings), self.outline, count, clearance=self.clearances[0], most=self.settings.starts

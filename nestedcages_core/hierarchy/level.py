@@ -12,7 +12,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Decimation, SeveralStarts, Start
-from ..decimation.base import clamped, shared_anew
+from ..decimation.base import shared_anew
 from ..energies import Area, CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
@@ -25,12 +25,13 @@ from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .clearance_bounds import too_narrow
+from .counts import possible
 from .early_stop import EarlyStop
 from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
 from .settings import Settings
-from .symmetric import Alike, made_alike, possible_count, with_images
+from .symmetric import Alike, made_alike, with_images
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
@@ -64,17 +65,11 @@ class LevelBuilder:
         """The level of the first attempt that succeeds. Raises the error of the last one."""
         failures: list[NestedCagesError] = []
         clamping: tuple[str, ...] = ()
+        if self.symmetry is not None:
+            self.outline, clamping = with_images(self.fine, self.symmetry)
         if not isinstance(wanted, Mesh):
-            if self.symmetry is not None:
-                self.outline, clamping = with_images(self.fine, self.symmetry)
-            wanted, replaced = clamped(wanted, self.outline)
+            wanted, replaced = possible(wanted, self.outline, self.symmetry, self.priorities)
             clamping += replaced
-            if self.priorities is not None:
-                wanted, replaced = self.priorities.possible_count(wanted, self.outline)
-                clamping += replaced
-            if self.symmetry is not None:
-                wanted, replaced = possible_count(wanted, self.outline, self.symmetry)
-                clamping += replaced
         for attempt in attempts(self.settings, self.outline, wanted, self.clearances):
             try:
                 if attempt.tightened:

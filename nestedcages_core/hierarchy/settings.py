@@ -65,7 +65,7 @@ class Settings:
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
     symmetry: Symmetry | Found | None = None
     """A symmetry that the cages have exactly: `Mirror`, `Rotation`, or `Found` for that of the drawing."""
-    weights: ArrayLike | None = None
+    weights: ArrayLike | None = field(default=None, repr=False)
     """(n,) how much each fine vertex matters, at least 0: more vertices and less excess where weights are high."""
     pins: Sequence[int | Sequence[float]] = ()
     """Corners that keep a cage vertex: fine vertices by number, or places (x, y) on the outline."""

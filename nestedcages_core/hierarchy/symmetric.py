@@ -13,9 +13,10 @@ from ..decimation.base import LEAST_PER_LOOP
 from ..errors import InvalidMeshError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.orbits import Orbits
 from ..geometry.overlay import overlay
 from ..geometry.predicates import winding_number
-from ..geometry.symmetry import Orbits, Symmetry
+from ..geometry.symmetry import Symmetry
 from ..geometry.symmetry_search import Found
 from ..geometry.vectors import rotated_right
 from ..solver.tied import Tie

@@ -27,8 +27,9 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.energies import Blocks
+from nestedcages_core.geometry.orbits import Orbits
 from nestedcages_core.geometry.overlay import overlay
-from nestedcages_core.geometry.symmetry import Orbits, Symmetry
+from nestedcages_core.geometry.symmetry import Symmetry
 from nestedcages_core.solver.banded import Rows
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
 from nestedcages_core.solver.tied import Tie
