@@ -101,16 +101,20 @@ class OuterHull:
         search = _Search(self, request, clearance)
         yield from search.begin()
         too_large: list[Outline] = []
+        asymmetric: AsymmetricError | None = None
         for hulls in (search.with_clearance, search.without_small_details):
             try:
                 found = yield from hulls()
-            except AsymmetricError:
+            except AsymmetricError as error:
+                asymmetric = error
                 continue
             if certified := list(islice(search.certified(found), most)):
                 return certified
             too_large += [hull for hull in found[:1] if len(hull.vertices) > search.target]
         if too_large:
             raise NestingError(search.unreachable(min(too_large, key=search.rank)))
+        if asymmetric is not None:
+            raise asymmetric
         raise NestingError(
             f"There is no room for a cage near {in_words(search.tightest())}: a gap there is as small as "
             "floating-point numbers can tell at these coordinates; widen it, or move the shape closer to the origin."
@@ -156,7 +160,7 @@ class _Search:
             self.request.minimum,
             restarts=self.method.restarts,
             seed=self.method.seed,
-            prepare=lambda outline: self._alike(cleared(outline, self.fine, self.clearance)),
+            prepare=self._prepared,
             greedy=self._greedy,
         )
         return (yield from search)
@@ -217,6 +221,13 @@ class _Search:
                 return remembered_hull(outline, weights, minimum)
             return ProgressiveHull(outline, weights, minimum, self.importance)
         return SymmetricHull(outline, weights, minimum, self.importance, symmetry=self.symmetry)
+
+    def _prepared(self, outline: Outline) -> Outline:
+        """The outline at the clearance, where that leaves it symmetric; the tightening keeps the clearance anyway."""
+        try:
+            return self._alike(cleared(outline, self.fine, self.clearance))
+        except AsymmetricError:
+            return outline
 
     def _alike(self, outline: Outline) -> Outline:
         """The outline with the symmetry, if there is one. Raises AsymmetricError."""

@@ -38,7 +38,10 @@ def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:
     """The orbits of an outline. Raises AsymmetricError."""
     orbits = Orbits.of(outline.vertices, outline.successor, symmetry, SYMMETRY_TOLERANCE * outline.diameter)
     if orbits is None:
-        raise AsymmetricError(f"The outline does not have {symmetry}.")
+        raise AsymmetricError(
+            f"No symmetric hull was found: where gaps are narrow, an offset of the outline does not have {symmetry}; "
+            "leave out the symmetry, or widen the gaps."
+        )
     return orbits
 
 
