@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from data import shape, shape_names
-from needed import convex, grids, symmetry, within
+from needed import convex, grids, pieces, symmetry, within
 from needed.table import Table
 from nestedcages_core import Mesh
 
@@ -24,6 +24,7 @@ TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
     "within": within.table,
     "grids": grids.table,
     "convex": convex.table,
+    "pieces": pieces.table,
     "symmetry": symmetry.table,
 }
 """Each makes a table of shapes by their names."""

@@ -129,3 +129,18 @@ def test_the_vertices_of_all_parts_of_a_peer_count(monkeypatch: pytest.MonkeyPat
     two = peers.buffer_and_simplify(Mesh.from_loops([disc, disc + 4.0]), 12)
     assert 6 <= two.vertices <= 12
     assert two.excess > 5.0  # no twelve vertices enclose two round discs more tightly
+
+
+def test_the_fewest_convex_pieces_of_small_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    from needed.pieces import fewest
+
+    corner = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], float)
+    plus = [[1, 0], [2, 0], [2, 1], [3, 1], [3, 2], [2, 2], [2, 3], [1, 3], [1, 2], [0, 2], [0, 1], [1, 1]]
+    turn = 2.0 * np.pi * np.arange(20) / 20
+    round_one = np.column_stack((np.cos(turn), np.sin(turn)))
+    assert fewest(corner, 8) == 2
+    assert fewest(np.array(plus, float), 8) == 3
+    assert fewest(round_one, 8) == 3
+    assert fewest(round_one, 20) == 1
+    assert fewest(round_one, 3) == 18

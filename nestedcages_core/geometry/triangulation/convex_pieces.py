@@ -30,8 +30,8 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
     return [mesh.vertices[piece] for piece in piece_vertices(mesh, most)]
 
 
-def piece_vertices(mesh: Mesh, most: int = 8) -> list[Piece]:
-    """The same as numbers of vertices of the mesh."""
+def piece_vertices(mesh: Mesh, most: int = 8, *, orders: int = ORDERS) -> list[Piece]:
+    """The same as numbers of vertices of the mesh; orders: how many orders of the diagonals are tried."""
     if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 3:
         raise NestedCagesError(f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.")
     tiles = triangulate(mesh)
@@ -44,7 +44,7 @@ def piece_vertices(mesh: Mesh, most: int = 8) -> list[Piece]:
     places: list[tuple[float, float]] = [(float(x), float(y)) for x, y in tiles.vertices]
     rng = random.Random(0)
     best = _joined(triangles, owner, order, places, most)
-    for _ in range(ORDERS - 1):
+    for _ in range(orders - 1):
         rng.shuffle(order)
         best = min(best, _joined(triangles, owner, order, places, most), key=len)
     return best
