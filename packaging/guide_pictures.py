@@ -20,6 +20,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDE = ROOT / "docs" / "guide"
@@ -344,6 +345,12 @@ def advanced() -> Steps:
 
 @picture
 def use() -> Steps:
+    yield from use_bound()
+    shoot("use")
+
+
+def use_bound() -> Steps:
+    """The letter, bound to its cages."""
     clear()
     letter()
     look(2.6, (0.75, 0.7))
@@ -351,8 +358,37 @@ def use() -> Steps:
     generate(levels="20%, 8%")
     with override():
         bpy.ops.object.nested_cages_bind("EXEC_DEFAULT")
+    view()[1].spaces.active.overlay.wireframe_threshold = 0.5  # as the button does
     yield 1.5
-    shoot("use")
+
+
+@picture
+def posed() -> Steps:
+    yield from use_bound()
+    cage = bpy.data.objects["Letter & Cage 2"]
+    only(cage)
+    with override():
+        bpy.ops.object.nested_cages_add_handles("EXEC_DEFAULT")
+        for bone in bpy.context.object.pose.bones:
+            lean = Matrix.Translation((0.35 * bone.bone.head_local.y, 0.0, 0.0))
+            bone.matrix = lean @ bone.matrix
+    yield 1.5
+    shoot("posed")
+
+
+@picture
+def playing() -> Steps:
+    clear()
+    letters = [letter(text) for text in ("A", "g", "&")]
+    for obj, x, colour in zip(letters, (0.0, 1.6, 3.1), ((0.7, 0.35, 0.3), (0.3, 0.45, 0.7), GREEN[:3]), strict=True):
+        obj.location.x, obj.color = x, (*colour, 1.0)
+    only(*letters)
+    look(4.6, (2.2, 0.6))
+    yield from sidebar()
+    generate(levels="40%, 30%")
+    bpy.context.scene.frame_set(80)
+    yield 1.5
+    shoot("playing")
 
 
 @picture
