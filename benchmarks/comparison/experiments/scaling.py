@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import resource
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -16,6 +15,7 @@ from comparison.cases import Inputs
 from comparison.measure import Measurement, Results, measure
 from comparison.starts import Start, start_in
 from comparison.tables import number, table
+from growth import peak_memory
 from nestedcages_core import Mesh, OnCurve, Settings
 
 LIMIT = 15.0  # CPU seconds of a run; a contact that takes longer gets no larger meshes
@@ -75,25 +75,22 @@ def in_own_process(settings: Settings, fine: Mesh, wanted: object) -> Measuremen
 
 
 def _with_memory(settings: Settings, fine: Mesh, wanted: object) -> Measurement:
-    if sys.platform != "darwin":  # where the system does not keep to it
+    if sys.platform == "linux":  # no other system keeps to it
+        import resource
+
         most = int(1024.0 * MEGABYTE * MEMORY_LIMIT)
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    before = _peak()
+    before = peak_memory()
     try:
         result = measure(settings, fine, wanted, 1, LIMIT)  # type: ignore[arg-type]
     except MemoryError:
         result = Measurement(fine, failed="reinflation", problem=OUT_OF_MEMORY)
-    result.megabytes = _peak() - before
+    result.megabytes = peak_memory() - before
     return result
 
 
 def _too_large(run: Measurement) -> bool:
     return run.problem == OUT_OF_MEMORY
-
-
-def _peak() -> float:
-    """Peak memory of this process in megabytes."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (MEGABYTE if sys.platform == "darwin" else 1024.0)
 
 
 def slope(found: Results, name: str) -> float | None:
