@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -143,7 +144,10 @@ class _Search:
             thinning = thinning_rounds(start, self.target, self.request.minimum, ROUGH_WEIGHTS)
             start = yield from mapped(thinning, lambda _: 0.0)
         start = without_gaps(start, CLOSED_GAP_WIDTH * diameter)
-        self.start = self._alike(start if self.importance is None else self.importance.with_vertices(start))
+        self.start = self._alike(start)
+        if self.importance is not None:
+            with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
+                self.start = self._alike(self.importance.with_vertices(self.start))
         yield 0.0
 
     def with_clearance(self) -> Stage[float, list[Outline]]:

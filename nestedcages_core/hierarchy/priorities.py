@@ -226,6 +226,8 @@ def _places(settings: Settings, fine: Mesh, symmetry: Symmetry | None) -> FloatA
     near = (PIN_REACH if symmetry is None else SAME_PIN) * fine.diagonal
     for each in places:
         if all(np.hypot(*(each - other)) > near for other in apart):
+            if symmetry is not None and symmetry.reverses and np.hypot(*(symmetry.image(each) - each)) <= near:
+                each = symmetry.fixed(each)
             apart.append(each)
             for k in range(1, symmetry.order if symmetry is not None else 1):
                 assert symmetry is not None
