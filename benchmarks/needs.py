@@ -16,12 +16,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from data import shape, shape_names
-from needed import convex, grids, pieces, symmetry, within
+from needed import convex, grids, inner, pieces, symmetry, within
 from needed.table import Table
 from nestedcages_core import Mesh
 
 TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
     "within": within.table,
+    "inner": inner.table,
     "grids": grids.table,
     "convex": convex.table,
     "pieces": pieces.table,

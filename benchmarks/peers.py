@@ -54,6 +54,26 @@ def polygon_hull(fine: Mesh, count: int) -> Peer | None:
     return _search(fine, count, 1.0, 1e-6, lambda fraction: _hull(library, shape, fraction))
 
 
+def inner_polygon_hull(fine: Mesh, count: int) -> Peer | None:
+    """GEOS's inner hull of a polygon; None where the library that comes with shapely cannot be reached."""
+    library = _geos()
+    if library is None:
+        return None
+    shape = polygons(fine)
+    begin, finest, coarsest = time.process_time(), 1.0, 1e-6
+    best = _hull(library, shape, coarsest, outer=False)
+    for _ in range(HALVINGS):
+        middle = float(np.sqrt(finest * coarsest))
+        result = _hull(library, shape, middle, outer=False)
+        if _corners(result) > count:
+            finest = middle
+        else:
+            coarsest, best = middle, result
+    seconds = time.process_time() - begin
+    excess = 100.0 * (best.area / fine.area - 1.0)
+    return Peer(seconds, excess, _corners(best), _verdict_inside(best, fine))
+
+
 def _search(
     fine: Mesh, count: int, fine_end: float, coarse_end: float, recipe: Callable[[float], shapely.Geometry]
 ) -> Peer:
@@ -89,6 +109,18 @@ def _verdict(shape: shapely.Geometry, fine: Mesh) -> str:
     return "touching" if certificate.clearance == 0.0 else "other loops"
 
 
+def _verdict_inside(shape: shapely.Geometry, fine: Mesh) -> str:
+    try:
+        certificate = verify(fine, Mesh.from_geometry(shape))
+    except NestedCagesError:
+        return "invalid"
+    if certificate.holds:
+        return "certified"
+    if not polygons(fine).covers(shape):
+        return "leaking"
+    return "touching" if certificate.clearance == 0.0 else "other loops"
+
+
 def _geos() -> ctypes.CDLL | None:
     """The C interface of the GEOS library that shapely brings along."""
     folder = Path(shapely.__file__).parent.parent / "shapely.libs"
@@ -111,12 +143,12 @@ def _geos() -> ctypes.CDLL | None:
     return None
 
 
-def _hull(library: ctypes.CDLL, shape: shapely.Geometry, fraction: float) -> shapely.Geometry:
-    """GEOS's outer hull with a fraction of the vertices."""
+def _hull(library: ctypes.CDLL, shape: shapely.Geometry, fraction: float, *, outer: bool = True) -> shapely.Geometry:
+    """GEOS's outer or inner hull with a fraction of the vertices."""
     context = library.GEOS_init_r()
     text = shapely.to_wkb(shape)
     geometry = library.GEOSGeomFromWKB_buf_r(context, text, len(text))
-    hull = library.GEOSPolygonHullSimplify_r(context, geometry, 1, fraction)
+    hull = library.GEOSPolygonHullSimplify_r(context, geometry, int(outer), fraction)
     length = ctypes.c_size_t()
     written = library.GEOSGeomToWKB_buf_r(context, hull, ctypes.byref(length))
     result = shapely.from_wkb(ctypes.string_at(written, length.value))
