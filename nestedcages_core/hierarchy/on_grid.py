@@ -24,6 +24,7 @@ from ..tightening.restoration import shift_edges
 from ..verification import verify
 from ..verification.motion import certify_motion
 from .convex_level import is_convex, without_dents
+from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Level, Progress
 from .settings import Settings
@@ -59,8 +60,14 @@ class Builder(Protocol):
 class GridLevelBuilder:
     """Makes levels with another builder and puts their cages on the grid."""
 
-    def __init__(self, builder: Builder, with_clearances: Callable[[tuple[float, ...]], Builder]) -> None:
-        """with_clearances: the same builder for other clearances."""
+    def __init__(
+        self,
+        builder: Builder,
+        with_clearances: Callable[[tuple[float, ...]], Builder],
+        priorities: Priorities | None = None,
+    ) -> None:
+        """with_clearances: the same builder for other clearances; priorities: those of the builder."""
+        self.priorities = priorities
         assert builder.settings.grid is not None
         self.builder, self.with_clearances = builder, with_clearances
         self.fine, self.clearances = builder.fine, builder.clearances
@@ -111,7 +118,18 @@ class GridLevelBuilder:
         if found is None:
             return None
         self.progress.stop_clock()
-        return replace(found, report=replace(found.report, seconds=dict(self.progress.seconds)))
+        notes = self._noted(level, found)
+        return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
+
+    def _noted(self, level: Level, found: Level) -> tuple[str, ...]:
+        """The notes of the level on the grid, with what its cage misses instead of what the one before missed."""
+        if self.priorities is None:
+            return found.report.notes
+        clearance = level.report.wanted_clearance
+        before, after = (
+            self.priorities.notes(each.cage, each.fine, clearance, inside=each.inside) for each in (level, found)
+        )
+        return (*(note for note in found.report.notes if note not in before), *after)
 
     def _moved(self, level: Level, grid: Grid) -> Stage[Progress, Level | None]:
         """The level with its cage on a grid, certified; None if there is none."""

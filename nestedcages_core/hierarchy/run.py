@@ -133,7 +133,7 @@ def _hierarchy(
             with_clearances = partial(_builder, chosen, inner, settings, progress, priorities)
             work: Builder = with_clearances(clearances)
             if settings.grid is not None:
-                work = GridLevelBuilder(work, with_clearances)
+                work = GridLevelBuilder(work, with_clearances, priorities)
             if isinstance(level, Within):
                 if builder is InnerLevelBuilder:
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")

@@ -160,6 +160,18 @@ def test_a_coarse_mesh_of_ones_own() -> None:
     assert np.array_equal(level.cage.edges, coarse.edges)
 
 
+def test_what_is_missed_is_said_of_the_cage_on_the_grid() -> None:
+    fine = star()
+    level = nested_cages(fine, [12], Settings(grid=0.1, pins=[0], min_edge=0.3)).levels[0]
+    assert_on_grid(level, 0.1)
+    missed = [note for note in level.report.notes if "the closest cage vertex to the pin" in note.lower()]
+    assert len(missed) <= 1
+    shortest = float(level.cage.edge_lengths.min())
+    said = [note for note in level.report.notes if "the shortest has" in note]
+    assert bool(said) == (shortest < 0.3)
+    assert all(f"{shortest:.3g}" in note for note in said)
+
+
 def test_slits_narrower_than_the_grid_are_filled() -> None:
     fine = comb(5, 0.02)
     level = nested_cages(fine, [16], Settings(grid=0.04)).levels[0]
