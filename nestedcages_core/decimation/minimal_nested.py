@@ -27,8 +27,8 @@ from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .base import LEAST_PER_LOOP
 from .corridor import Corridor
 
-FIRST_GATES, MAX_GATES = 192, 2048
-"""Gates of a loop at first, and at most."""
+FIRST_GATES, WALK_GATES, MAX_GATES = 192, 1024, 8192
+"""Gates of a loop for a first bound, for a walk, and at most."""
 
 GATES_PER_LINK = 32
 """Gates aimed at for each link: it may lose one of them in the bound."""
@@ -126,9 +126,6 @@ def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
         return np.asarray(reach > (1.0 + 0.5 * RELAXED) * distance)
 
     places = boundary.samples(count)
-    most = min(2 * count, MAX_GATES)
-    if len(places) > most:
-        places = places[np.unique(np.linspace(0, len(places), most, endpoint=False).astype(np.int64))]
     notches = boundary.ends[::2][boundary.is_notch]  # no gate is free there
     places = np.unique(np.mod(np.concatenate([places, notches]), boundary.length))
     kept = free(places)
@@ -139,7 +136,11 @@ def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
         middle = 0.5 * (good + bad)
         is_free = free(middle)
         good, bad = np.where(is_free, middle, good), np.where(is_free, bad, middle)
-    return boundary.at(np.unique(np.mod(np.concatenate([places[kept], good]), boundary.length)))
+    found = np.unique(np.mod(np.concatenate([places[kept], good]), boundary.length))
+    most = min(2 * count, MAX_GATES)
+    if len(found) > most:
+        found = found[np.unique(np.linspace(0, len(found), most, endpoint=False).astype(np.int64))]
+    return boundary.at(found)
 
 
 def _protruding(fine: Mesh, loop: int, found: Gates) -> float:
@@ -176,7 +177,7 @@ def walks(fine: Mesh, loop: int, distance: float, clearance: float, *, enough: i
 
     enough: number of links with which only some of them are made.
     """
-    found = gates(fine, loop, distance, MAX_GATES // 2)
+    found = gates(fine, loop, distance, max(WALK_GATES, min(GATES_PER_LINK * enough, MAX_GATES)))
     if len(found.foot) < LEAST_PER_LOOP:
         return []
     low, high = WALK_CLEARANCES * clearance + _protruding(fine, loop, found), (1.0 - RESERVE) * distance
