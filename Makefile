@@ -30,7 +30,7 @@ help:
 	@echo "make test-fast     leaves out the slow ones, for use while working"
 	@echo "make lint    runs ruff and mypy, and says whether the comparison is of this code"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
-	@echo "make bench   measures time, tightness and growth"
+	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
 	@echo "make clean   removes the environments and everything built"
@@ -59,12 +59,8 @@ docs: $(DOCS_ENV)/ready
 	@echo "Open build/site/index.html"
 
 bench: $(TEST_ENV)/ready
-	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark]"
-	$(TEST_ENV)/bin/python benchmarks/table1.py
-	$(TEST_ENV)/bin/python benchmarks/shapes.py
-	$(TEST_ENV)/bin/python benchmarks/ipc_iteration.py
-	$(TEST_ENV)/bin/python benchmarks/iterations.py --plot build/iterations.png
-	$(TEST_ENV)/bin/python benchmarks/growth.py --plot build/growth.png
+	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark,cluster]"
+	$(TEST_ENV)/bin/python benchmarks/performance.py
 
 extension: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py

@@ -1,6 +1,7 @@
 """How time and memory grow from 3,000 to 100,000 fine vertices, with a hundredth as many cage vertices.
 
-    python benchmarks/growth.py [--largest 100000] [--start hull|curve] [--plot docs/growth.png]
+    python benchmarks/growth.py [--sizes 3000 100000] [--start default|hull|curve] [--plot docs/growth.png]
+    python benchmarks/growth.py --sizes 1000000 --cage 1000 --kinds smooth
 
 Three kinds of shapes: a fractal coast, a smooth blob and a rough one. Every case runs in a process of its own, whose
 peak memory the operating system tells. Prints seconds per phase and the slope of the total time on a log-log scale (1
@@ -62,14 +63,18 @@ def fractal(count: int) -> Mesh:
 
 
 KINDS = {"fractal": fractal, "smooth": smooth, "rough": rough}
-STARTS = {"hull": OuterHull(), "curve": OnCurve()}
+STARTS = {
+    "default": Settings(),
+    "hull": Settings(decimation=OuterHull(), starts=1),
+    "curve": Settings(decimation=OnCurve(), starts=1, fallback=None),
+}
 
 
-def run_one(kind: str, count: int, start: str) -> dict[str, float]:
+def run_one(kind: str, count: int, cage: int, start: str) -> dict[str, float]:
     """Measure one case in this very process."""
     fine = KINDS[kind](count)
     begin = time.process_time()
-    hierarchy = nested_cages(fine, [count // FINE_PER_CAGE_VERTEX], Settings(decimation=STARTS[start], starts=1))
+    hierarchy = nested_cages(fine, [cage], STARTS[start])
     total = time.process_time() - begin
     report = hierarchy.levels[0].report
     return {"total": total, "memory": peak_memory(), "excess": 100.0 * report.excess, **report.seconds}
@@ -87,21 +92,24 @@ def peak_memory() -> float:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--largest", type=int, default=SIZES[-1])
-    parser.add_argument("--start", choices=sorted(STARTS), default="hull")
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="fine vertices (default: 3,000 to 100,000)")
+    parser.add_argument("--cage", type=int, help="cage vertices (default: a hundredth)")
+    parser.add_argument("--start", choices=STARTS, default="default")
     parser.add_argument("--kinds", nargs="*", choices=sorted(KINDS), default=list(KINDS))
     parser.add_argument("--plot", type=Path, help="write a log-log plot here (needs matplotlib)")
-    parser.add_argument("--one", nargs=2, metavar=("KIND", "COUNT"), help=argparse.SUPPRESS)
+    parser.add_argument("--one", nargs=3, metavar=("KIND", "COUNT", "CAGE"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
-        print(json.dumps(run_one(options.one[0], int(options.one[1]), options.start)))
+        kind, count, cage = options.one
+        print(json.dumps(run_one(kind, int(count), int(cage), options.start)))
         return 0
     columns = ("fine", "decimation", "flow", "reinflation", "tightening", "verification", "total s", "MB", "excess %")
     print(f"{'kind':8}" + "".join(f"{name:>13}" for name in columns))
     totals: dict[str, list[tuple[int, float]]] = {}
     for kind in options.kinds:
-        for count in (size for size in SIZES if size <= options.largest):
-            command = [sys.executable, __file__, "--one", kind, str(count), "--start", options.start]
+        for count in options.sizes:
+            cage = str(options.cage or count // FINE_PER_CAGE_VERTEX)
+            command = [sys.executable, __file__, "--one", kind, str(count), cage, "--start", options.start]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode:
                 print(f"{kind:8}{count:13d}  {done.stderr.strip().splitlines()[-1]}")

@@ -10,7 +10,6 @@ A table goes between the two comments of the page that name it. Exit status 1 if
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -19,6 +18,7 @@ from data import shape, shape_names
 from needed import convex, grids, inner, pieces, symmetry, within
 from needed.table import Table
 from nestedcages_core import Mesh
+from page import placed
 
 TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
     "within": within.table,
@@ -48,16 +48,8 @@ def main() -> int:
         print(f"{name}\n{made}\n", flush=True)
         if options.output is not None:
             page = options.output.read_text(encoding="utf-8")
-            options.output.write_text(placed(page, name, made), encoding="utf-8")
+            options.output.write_text(placed(page, name, str(made)), encoding="utf-8")
     return 0 if good else 1
-
-
-def placed(page: str, name: str, table: Table) -> str:
-    """The page with a table in its place. Exits with a sentence where it has none."""
-    place = re.compile(rf"(<!-- table {name} -->)\n.*?(<!-- end of table {name} -->)", re.DOTALL)
-    if not place.search(page):
-        sys.exit(f"The page has no place for the table: <!-- table {name} --> and <!-- end of table {name} -->.")
-    return place.sub(lambda found: f"{found[1]}\n\n{table}\n\n{found[2]}", page)
 
 
 if __name__ == "__main__":

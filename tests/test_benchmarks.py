@@ -14,7 +14,7 @@ import shapely
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS = ROOT / "benchmarks"
-PARTS = ("bent.py", "clone.py", "mechanisms.py", "peers.py", "random_shapes.py")  # imported by the others
+PARTS = ("bent.py", "clone.py", "mechanisms.py", "page.py", "peers.py", "random_shapes.py")  # imported by the others
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.name not in PARTS)
 NEEDS = {"bpy", "hypothesis", "ipctk", "matplotlib", "nestedcages_core", "numpy", "scipy", "shapely"}
 
@@ -144,3 +144,17 @@ def test_the_fewest_convex_pieces_of_small_shapes(monkeypatch: pytest.MonkeyPatc
     assert fewest(round_one, 8) == 3
     assert fewest(round_one, 20) == 1
     assert fewest(round_one, 3) == 18
+
+
+def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType) -> None:
+    import performance
+    from page import placed
+
+    text = performance.PAGE.read_text(encoding="utf-8")
+    for name, (program, *_) in {**performance.RUNS, "machine": ["performance.py"]}.items():
+        assert (BENCHMARKS / program).is_file()
+        renewed = placed(text, name, "NEW")
+        assert renewed.count("NEW") == 1
+        assert placed(renewed, name, "NEW") == renewed
+    with pytest.raises(SystemExit, match="no place"):
+        placed(text, "nothing", "NEW")

@@ -1,0 +1,117 @@
+"""Renews the numbers of docs/performance.md: runs the benchmarks one after the other and puts what they print there.
+
+    python benchmarks/performance.py                  # all of it: some ten minutes on a machine without other work
+    python benchmarks/performance.py table1 growth    # only these
+    python benchmarks/performance.py table1 --program-times TIMES.csv
+
+The paper's C++ program is not ours to ship: its times in data/table1.csv come from another machine. Whoever has built
+it can time its discs and name a CSV file with the times; the speed of this machine is printed in any case. Exit status
+1 if a benchmark fails; its place in the page then stays as it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from clone import ROOT
+from page import placed
+
+PAGE = ROOT / "docs" / "performance.md"
+PICTURES = ROOT / "docs"
+
+RUNS: dict[str, list[str]] = {
+    "table1": ["table1.py"],
+    "shapes": ["shapes.py"],
+    "start": ["start.py"],
+    "slider": ["slider.py"],
+    "ipc_iteration": ["ipc_iteration.py"],
+    "iterations": ["iterations.py", "--plot", str(PICTURES / "iterations.png")],
+    "growth": ["growth.py", "--plot", str(PICTURES / "growth.png")],
+    "million": ["growth.py", "--sizes", "1000000", "--cage", "1000", "--kinds", "smooth"],
+    "many": ["many_shapes.py", "--dask"],
+}
+"""Place in the page -> program and its arguments."""
+
+LOOPS, MATRIX, PRODUCTS = 2_000_000, 300, 20
+"""Of the speed of the machine: rounds of a loop in Python; size and number of products of matrices."""
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("runs", nargs="*", metavar="RUN", help=f"only these: {', '.join(RUNS)}")
+    parser.add_argument("--program-times", type=Path, help="CSV file like data/table1.csv, with times of this machine")
+    parser.add_argument("--page", type=Path, default=PAGE, help="the page (default: docs/performance.md)")
+    options = parser.parse_args()
+    unknown = [name for name in options.runs if name not in RUNS]
+    if unknown:
+        parser.error(f"there is no run {unknown[0]!r}; there are {', '.join(RUNS)}")
+    put(options.page, "machine", machine())
+    failed = []
+    for name in options.runs or RUNS:
+        program, *arguments = RUNS[name]
+        if name == "table1" and options.program_times is not None:
+            arguments += ["--data", str(options.program_times)]
+        began = time.perf_counter()
+        printed = run(program, arguments)
+        print(f"{name}: {time.perf_counter() - began:.0f} s{'' if printed else ', failed'}", flush=True)
+        if printed:
+            put(options.page, name, printed)
+        else:
+            failed.append(name)
+    return 1 if failed else 0
+
+
+def run(program: str, arguments: list[str]) -> str:
+    """What a benchmark prints, as Markdown; empty if it fails."""
+    command = [sys.executable, str(ROOT / "benchmarks" / program), *arguments]
+    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
+    printed = done.stdout.replace(str(ROOT) + "/", "").strip("\n")
+    if done.returncode or not printed:
+        print(printed, file=sys.stderr)
+        return ""
+    return printed if "\n|---" in printed else f"```text\n{printed}\n```"
+
+
+def machine() -> str:
+    """What the numbers were measured on: processor, versions, and its speed."""
+    began = time.process_time()
+    total = 0
+    for k in range(LOOPS):
+        total += k * k % 7
+    loop = LOOPS / (time.process_time() - began) / 1e6
+    matrix = np.random.default_rng(0).normal(size=(MATRIX, MATRIX))
+    began = time.process_time()
+    for _ in range(PRODUCTS):
+        matrix @ matrix
+    rate = 2.0 * PRODUCTS * MATRIX**3 / (time.process_time() - began) / 1e9
+    return (
+        f"Measured on {processor()} with Python {platform.python_version()} and numpy {np.__version__}. One thread "
+        f"does {loop:.0f} million rounds of a Python loop and {rate:.0f} billion operations of a matrix product "
+        "a second."
+    )
+
+
+def processor() -> str:
+    """The name of the processor, as far as the system tells."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def put(page: Path, name: str, text: str) -> None:
+    """Replaces a part of the page."""
+    page.write_text(placed(page.read_text(encoding="utf-8"), name, text), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
