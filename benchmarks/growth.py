@@ -15,13 +15,13 @@ import json
 import math
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 
 import clone  # noqa: F401
 from nestedcages_core import Mesh, OnCurve, OuterHull, Settings, nested_cages
+from table1 import PhaseClock
 
 SIZES = (3_000, 10_000, 30_000, 100_000)
 
@@ -73,11 +73,11 @@ STARTS = {
 def run_one(kind: str, count: int, cage: int, start: str) -> dict[str, float]:
     """Measure one case in this very process."""
     fine = KINDS[kind](count)
-    begin = time.process_time()
-    hierarchy = nested_cages(fine, [cage], STARTS[start])
-    total = time.process_time() - begin
-    report = hierarchy.levels[0].report
-    return {"total": total, "memory": peak_memory(), "excess": 100.0 * report.excess, **report.seconds}
+    clock = PhaseClock()
+    hierarchy = nested_cages(fine, [cage], STARTS[start], progress=clock)
+    clock()
+    excess = 100.0 * hierarchy.levels[0].report.excess
+    return {"total": clock.last - clock.began, "memory": peak_memory(), "excess": excess, **clock.seconds}
 
 
 def peak_memory() -> float:
@@ -115,7 +115,7 @@ def main() -> int:
                 print(f"{kind:8}{count:13d}  {done.stderr.strip().splitlines()[-1]}")
                 continue
             row = json.loads(done.stdout)
-            print(f"{kind:8}{count:13d}" + "".join(f"{row[name]:13.2f}" for name in columns[1:6]), end="")
+            print(f"{kind:8}{count:13d}" + "".join(f"{row.get(name, 0.0):13.2f}" for name in columns[1:6]), end="")
             print(f"{row['total']:13.2f}{row['memory']:13.0f}{row['excess']:13.3f}", flush=True)
             totals.setdefault(kind, []).append((count, row["total"]))
     for kind, points in totals.items():

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import argparse
 import os
-import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from clone import ROOT
@@ -31,10 +31,11 @@ DRAWING = "examples/letter_a.svg"
 
 def seconds(command: list[str], environment: dict[str, str]) -> float:
     """CPU seconds of a command that must succeed."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before, began = os.times(), time.perf_counter()
     subprocess.run([sys.executable, *command], cwd=ROOT, env=environment, check=True, capture_output=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    after, wall = os.times(), time.perf_counter() - began
+    used = after.children_user + after.children_system - before.children_user - before.children_system
+    return used or wall  # Windows does not tell what children have used
 
 
 def main() -> None:
