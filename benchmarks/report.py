@@ -87,6 +87,8 @@ def make(results: dict[str, Any], pictures: Path, path: Path) -> None:
         (said["text"] if said["holds"] else f"Contradicted by these runs: {said['text']}")
         for said in results["conclusions"].values()
     )
+    if results.get("tried"):
+        paper.text(results["tried"])
     paper.heading("4 Limits")
     paper.items([*report.LIMITS, *report.MORE_LIMITS])
     paper.heading("References")

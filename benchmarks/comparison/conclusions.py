@@ -44,6 +44,36 @@ class Conclusion:
     """The page with the tables."""
 
 
+@dataclass(frozen=True)
+class Trial:
+    """Conclusions on shapes that the pages do not contain."""
+
+    seed: int
+    shapes: dict[str, int]
+    """Experiment -> how many."""
+    verdicts: dict[Conclusion, Verdict]
+
+    def __str__(self) -> str:
+        """All of it in lines."""
+        counts = ", ".join(f"{count} for {name}" for name, count in self.shapes.items())
+        lines = [f"On random shapes that the pages do not contain, seeds from {self.seed} on: {counts}."]
+        lines += [
+            f"{'Holds' if verdict.holds else 'DOES NOT HOLD'}: {verdict.text}" for verdict in self.verdicts.values()
+        ]
+        return "\n".join(lines)
+
+    @property
+    def outcome(self) -> str:
+        """In a sentence."""
+        lost = [f"*{verdict.text.split('**')[1]}*" for verdict in self.verdicts.values() if not verdict.holds]
+        count = sum(self.shapes.values())
+        kept = len(self.verdicts) - len(lost)
+        return (
+            f"Tried again on {count} random shapes that these runs do not contain, {kept} of {len(self.verdicts)} "
+            "conclusions hold" + (f"; not: {' '.join(lost)}" if lost else ".")
+        )
+
+
 def original_against_augmentation(found: Found) -> Verdict:
     """Gurditta & Jacobson name this comparison as what their work lacks."""
     runs = [shape for name in ("figures", "random shapes") for shape in found.get(name, {}).values()]

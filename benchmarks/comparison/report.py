@@ -15,7 +15,7 @@ import scipy
 
 from comparison import conclusions, methods
 from comparison.cases import Inputs
-from comparison.conclusions import Conclusion, Found, Verdict
+from comparison.conclusions import Conclusion, Found, Trial, Verdict
 from comparison.experiments import EXPERIMENTS
 from comparison.measure import CLEARANCE, DEFAULT, LIMIT, REPEATS, SHORT
 from comparison.tables import table
@@ -108,7 +108,9 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
 
 
-def write(found: Found, inputs: Inputs, out: Path, runs: int, seconds: float, jobs: int) -> dict[Conclusion, Verdict]:
+def write(
+    found: Found, inputs: Inputs, out: Path, runs: int, seconds: float, jobs: int, tried: Trial | None
+) -> dict[Conclusion, Verdict]:
     """All pages into a folder; returns the conclusions."""
     pictures = out / "comparison"
     pages: dict[str, str] = {}
@@ -120,11 +122,15 @@ def write(found: Found, inputs: Inputs, out: Path, runs: int, seconds: float, jo
         parts = [f"# {heading}", back(), experiment.finding(results, inputs), rest]
         (pictures / f"{slug(name)}.md").write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
         pages[name] = heading
+    if tried is not None:
+        lines = [f"* {line}" for line in str(tried).splitlines()[1:]]
+        parts = ["# Conclusions tried on other shapes", back(), str(tried).splitlines()[0], "\n".join(lines)]
+        (pictures / "confirmed.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
     (pictures / "method.md").write_text(_method(inputs, runs, seconds, jobs), encoding="utf-8")
     verdicts = conclusions.verdicts(found)
-    (out / "comparison.md").write_text(_page(found, verdicts, pages), encoding="utf-8")
+    (out / "comparison.md").write_text(_page(found, verdicts, pages, tried), encoding="utf-8")
     (pictures / RESULTS).write_text(
-        json.dumps(_results(found, verdicts, runs, seconds, jobs), indent=1, ensure_ascii=False) + "\n",
+        json.dumps(_results(found, verdicts, runs, seconds, jobs, tried), indent=1, ensure_ascii=False) + "\n",
         encoding="utf-8",
     )
     return verdicts
@@ -140,13 +146,15 @@ def said(verdict: Verdict) -> str:
     return verdict.text if verdict.holds else f"**Contradicted by these runs:** {verdict.text}"
 
 
-def _page(found: Found, verdicts: dict[Conclusion, Verdict], pages: dict[str, str]) -> str:
+def _page(found: Found, verdicts: dict[Conclusion, Verdict], pages: dict[str, str], tried: Trial | None) -> str:
     links = {c: f" ([tables](comparison/{c.page}))" for c in verdicts}
     parts = [
         "# The methods compared", INTRODUCTION,
         "## Conclusions",
         "\n".join(f"{k}. {said(verdict)}{links[c]}" for k, (c, verdict) in enumerate(verdicts.items(), 1)),
     ]  # fmt: skip
+    if tried is not None:
+        parts.append(f"{tried.outcome} ([with numbers](comparison/confirmed.md))")
     parts.append(DIFFERENCE)
     if "contacts" in found:
         parts += [
@@ -181,12 +189,19 @@ def _drawn(name: str, found: Found) -> bool:
     return of[name] in found
 
 
-def _results(found: Found, verdicts: dict[Conclusion, Verdict], runs: int, seconds: float, jobs: int) -> dict[str, Any]:
+def _results(
+    found: Found,
+    verdicts: dict[Conclusion, Verdict],
+    runs: int,
+    seconds: float,
+    jobs: int,
+    tried: Trial | None,
+) -> dict[str, Any]:
     """What the report tells."""
     made: dict[str, Any] = {
         "conclusions": {c.name: {"text": v.text, "holds": v.holds} for c, v in verdicts.items()},
         "machine": _machine(jobs), "runs": runs, "minutes": round(seconds / 60.0, 1),
-        "findings": {},
+        "tried": tried.outcome if tried else "",
     }  # fmt: skip
     if "contacts" in found:
         made["contacts"] = [list(CONTACT_HEADINGS), *conclusions.contact_rows(found)]
