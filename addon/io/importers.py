@@ -26,6 +26,8 @@ PIXEL, EXPORTED = 0.01, 1.0
 # The mark of exported cages in SVG, and the elements with outlines in any SVG.
 OUR_SVG = re.compile(r"<svg\b[^>]*\bdata-outlines=")
 SHAPES = re.compile(r"<(path|rect|circle|ellipse|polygon|polyline)\b(?P<rest>[^>]*)")
+# Shapes that are read one by one at most: each of them reads the whole file.
+MAX_SHAPES = 1000
 ID = re.compile(r"\sid\s*=\s*[\"']([^\"']*)[\"']")
 
 
@@ -70,7 +72,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
 
 
 def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
-    """The outlines of an SVG. Raises: core.NestedCagesError, OSError."""
+    """The outlines of an SVG. Raises: UserError, core.NestedCagesError, OSError."""
     exchange = core.exchange
     content = exchange.read_whole(path, exchange.Limits())
     text = content.decode("utf-8", errors="replace") if isinstance(content, bytes) else content
@@ -79,6 +81,11 @@ def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
     found: list[Shape] = []
     if outlines == "SEVERAL" or (outlines == "AUTO" and exported):
         numbered, names = _with_ids(text)
+        if len(names) > MAX_SHAPES:
+            raise UserError(
+                f"'{path.name}' has {len(names):,} shapes, more than the {MAX_SHAPES:,} that are read one by one: choose "
+                "One Outline, or delete shapes"
+            )
         for name in names:
             try:
                 found.append(Shape(name, exchange.from_svg(numbered, element=name), True, scale))

@@ -58,3 +58,13 @@ def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
     assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
     assert sorted(obj.name for obj in bpy.data.objects) == ["dot", "rect 1", "two"]
     assert bpy.data.objects["rect 1"].dimensions.x == pytest.approx(0.1)
+
+
+def test_thousands_of_shapes_are_not_read_one_by_one(addon, tmp_path) -> None:
+    path = tmp_path / "many.svg"
+    circles = '<circle r="1"/>' * 1001
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg">{circles}</svg>')
+    with pytest.raises(RuntimeError, match="has 1,001 shapes, more than the 1,000 that are read one by one"):
+        bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL")
+    assert not bpy.data.objects
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
