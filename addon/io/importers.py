@@ -83,8 +83,8 @@ def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
         numbered, names = _with_ids(text)
         if len(names) > MAX_SHAPES:
             raise UserError(
-                f"'{path.name}' has {len(names):,} shapes, more than the {MAX_SHAPES:,} that are read one by one: choose "
-                "One Outline, or delete shapes"
+                f"'{path.name}' has {len(names):,} shapes, more than the {MAX_SHAPES:,} that are read one by one: "
+                "choose One Outline, or delete shapes"
             )
         for name in names:
             try:

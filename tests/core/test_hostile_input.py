@@ -32,6 +32,9 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.command import main
+from nestedcages_core.published.gurditta_jacobson_2022 import PaperFlow, SignedDistanceFlow
+from nestedcages_core.published.sacht_2015 import ElTopo
+from shapes import letter_a, letter_a_coarse
 
 FEW, MANY = 40, 3000
 """Examples of each grammar in every run of the tests, and in the thorough ones."""
@@ -150,6 +153,30 @@ def test_the_command_says_what_is_wrong(amount: int, tmp_path: Path) -> None:
 
     try_many(check, grammars.commands(), amount)
     assert len(statuses) > 1
+
+
+@pytest.mark.parametrize("method", [{"flow": PaperFlow()}, {"flow": SignedDistanceFlow()}, {"contact": ElTopo()}, {}])
+def test_coarse_meshes_half_outside_end_soon(method: dict[str, Any]) -> None:
+    """With every method a sentence, or the outer hull instead, in seconds."""
+    fine, coarse = letter_a(), letter_a_coarse()
+    half = Mesh(coarse.vertices + (0.35 * fine.diagonal, 0.0), coarse.edges)
+    refused = outcome(lambda: nested_cages(fine, [half], Settings(fallback=None, **method)))
+    assert refused.told and not refused.fault, refused.fault
+    found = outcome(lambda: nested_cages(fine, [half], Settings(**method)))
+    assert found.result and found.result.levels[0].report.start == "outer hull"
+
+
+@pytest.mark.slow
+def test_a_star_of_thousands_of_spikes_ends_soon() -> None:
+    random, spikes = np.random.default_rng(1), 2000
+    angles = np.arange(2 * spikes) / spikes * np.pi
+    radii = np.where(
+        np.arange(2 * spikes) % 2, random.uniform(0.2, 0.3, 2 * spikes), random.uniform(0.6, 1.0, 2 * spikes)
+    )
+    fine = Mesh.from_loops([radii[:, None] * np.stack((np.cos(angles), np.sin(angles)), axis=1)])
+    found = outcome(lambda: nested_cages(fine, [50]))
+    assert not found.fault, found.fault
+    assert len(found.result.cages[0].vertices) == 50
 
 
 @pytest.mark.parametrize("name", ATTACKS)
