@@ -159,7 +159,7 @@ def test_the_command_says_what_is_wrong(amount: int, tmp_path: Path) -> None:
 def test_coarse_meshes_half_outside_end_soon(method: dict[str, Any]) -> None:
     """With every method a sentence, or the outer hull instead, in seconds."""
     fine, coarse = letter_a(), letter_a_coarse()
-    half = Mesh(coarse.vertices + (0.35 * fine.diagonal, 0.0), coarse.edges)
+    half = Mesh(coarse.vertices + 0.35 * fine.diagonal * np.array([1.0, 0.0]), coarse.edges)
     refused = outcome(lambda: nested_cages(fine, [half], Settings(fallback=None, **method)))
     assert refused.told and not refused.fault, refused.fault
     found = outcome(lambda: nested_cages(fine, [half], Settings(**method)))
