@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from nestedcages_core import (
     FlowError,
     Hierarchy,
     InvalidMeshError,
+    LevelSet,
     Mesh,
     NestedCagesError,
     NestedCagesRun,
@@ -117,6 +119,13 @@ def test_an_outer_hull_needs_no_flow() -> None:
     assert level.report.start == "outer hull"
     assert len(level.flow.steps) == 1
     assert level.reinflation.tightening_start == 0
+
+
+@pytest.mark.parametrize("how", [{"decimation": LevelSet()}, {"decimation": ArcLength(), "fallback": LevelSet()}])
+def test_a_level_set_is_not_called_an_outer_hull(how: dict[str, Any]) -> None:
+    coarse = Mesh(letter_a().vertices + 3.0, letter_a().edges)  # nothing flows into that
+    level = nested_cages(letter_a(), [coarse if "fallback" in how else 40], Settings(**how)).levels[0]
+    assert level.report.start == "level set"
 
 
 def test_the_fine_mesh_is_not_changed() -> None:
