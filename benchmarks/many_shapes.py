@@ -114,7 +114,7 @@ def timed(
     busy = sum(outcome.seconds for outcome in outcomes) / (workers * seconds)
     print(f"{1000 * own / len(shapes):5.2f} ms to hand one out, workers busy {100 * busy:.0f} %,", end=" ")
     print(f"{lost} lost", flush=True)
-    for outcome in [each for each in outcomes if each.error is not None][:3]:
+    for outcome in [each for each in outcomes if each.error is not None][:3] if workers == 1 else ():
         print(f"    shape {outcome.key}: {outcome.error}")
     return seconds
 
