@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from operator import attrgetter
+from typing import Any
 
 import bpy
 import numpy as np
@@ -177,8 +178,12 @@ def select_points(context: bpy.types.Context, obj: bpy.types.Object, points: NDA
     chosen = np.array([place.tobytes() in wanted for place in places], dtype=bool)
     if len(chosen) != len(mesh.vertices):
         return 0
-    mesh.vertices.foreach_set("select", chosen)
-    mesh.edges.foreach_set("select", np.zeros(len(mesh.edges), np.bool_))
-    mesh.polygons.foreach_set("select", np.zeros(len(mesh.polygons), np.bool_))
+    # Blender 5.0 may store a selection as one value for all, and crashes when it is written as an array: made anew.
+    for name in (".select_vert", ".select_edge", ".select_poly"):
+        layer: Any = mesh.attributes.get(name)
+        if layer is not None:
+            mesh.attributes.remove(layer)
+    layer = mesh.attributes.new(".select_vert", "BOOLEAN", "POINT")
+    layer.data.foreach_set("value", chosen)
     mesh.update()
     return int(chosen.sum())
