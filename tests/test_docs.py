@@ -91,9 +91,9 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
         pytest.importorskip("bpy")
         enable = 'bpy.ops.preferences.addon_enable(module="bl_ext.user_default.nested_cages")'
         assert enable in source
+        source = source.replace("/tmp/", f"{tmp_path.as_posix()}/")
         # the installed extension is tried by packaging/try_extension.py; here it is the one of this clone
-        source = source.replace(enable, REGISTER).replace("bl_ext.user_default.nested_cages", "extension")
-        source = source.replace("/tmp/", f"{tmp_path.as_posix()}/") + UNREGISTER
+        source = source.replace(enable, REGISTER).replace("bl_ext.user_default.nested_cages", "extension") + UNREGISTER
     script = tmp_path / "page.py"
     script.write_text(source, encoding="utf-8")
     done = subprocess.run(
