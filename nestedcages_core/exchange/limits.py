@@ -9,6 +9,9 @@ import numpy as np
 
 from ..errors import NestedCagesError
 
+GREATEST = 10**18
+"""Greatest value of a limit: no machine has as much."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -29,8 +32,10 @@ class Limits:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < 1:
-                raise NestedCagesError(f"Limits: {name} must be a whole number of at least 1, not {value!r}.")
+            if not isinstance(value, int | np.integer) or isinstance(value, bool) or not 1 <= value <= GREATEST:
+                raise NestedCagesError(
+                    f"Limits: {name} must be a whole number from 1 to {GREATEST}, not {value!r:.60}."
+                )
 
     def check(self, what: str, found: int) -> None:
         """Raise NestedCagesError if an amount exceeds the limit of a field."""

@@ -104,6 +104,20 @@ def test_what_reaches_a_limit_is_read_and_one_more_is_not(number: int, name: str
         read(given, replace(Limits(), **{name: used[name] - 1}))
 
 
+@pytest.mark.parametrize("value", [0, -1, 1.5, True, None, 10**19, 10**400, "9"])
+def test_limits_are_whole_numbers_that_fit(value: Any) -> None:
+    with pytest.raises(NestedCagesError, match=r"bytes must be a whole number from 1 to 10+, not ") as raised:
+        Limits(bytes=value)
+    assert len(str(raised.value)) < 150
+
+
+def test_the_command_says_so(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "two.png"
+    file.write_bytes(PICTURE)
+    assert main([str(file), "--levels", "4", "--limit", f"bytes={10**22}"]) == 1
+    assert "error: " in capsys.readouterr().err
+
+
 def test_every_limit_is_tried() -> None:
     assert {name for _, _, used in CASES for name in used} == {field.name for field in fields(Limits)}
 

@@ -15,6 +15,9 @@ from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
 from ..limits import Limits
 from .boundary import boundary_of_pixels
 
+MAX_BORDER = 1e8
+"""Pixels around a picture up to which they are counted; no limit allows as many."""
+
 
 def alpha_channel(picture: AnyArray) -> FloatArray:
     """(H, W) opacity in [0, 1] of a picture (H, W), (H, W, 2) or (H, W, 4), alpha last; integers span their type."""
@@ -129,7 +132,7 @@ def _without_holes(opaque: BoolArray, holes: bool) -> BoolArray:
 
 def _grown(opaque: BoolArray, padding: float, holes: bool, limits: Limits | None) -> Mesh:
     """The boundary of all pixels closer than the padding to an opaque one, square to square."""
-    border = int(np.ceil(padding)) + 1
+    border = int(min(np.ceil(padding), MAX_BORDER)) + 1
     height, width = opaque.shape
     (limits or Limits()).check("pixels", (height + 2 * border) * (width + 2 * border))
     # squares are as far apart as the centre of one from the centres of the other and its neighbours
