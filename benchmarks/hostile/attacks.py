@@ -13,6 +13,8 @@ import numpy as np
 
 from nestedcages_core import (
     Mesh,
+    OnCurve,
+    OuterHull,
     Settings,
     features_from_geojson,
     from_engine_json,
@@ -45,6 +47,10 @@ def tiny_distances() -> Calls:
     for large in (1e100, 1e149, 1e150, 1e155, 1e308):
         loop = [(0.0, 0.0), (large, 0.0), (large, large), (0.5 * large, 1.0), (0.0, large)]
         yield lambda loop=loop: nested_cages(Mesh.from_loops([loop]), [3])
+    small = [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0)]
+    around = [(0.0, 1.0), (0.0, 0.0), (1e149, 0.0), (1e149, 1e149), (0.0, 1e149)]
+    for hull in (OuterHull(), OnCurve()):
+        yield lambda hull=hull: nested_cages(Mesh.from_loops([small, around]), [6], Settings(decimation=hull))
 
 
 def wrong_types() -> Calls:

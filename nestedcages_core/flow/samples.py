@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs, position_in_group
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
@@ -73,7 +73,7 @@ def local_margins(coarse: Mesh, margin: float) -> FloatArray:
     """(m,) margin of each coarse edge, a length: at most ``margin``, less in slits and in small loops."""
     starts, ends = coarse.vertices, coarse.vertices[coarse.successor]
     perimeters = np.bincount(coarse.loop_of_vertex, coarse.edge_lengths)
-    sizes = 2.0 * np.abs(coarse.loop_areas) / perimeters
+    sizes = 2.0 * np.abs(coarse.loop_areas) / np.maximum(perimeters, TINY)  # far smaller loops than others underflow
     result = np.minimum(margin, MARGIN_PER_INRADIUS * sizes)[coarse.loop_of_vertex]
 
     point, edge = near_pairs(starts, starts, ends, margin / MARGIN_PER_GAP)
