@@ -137,13 +137,21 @@ def why_locked(obj: bpy.types.Object) -> str:
     return ""
 
 
+def _inverse(matrix: Matrix) -> Matrix | None:
+    """The inverse; None if there is none, which Blender 5.2 tells by an exception whatever the fallback."""
+    try:
+        return matrix.inverted()
+    except ValueError:
+        return None
+
+
 def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
     """Makes an object a child of its drawing, in the drawing's plane; without a parent if the drawing is gone.
 
     In the drawing's own space nothing is rounded: both have the same matrix, wherever the drawing moves. A drawing that
     is scaled to nothing along an axis has no such space for other frames than its own.
     """
-    inverse = source.matrix_world.inverted(None) if source is not None else None
+    inverse = _inverse(source.matrix_world) if source is not None else None
     if source is None or obj in _line_of(source) or (inverse is None and not frame.own):
         obj.parent = None
         obj.matrix_world = Matrix(frame.matrix.tolist())
