@@ -78,7 +78,7 @@ to that with them, and the time:
 - rescues that start from the outline itself: 1.0000, time 0.99
 - a second outline to restart from, made with even weights: 1.0000, time 0.96
 - restarts that vary the spike term alone: 0.9951, time 0.99
-- a shift of the Hessian in the trust region: 1.0003, time 0.95 (0.985 on 60 shapes of 100 to 1,000 vertices)
+- a shift of the Hessian in the trust region: 1.0003, time 0.95
 - parts of the cage that give way to each other in the quadratic program: 1.0000, time 0.94
 - a fraction of its own for every vertex in the widening: 1.0000, time 0.96
 - more than three trials of a step, with neighbours slowed down and stopped: 1.0000, time 0.98
