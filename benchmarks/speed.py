@@ -128,14 +128,21 @@ class Worker:
 
 
 def work() -> None:
-    """In a worker: a cage for every case that comes in."""
+    """In a worker: a cage for every case that comes in, without anything remembered from the repeat before."""
     import pickle
     import sys
     import time
 
     from nestedcages_core import Mesh, NestedCagesError, nested_cages
 
+    try:
+        from nestedcages_core.decimation.remembered import forget
+    except ImportError:  # of earlier commits, which remember nothing
+
+        def forget() -> None: ...
+
     while True:
+        forget()
         try:
             loops, count = pickle.load(sys.stdin.buffer)
         except EOFError:
