@@ -26,8 +26,9 @@ def all_pairs(points: np.ndarray, starts: np.ndarray, ends: np.ndarray, radius: 
 @pytest.mark.slow
 @pytest.mark.parametrize("radius", [1e-4, 0.003, 0.05, 0.5])
 @pytest.mark.parametrize("long_share", [0.0, 0.1, 1.0])
-def test_cells_find_each_close_pair_once(radius: float, long_share: float) -> None:
+def test_cells_find_each_close_pair_once(radius: float, long_share: float, monkeypatch: pytest.MonkeyPatch) -> None:
     points, starts, ends = scene(1, long_share)
+    monkeypatch.setattr(broad_phase, "ALL_BOXES_LIMIT", 0)
     i, j = near_pairs(points, starts, ends, radius)
     found = list(zip(i.tolist(), j.tolist(), strict=True))
     assert len(found) == len(set(found))
@@ -42,8 +43,23 @@ def test_few_pairs_take_the_short_way(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(zip(*short, strict=True)) == set(zip(*cells, strict=True))
 
 
+@pytest.mark.parametrize("radius", [1e-4, 0.003, 0.05])
+@pytest.mark.parametrize("long_share", [0.0, 0.1])
+def test_strips_find_what_boxes_find_in_the_same_order(
+    radius: float, long_share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points, starts, ends = (part[:300] for part in scene(4, long_share))
+    monkeypatch.setattr(broad_phase, "STRIP_COST", 1)
+    strips = near_pairs(points, starts, ends, radius)
+    monkeypatch.setattr(broad_phase, "STRIPS_FROM", np.inf)
+    boxes = near_pairs(points, starts, ends, radius)
+    np.testing.assert_array_equal(strips, boxes)
+    assert set(zip(*boxes, strict=True)) == all_pairs(points, starts, ends, radius)
+
+
 def test_small_chunks_lose_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     points, starts, ends = scene(3, 0.1)
+    monkeypatch.setattr(broad_phase, "ALL_BOXES_LIMIT", 0)
     whole = near_pairs(points, starts, ends, 0.05)
     monkeypatch.setattr(broad_phase, "CHUNK_PAIRS", 100)
     chunked = near_pairs(points, starts, ends, 0.05)
