@@ -1,49 +1,34 @@
 """Certificate of an animation: between consecutive steps, linear motion never lets the cage meet the fine mesh or
 itself.
 
-From one step to the next, with s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p - a) is zero
-and p lies beside the edge. Both c and the two products that say whether p lies beside it are quadratic in s, so each
-lies between the smallest and the largest of its three Bernstein coefficients (Farouki 2012). Where those have one
-sign, beyond their rounding errors, the pair is certified; so is one whose point stays on one side of both ends of the
-edge along x or along y, even where the edge shrinks to a point. All other intervals of s are halved. After k halvings a
-difference of positions carries an absolute error of up to k roundings of the largest one, which both tests allow for:
-a relative bound says nothing about a difference that vanishes. A pair that is undecided after all halvings counts as a
-collision, so the certificate is conservative.
+Only pairs that come close enough are looked at: in a block of steps, during which nothing moves far, those that are
+closer at first than their vertices travel; and of these, in each step, those that are closer than they move.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..contact.pairs import Bodies, find_pairs
 from ..errors import NestedCagesError
-from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
 from ..stages import Stage, drain
+from .linear_motion import COEFFICIENT_ROUNDING, never_meet
 
-MAX_HALVINGS = 40
-"""Maximum number of halvings: an interval is then about as short as a rounding of s."""
+Number = TypeVar("Number", float, FloatArray)
 
-MAX_PIECES = 32
-"""Maximum number of undecided intervals of one pair: a passing contact leaves two or three, sliding leaves more."""
+BLOCK_MOTION = 1.0
+"""How much closer pairs may come during a block of several steps, in mean cage edge lengths (measured)."""
 
-COEFFICIENT_ROUNDING = 16.0 * float(np.finfo(float).eps)
-"""Bound on the relative rounding error of a coefficient: a product of two differences, summed twice, doubled for
-safety."""
-
-HALVING_ROUNDING = float(np.finfo(float).eps)
-"""Bound on the rounding error that a halving adds to a difference of positions, relative to the largest one:
-half of it for the sum; the other half, once, for the difference itself."""
-
-UNDERFLOW = 16.0 * np.finfo(float).smallest_subnormal
-"""Bound on the error of a coefficient whose products leave the range of normal floats."""
-
-CANDIDATE_SKIN = 1.0
-"""Skin of the candidate list as a fraction of the mean cage edge length."""
+BLOCK_NUMBERS = 2**21
+"""Positions of a block of several steps, and pairs of a step tested together; bounds the memory to about 200 MB."""
 
 
 @dataclass(frozen=True)
@@ -88,26 +73,88 @@ def certify_motion(
 def certifying(
     bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]
 ) -> Stage[float, MotionCertificate]:
-    """`certify_motion` as a generator: yields the fraction done before every step and returns the certificate."""
-    candidates = CandidateList(bodies)
-    for step in range(len(cage_steps) - 1):
-        yield step / (len(cage_steps) - 1)
-        before = np.concatenate([cage_steps[step], fine_steps[step]])
-        after = np.concatenate([cage_steps[step + 1], fine_steps[step + 1]])
-        motion = after - before
-        speed = np.sqrt(motion[:, 0] ** 2 + motion[:, 1] ** 2)
-        cage_speed, fine_speed = float(speed[: bodies.m].max()), float(speed[bodies.m :].max())
-        reach = cage_speed + max(cage_speed, fine_speed)
-        if reach == 0.0:
-            continue
-        slack = COEFFICIENT_ROUNDING * float(np.abs(before).max())  # of a measured distance
-        pairs = candidates.within(before, reach + slack, CANDIDATE_SKIN * bodies.cage_edge_length)
-        closest = pairs.approach(speed) * (1.0 + COEFFICIENT_ROUNDING) + slack
-        pairs = pairs.subset(pairs.measure(before).distance <= closest)
-        certified = _never_meet(pairs, before, after)
-        if not certified.all():
-            return MotionCertificate(False, step, int(pairs.point[~certified][0]))
+    """`certify_motion` as a generator: yields the fraction done before every block and returns the certificate."""
+    last = len(cage_steps) - 1
+    step = 0
+    while step < last:
+        yield step / last
+        block = _Block(bodies, cage_steps[step:], fine_steps[step:])
+        for number, vertex in block.may_meet():
+            return MotionCertificate(False, step + number, vertex)
+        step += len(block.positions) - 1
     return MotionCertificate(True)
+
+
+class _Block:
+    """Consecutive steps in which nothing moves far, at least two of them."""
+
+    def __init__(self, bodies: Bodies, cage_steps: Sequence[FloatArray], fine_steps: Sequence[FloatArray]) -> None:
+        self.bodies = bodies
+        self.start = np.concatenate([cage_steps[0], fine_steps[0]])
+        listed, away = [self.start.T], [np.zeros(len(self.start))]
+        self.farthest = away[0]
+        """(m + n,) largest distance of each vertex from where it is first."""
+        for cage, fine in zip(cage_steps[1:], fine_steps[1:], strict=True):
+            x = np.concatenate([cage.T, fine.T], axis=1)
+            distance = np.hypot(*(x - listed[0]))
+            farthest = np.maximum(self.farthest, distance)
+            full = self._approach(farthest) > BLOCK_MOTION * bodies.cage_edge_length
+            if len(listed) > 1 and (full or len(listed) * x.size > BLOCK_NUMBERS):
+                break
+            listed.append(x)
+            away.append(distance)
+            self.farthest = farthest
+        self.positions, self.away = np.stack(listed), np.stack(away)
+        """(S + 1, 2, m + n), and (S + 1, m + n) distances from the first ones."""
+        self.slack = COEFFICIENT_ROUNDING * float(np.abs(self.positions).max())
+        """Bound on the rounding error of a measured distance."""
+
+    def may_meet(self) -> Iterator[tuple[int, int]]:
+        """Steps from which the motion to the next one is not certified, with the vertex of a pair that may meet."""
+        reach = self._approach(self.farthest)
+        if reach == 0.0:
+            return
+        pairs = find_pairs(self.bodies, self.start, self._with_rounding(reach))
+        distance = pairs.measure(self.start).distance
+        pairs = pairs.subset(distance <= self._with_rounding(pairs.approach(self.farthest)))
+        distance = pairs.measure(self.start).distance
+        corners = np.stack([pairs.point, pairs.start, pairs.end])
+        motion = self.positions[1:] - self.positions[:-1]
+        speed = np.hypot(motion[:, 0], motion[:, 1])
+        travelled = self.away[:-1] + speed
+        together = max(1, BLOCK_NUMBERS // max(1, len(pairs)))
+        for first in range(0, len(motion), together):
+            point, start, end = (travelled[first : first + together].take(corner, axis=1) for corner in corners)
+            near = distance <= self._with_rounding(point + np.maximum(start, end))
+            step, pair = np.divmod(near.ravel().nonzero()[0], max(1, len(pairs)))
+            step += first
+            found = self._open(step, corners.take(pair, axis=1), speed)
+            yield from ((int(step[k]), int(pairs.point[pair[k]])) for k in found)
+
+    def _open(self, step: IntArray, corners: IntArray, speed: FloatArray) -> IntArray:
+        """Which of some pairs, (3, K), are not certified to stay apart from steps (K,) to the next ones."""
+        before = self._at(step, corners)
+        measured = point_edge(*(corner.T for corner in before)).distance
+        point, start, end = speed.ravel().take(step * speed.shape[1] + corners)
+        near = (measured <= self._with_rounding(point + np.maximum(start, end))).nonzero()[0]
+        step, corners = step.take(near), corners.take(near, axis=1)
+        free = never_meet(before.take(near, axis=2), self._at(step + 1, corners))
+        return near[~free]
+
+    def _at(self, step: IntArray, corners: IntArray) -> FloatArray:
+        """(3, 2, K) positions of corners (3, K) at steps (K,)."""
+        _, axes, count = self.positions.shape
+        return self.positions.ravel().take((axes * step + np.arange(axes)[:, None]) * count + corners[:, None])
+
+    def _approach(self, motion: FloatArray) -> float:
+        """How much closer any pair can come by motions (m + n,)."""
+        m = self.bodies.m
+        cage = float(motion[:m].max())
+        return cage + max(cage, float(motion[m:].max()))
+
+    def _with_rounding(self, distance: Number) -> Number:
+        """Upper bound of a measured distance."""
+        return distance * (1.0 + COEFFICIENT_ROUNDING) + self.slack
 
 
 def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
@@ -126,87 +173,3 @@ def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
     if len(bad):
         raise NestedCagesError(f"Vertex {bad[0][1]} of {name} step {bad[0][0]} is not finite; correct its coordinates.")
     return checked
-
-
-def _never_meet(pairs: Pairs, before: FloatArray, after: FloatArray) -> BoolArray:
-    """(K,) whether a pair is certified to stay apart in linear motion from ``before`` to ``after``."""
-    ends = [
-        (x[pairs.end] - x[pairs.start], x[pairs.point] - x[pairs.start], x[pairs.point] - x[pairs.end])
-        for x in (before, after)
-    ]
-    (edge0, start0, end0), (edge1, start1, end1) = ends
-    pair = np.arange(len(pairs))
-    vectors = (edge0, edge1, start0, start1, end0, end1)
-    rounding = HALVING_ROUNDING * np.max([np.abs(vector).max(axis=1) for vector in vectors], axis=0)
-    certified = np.ones(len(pairs), bool)
-    for halvings in range(MAX_HALVINGS):
-        margin = halvings * rounding[pair]
-        side = _bernstein(edge0, edge1, start0, start1, margin, cross=True)
-        open_ = ~(_sure(side, 1.0) | _sure(side, -1.0))
-        if not open_.any():
-            break
-        left = margin[open_]
-        along_start = _bernstein(edge0[open_], edge1[open_], start0[open_], start1[open_], left, cross=False)
-        along_end = _bernstein(edge0[open_], edge1[open_], end0[open_], end1[open_], left, cross=False)
-        open_[open_] = ~(_sure(along_start, -1.0) | _sure(along_end, 1.0))
-        sides = np.stack([corner[open_] for corner in (start0, start1, end0, end1)])
-        open_[open_] = ~_beyond(sides, margin[open_])
-        crowded = np.bincount(pair[open_], minlength=len(pairs)) > MAX_PIECES
-        certified[crowded] = False
-        open_ &= ~crowded[pair]
-        pair = pair[open_]
-        edge0, edge1, start0, start1, end0, end1 = (
-            array[open_] for array in (edge0, edge1, start0, start1, end0, end1)
-        )
-        edge, start, end = 0.5 * (edge0 + edge1), 0.5 * (start0 + start1), 0.5 * (end0 + end1)
-        pair = np.concatenate([pair, pair])
-        edge0, edge1 = np.concatenate([edge0, edge]), np.concatenate([edge, edge1])
-        start0, start1 = np.concatenate([start0, start]), np.concatenate([start, start1])
-        end0, end1 = np.concatenate([end0, end]), np.concatenate([end, end1])
-    else:
-        certified[pair] = False
-    return certified
-
-
-def _beyond(sides: FloatArray, margin: FloatArray) -> BoolArray:
-    """(K,) whether, along an axis, the point is beyond both ends of the edge by the margin (K,), before and after.
-
-    sides: (4, K, 2) from the edge's ends to the point.
-    """
-    beyond = (sides > margin[:, None]).all(axis=0) | (sides < -margin[:, None]).all(axis=0)
-    certain: BoolArray = beyond.any(axis=1)
-    return certain
-
-
-def _bernstein(
-    u0: FloatArray, u1: FloatArray, w0: FloatArray, w1: FloatArray, margin: FloatArray, *, cross: bool
-) -> tuple[FloatArray, FloatArray]:
-    """Coefficients (3, K) of u(s) × w(s), or of u(s) · w(s), for linear u and w, and bounds of their errors.
-
-    margin: (K,) bounds on the absolute errors of the components of u and w.
-    """
-
-    def products(u: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:
-        first = u[:, 0] * (w[:, 1] if cross else w[:, 0])
-        second = u[:, 1] * (w[:, 0] if cross else w[:, 1])
-        total = first + (-second if cross else second)
-        return np.asarray(total), np.abs(first) + np.abs(second)
-
-    (low, low_size), (high, high_size) = products(u0, w0), products(u1, w1)
-    (one, one_size), (other, other_size) = products(u0, w1), products(u1, w0)
-    values = np.stack([low, 0.5 * (one + other), high])
-    sizes = np.stack([low_size, 0.5 * (one_size + other_size), high_size])
-    errors = COEFFICIENT_ROUNDING * sizes + UNDERFLOW
-    if not margin.any():
-        return values, errors
-    # (u + δ)(w + δ) - u w for both terms of each product, the larger end of each vector taken for both
-    reach = np.max([np.abs(vector).sum(axis=1) for vector in (u0, u1)], axis=0)
-    reach = reach + np.max([np.abs(vector).sum(axis=1) for vector in (w0, w1)], axis=0)
-    return values, errors + margin * (reach + 2.0 * margin)
-
-
-def _sure(bounds: tuple[FloatArray, FloatArray], sign: float) -> BoolArray:
-    """(K,) whether all coefficients certainly have the sign."""
-    values, errors = bounds
-    certain: BoolArray = (sign * values > errors).all(axis=0)
-    return certain

@@ -10,7 +10,7 @@ import pytest
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, Settings, nested_cages, verify_motion
 from nestedcages_core.contact.pairs import Pairs
 from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs
-from nestedcages_core.verification.motion import _never_meet
+from nestedcages_core.verification.linear_motion import never_meet
 from shapes import annulus, letter_a, letter_a_coarse, ring, star
 
 
@@ -82,7 +82,7 @@ def test_random_pairs_are_never_wrongly_certified() -> None:
     first = 3 * np.arange(count)
     pairs = Pairs(first, first + 1, first + 2, slice(0, count), slice(count, count), slice(count, count))
     before, after = random.normal(size=(3 * count, 2)), random.normal(size=(3 * count, 2))
-    certified = _never_meet(pairs, before, after)
+    certified = never_meet(*(x.reshape(count, 3, 2).transpose(1, 2, 0) for x in (before, after)))
     nearest = np.full(count, np.inf)
     crossed = np.zeros(count, bool)
     side_before = None
@@ -121,9 +121,7 @@ def test_contact_in_passing_is_never_certified() -> None:
         along = path * random.uniform(0.5, 2.0) * random.choice([-1, 1])
         before += [p0, a0, a0 + along - turning / parts]
         after += [p1, a1, a1 + along + turning * (1 - 1 / parts)]
-    first = 3 * np.arange(count)
-    pairs = Pairs(first, first + 1, first + 2, slice(0, count), slice(count, count), slice(count, count))
-    assert not _never_meet(pairs, np.array(before), np.array(after)).any()
+    assert not never_meet(*(np.array(x).reshape(count, 3, 2).transpose(1, 2, 0) for x in (before, after))).any()
 
 
 def test_bad_steps_are_rejected() -> None:
