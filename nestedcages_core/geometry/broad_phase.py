@@ -60,7 +60,8 @@ def _in_boxes(p: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
     inside &= x <= right
     inside &= y >= down
     inside &= y <= up
-    return inside.ravel().nonzero()[0]
+    pair: IntArray = inside.ravel().nonzero()[0]
+    return pair
 
 
 def _in_strips(p: FloatArray, low: FloatArray, high: FloatArray) -> IntArray | None:
@@ -79,7 +80,7 @@ def _in_strips(p: FloatArray, low: FloatArray, high: FloatArray) -> IntArray | N
     inside = y >= low[1].take(j)
     inside &= y <= high[1].take(j)
     held = inside.nonzero()[0]
-    pair = j.take(held) * p.shape[1] + order.take(place.take(held))
+    pair: IntArray = j.take(held) * p.shape[1] + order.take(place.take(held))
     pair.sort()
     return pair
 
@@ -97,7 +98,8 @@ def _distance(p: FloatArray, a: FloatArray, b: FloatArray, i: IntArray, j: IntAr
     np.minimum(parameter, 1.0, out=parameter)
     x -= parameter * edge_x
     y -= parameter * edge_y
-    return np.sqrt(x * x + y * y)
+    distance: FloatArray = np.sqrt(x * x + y * y)
+    return distance
 
 
 def _near_pairs_by_cells(

@@ -126,8 +126,8 @@ class _Block:
         for first in range(0, len(motion), together):
             point, start, end = (travelled[first : first + together].take(corner, axis=1) for corner in corners)
             near = distance <= self._with_rounding(point + np.maximum(start, end))
-            step, pair = np.divmod(near.ravel().nonzero()[0], max(1, len(pairs)))
-            step += first
+            close = near.ravel().nonzero()[0]
+            step, pair = first + close // max(1, len(pairs)), close % max(1, len(pairs))
             found = self._open(step, corners.take(pair, axis=1), speed)
             yield from ((int(step[k]), int(pairs.point[pair[k]])) for k in found)
 
@@ -139,12 +139,15 @@ class _Block:
         near = (measured <= self._with_rounding(point + np.maximum(start, end))).nonzero()[0]
         step, corners = step.take(near), corners.take(near, axis=1)
         free = never_meet(before.take(near, axis=2), self._at(step + 1, corners))
-        return near[~free]
+        open_: IntArray = near[~free]
+        return open_
 
     def _at(self, step: IntArray, corners: IntArray) -> FloatArray:
         """(3, 2, K) positions of corners (3, K) at steps (K,)."""
         _, axes, count = self.positions.shape
-        return self.positions.ravel().take((axes * step + np.arange(axes)[:, None]) * count + corners[:, None])
+        place = (axes * step + np.arange(axes)[:, None]) * count + corners[:, None]
+        positions: FloatArray = self.positions.ravel().take(place)
+        return positions
 
     def _approach(self, motion: FloatArray) -> float:
         """How much closer any pair can come by motions (m + n,)."""
