@@ -15,7 +15,7 @@ import scipy
 from ..errors import FlowError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import BoxTree, orientation, ray_crossings
+from ..geometry.predicates import ALL_WINDINGS_LIMIT, BoxTree, loop_windings, ray_crossings
 from ..geometry.signed_distance import SignedDistance
 from .base import FlowResult, Obstacle, stuck
 
@@ -24,9 +24,6 @@ COVERED = -1
 
 PROBES = 64
 """Number of vertices per fine component that decide its coarse component, if one wraps several."""
-
-ALL_WINDINGS_LIMIT = 100_000
-"""Number of pairs of points and edges up to which winding numbers test all of them (measured)."""
 
 MISSING_HOLE_COST = 1e3
 """Cost of a component with fewer holes than its coarse component, in bounding-box diagonals: above any other cost."""
@@ -84,15 +81,9 @@ def loop_tree(mesh: Mesh, vertices: FloatArray) -> tuple[BoxTree, IntArray]:
 
 def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:
     """(P, loops) exact winding of each loop of the mesh with vertices (n, 2) around points that lie on none of them."""
-    result = np.zeros((len(points), len(mesh.loops)), np.int64)
     if len(points) * len(vertices) <= ALL_WINDINGS_LIMIT:
-        height = vertices[:, 1]
-        above = height > points[:, 1:]
-        point, start = np.nonzero(above != above[:, mesh.successor])
-        side = orientation(vertices[start], vertices[mesh.successor[start]], points[point])
-        rises = np.where(above[point, start], -1, 1)
-        np.add.at(result, (point, mesh.loop_of_vertex[start]), np.where(side == rises, rises, 0))
-        return result
+        return loop_windings(points, vertices, vertices.take(mesh.successor, axis=0), mesh.loop_of_vertex)
+    result = np.zeros((len(points), len(mesh.loops)), np.int64)
     tree, order = loop_tree(mesh, vertices)
     crossings = ray_crossings(points, tree)
     loop_of_chain = mesh.loop_of_vertex[order[tree.order[tree.chain_starts[:-1]]]]

@@ -147,7 +147,7 @@ class SignedDistance:
     def at(self, points: FloatArray) -> SignedSample:
         """Signed distance and gradient at (P, 2) points."""
         distance, edge, parameter = self.search.closest(points)
-        starts, ends = self.search.starts[edge], self.search.ends[edge]
+        starts, ends = self.search.starts.take(edge, axis=0), self.search.ends.take(edge, axis=0)
         direction = ends - starts
         away = points - (starts + parameter[:, None] * direction)
         touching = distance <= self._touching

@@ -31,6 +31,10 @@ class Stretches:
             self.levels.append(_parents(*self.levels[-1]))
         self.counts = [len(level.radii) for level in self.levels]
 
+    def segments(self, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Starts and ends, (K, 2) each, of some segments (K,) in tree order."""
+        return self.starts.take(chosen, axis=0), self.ends.take(chosen, axis=0)
+
 
 def smallest_gap(here: BoxTree, there: BoxTree) -> float:
     """Smallest distance between the closed loops of two trees, which must not meet.
@@ -77,12 +81,12 @@ def _between(
     A stretch of one segment is measured to the centre of the other one. Of two single segments the start points are
     measured, as their end points are the start points of others.
     """
-    centres, others = ours.levels[a].centres[i], theirs.levels[b].centres[j]
-    reach, other_reach = ours.levels[a].radii[i], theirs.levels[b].radii[j]
+    centres, others = ours.levels[a].centres.take(i, axis=0), theirs.levels[b].centres.take(j, axis=0)
+    reach, other_reach = ours.levels[a].radii.take(i), theirs.levels[b].radii.take(j)
     if a > 0 and b > 0:
         return np.hypot(*(centres - others).T), reach + other_reach
-    to_theirs = point_edge(centres, theirs.starts[j], theirs.ends[j]).distance if b == 0 else None
-    to_ours = point_edge(others, ours.starts[i], ours.ends[i]).distance if a == 0 else None
+    to_theirs = point_edge(centres, *theirs.segments(j)).distance if b == 0 else None
+    to_ours = point_edge(others, *ours.segments(i)).distance if a == 0 else None
     if to_ours is None:
         assert to_theirs is not None
         return to_theirs, reach

@@ -56,3 +56,20 @@ def test_parents_are_kept_by_moved_and_pickled_meshes() -> None:
     assert mesh.moved(mesh.vertices + 1.0).parent_of_loop.tolist() == [-1, 0, 1, -1]
     assert np.array_equal(mesh.edge_tree.starts, mesh.vertices[mesh.loop_order.vertices])
     assert np.array_equal(mesh.edge_tree.ends, mesh.edge_ends[mesh.loop_order.vertices])
+
+
+def test_a_tree_and_all_pairs_agree_on_what_lies_in_what(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(3)
+    many = [
+        ring(9, size) + [x, y] for size in (0.4, 0.3, 0.1) for x in range(6) for y in range(int(random.integers(6)))
+    ]
+    for loops in (many[:7], many):
+        meshes = Mesh.from_loops(loops), Mesh.from_loops([0.99 * loop + 0.003 for loop in loops])
+        nesting = Nesting(*meshes)
+        with monkeypatch.context() as patch:
+            patch.setattr("nestedcages_core.geometry.mesh.loops.ALL_WINDINGS_LIMIT", -1)
+            by_tree = Nesting(*meshes)
+            for one, other in zip(nesting.pairs, by_tree.pairs, strict=True):
+                assert len(one) > 0
+                np.testing.assert_array_equal(one, other)
+            assert np.array_equal(Mesh.from_loops(loops).parent_of_loop, meshes[0].parent_of_loop)

@@ -235,9 +235,12 @@ def as_set(pairs: tuple[np.ndarray, np.ndarray]) -> set[tuple[int, int]]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("swept", [True, False])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 15, 16, 17, 63, 64, 65, 300])
-def test_pairs_of_boxes(kind: str, count: int) -> None:
+def test_pairs_of_boxes(kind: str, count: int, swept: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    if not swept:
+        monkeypatch.setattr(box_tree, "SWEEP_LIMIT", -1)
     random = np.random.default_rng(count)
     a, b = segments_of(kind, count, random)
     tree = BoxTree(a, b)
@@ -251,7 +254,8 @@ def test_pairs_of_boxes(kind: str, count: int) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_pairs_do_not_depend_on_the_order_of_segments(kind: str) -> None:
+def test_pairs_do_not_depend_on_the_order_of_segments(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(box_tree, "SWEEP_LIMIT", -1)
     random = np.random.default_rng(11)
     a, b = segments_of(kind, 400, random)
     shuffle = random.permutation(400)
@@ -276,11 +280,12 @@ def test_blocks_join_to_the_whole(kind: str, monkeypatch: pytest.MonkeyPatch) ->
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("crowded", [0, box_tree.CROWDED])
+@pytest.mark.parametrize(("crowded", "sweep"), [(0, -1), (box_tree.CROWDED, -1), (0, box_tree.SWEEP_LIMIT)])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("exponent", [-1070, -1000, -300, 0, 300, 1000, 1020])
-def test_crossing_pairs(kind: str, crowded: int, exponent: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_crossing_pairs(kind: str, crowded: int, sweep: int, exponent: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(box_tree, "CROWDED", crowded)
+    monkeypatch.setattr(box_tree, "SWEEP_LIMIT", sweep)
     random = np.random.default_rng(13)
     a, b = (np.ldexp(p, exponent) for p in segments_of(kind, 150, random))
     c, d = (np.ldexp(p, exponent) for p in segments_of("star", 90, random))

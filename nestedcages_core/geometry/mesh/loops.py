@@ -10,7 +10,15 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
-from ..predicates import BoxTree, Signs, as_integers, orientation, ray_crossings
+from ..predicates import (
+    ALL_WINDINGS_LIMIT,
+    BoxTree,
+    Signs,
+    as_integers,
+    loop_windings,
+    orientation,
+    ray_crossings,
+)
 
 CANCELLED_AREA = 1e-4
 """Fraction of the summed products below which an area has lost four digits or more and is summed exactly."""
@@ -123,6 +131,9 @@ def enclosing_pairs(extremes: FloatArray, order: LoopOrder, tree: BoxTree) -> tu
     extremes: (I, 2) extreme vertices of loops that do not meet those of the tree, or are among them: the ray to the
     right leaves its own loop at once. tree: over the edges by place of the outer loops in `order`.
     """
+    if len(extremes) * len(tree) <= ALL_WINDINGS_LIMIT:
+        inner, outer = loop_windings(extremes, tree.starts, tree.ends, order.loop).nonzero()
+        return inner, outer
     crossings = ray_crossings(extremes, tree)
     crossed = order.loop[tree.order[tree.chain_starts[crossings.chain]]]
     count = len(order.sizes)
@@ -146,16 +157,15 @@ def signed_areas(points: FloatArray, order: LoopOrder) -> tuple[FloatArray, floa
 
     points: (n, 2) by place.
     """
-    x, y = (points - points[order.begins][order.loop]).T
+    x, y = (points - points.take(order.begins.take(order.loop), axis=0)).T
     left, right = x * (y[order.ahead] - y), y * (x[order.ahead] - x)
     areas = np.add.reduceat(left - right, order.begins) / 2.0
     doubtful = np.abs(areas) < CANCELLED_AREA * np.add.reduceat(np.abs(left) + np.abs(right), order.begins)
-    loops = np.split(points, order.begins[1:])
     for k in np.flatnonzero(doubtful & np.isfinite(areas)):
-        areas[k] = float(_exact_area(loops[k]))
+        areas[k] = float(_exact_area(np.split(points, order.begins[1:])[k]))
     total = math.fsum(areas)
     if abs(total) < CANCELLED_AREA * float(np.abs(areas).sum()):
-        total = float(sum((_exact_area(loop) for loop in loops), Fraction(0)))
+        total = float(sum((_exact_area(loop) for loop in np.split(points, order.begins[1:])), Fraction(0)))
     return areas, total
 
 

@@ -76,10 +76,13 @@ class Mesh:
         count = len(checked)
         joined = as_edges(edges, count)
         order = trace_loops(joined, count)
-        points = checked[order.vertices]
+        points = checked.take(order.vertices, axis=0)
         tree = check_simple(points, order)
         extreme = extreme_places(points, order)
-        depth, parent = parents(*enclosing_pairs(points[extreme], order, tree), len(order.sizes))
+        if len(order.sizes) > 1:
+            depth, parent = parents(*enclosing_pairs(points[extreme], order, tree), len(order.sizes))
+        else:
+            depth, parent = np.array([0]), np.array([-1])
         signs = 1 - 2 * (depth % 2)
         reversed_ = turning_senses(points, order, extreme) != signs
         order = order.turned(reversed_)
@@ -228,7 +231,7 @@ class Mesh:
     @property
     def edge_ends(self) -> FloatArray:
         """(n, 2) where the edge that starts at each vertex ends."""
-        return self.vertices[self.successor]
+        return self.vertices.take(self.successor, axis=0)
 
     @cached_property
     def edge_lengths(self) -> FloatArray:
@@ -239,12 +242,12 @@ class Mesh:
     def edge_tree(self) -> BoxTree:
         """Bounding boxes of the edges, loop after loop: segment k starts at vertex ``loop_order.vertices[k]``."""
         order = self.loop_order.vertices
-        return BoxTree(self.vertices[order], self.edge_ends[order])
+        return BoxTree(self.vertices.take(order, axis=0), self.vertices.take(self.successor.take(order), axis=0))
 
     @cached_property
     def diagonal(self) -> float:
         """Diagonal of the bounding box."""
-        return float(np.hypot(*np.ptp(self.vertices, axis=0)))
+        return float(np.hypot(np.ptp(self.vertices[:, 0]), np.ptp(self.vertices[:, 1])))
 
     @cached_property
     def extent(self) -> float:
@@ -266,7 +269,7 @@ class Mesh:
 
     @cached_property
     def _areas(self) -> tuple[FloatArray, float]:
-        areas, total = signed_areas(self.vertices[self.loop_order.vertices], self.loop_order)
+        areas, total = signed_areas(self.vertices.take(self.loop_order.vertices, axis=0), self.loop_order)
         return _frozen(areas), total
 
     def _fill(self, **fields: Any) -> None:

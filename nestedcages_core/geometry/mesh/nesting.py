@@ -27,7 +27,7 @@ class Nesting:
         """Start vertices of an edge of the outer and one of the inner mesh that touch or cross; None if none do."""
         tree, other = self.outer.edge_tree, self.inner.edge_tree
         for i, j in tree.blocks(other, slim=True):
-            hits = np.flatnonzero(segments_intersect(tree.starts[i], tree.ends[i], other.starts[j], other.ends[j]))
+            hits = np.flatnonzero(segments_intersect(*tree.segments(i), *other.segments(j)))
             if len(hits):
                 k, m = i[hits[0]], j[hits[0]]
                 return int(self.outer.loop_order.vertices[k]), int(self.inner.loop_order.vertices[m])

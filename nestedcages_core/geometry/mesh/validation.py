@@ -26,8 +26,8 @@ def as_vertices(data: Any) -> FloatArray:
             f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex."
         )
     vertices = _converted(given, np.float64, "vertices")
-    bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-    if len(bad):
+    if not np.isfinite(vertices).all():
+        bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
         raise InvalidMeshError(
             f"Vertex {bad[0]} has the coordinates {place(vertices[bad[0]])}; give finite numbers, or remove the vertex."
         )
@@ -38,8 +38,8 @@ def as_vertices(data: Any) -> FloatArray:
             f"Vertex {far} at {place(vertices[far])} is farther out than {MAX_COORDINATE:g}, where areas leave the "
             "range of floating-point numbers; scale the shape down."
         )
-    width, height = np.ptp(vertices, axis=0)
-    if len(vertices) > 1 and 0.0 < max(width, height) < MIN_EXTENT:
+    size = max(np.ptp(vertices[:, 0]), np.ptp(vertices[:, 1]))
+    if len(vertices) > 1 and 0.0 < size < MIN_EXTENT:
         raise InvalidMeshError(
             f"The whole shape around {place(vertices[0])} is smaller than {MIN_EXTENT:g}, where areas leave the "
             "range of floating-point numbers; scale it up."
@@ -66,8 +66,8 @@ def as_edges(data: Any, count: int) -> IntArray:
                 "give an array of integers."
             )
         given = numbers
-    outside = np.flatnonzero(((given < 0) | (given >= count)).any(axis=1))
-    if len(outside):
+    if given.min() < 0 or given.max() >= count:
+        outside = np.flatnonzero(((given < 0) | (given >= count)).any(axis=1))
         i, j = (f"{k:.17g}" if given.dtype.kind == "f" else str(k) for k in given[outside[0]].tolist())
         raise InvalidMeshError(
             f"Edge {outside[0]} joins vertices {i} and {j}, but the {count} vertices are numbered from 0 to "
@@ -105,8 +105,8 @@ def _check_degrees(edges: IntArray, count: int) -> None:
         raise InvalidMeshError(f"Edge {selfish[0]} joins vertex {edges[selfish[0], 0]} to itself; remove the edge.")
     degree = np.bincount(edges.ravel(), minlength=count)
     wrong = np.flatnonzero(degree != 2)
-    low, high = edges.min(axis=1), edges.max(axis=1)
     if len(wrong) or _has_two_gon(edges, count):
+        low, high = edges.min(axis=1), edges.max(axis=1)
         order = np.lexsort((high, low))
         same = np.flatnonzero((low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1]))
         if len(same):
@@ -132,6 +132,8 @@ def _has_two_gon(edges: IntArray, count: int) -> bool:
     ends = edges.ravel()
     total = np.bincount(ends, weights=ends[np.arange(len(ends)) ^ 1], minlength=count)
     suspects = np.flatnonzero(total[edges[:, 0]] == 2.0 * edges[:, 1])
+    if len(suspects) < 2:
+        return False
     pairs = np.sort(edges[suspects], axis=1)
     return len(np.unique(pairs, axis=0)) < len(pairs)
 
@@ -147,7 +149,7 @@ def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
     points: (n, 2) by place. Raises InvalidMeshError with a fault and its place.
     """
     vertex, loop, ahead = order.vertices, order.loop, order.ahead
-    ends = points[ahead]
+    ends = points.take(ahead, axis=0)
     flat = np.flatnonzero((points[:, 0] == ends[:, 0]) & (points[:, 1] == ends[:, 1]))
     if len(flat):
         k = flat[0]
@@ -160,7 +162,7 @@ def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
     for i, j in tree.blocks(slim=True):
         apart = (ahead[i] != j) & (ahead[j] != i)
         i, j = i[apart], j[apart]
-        hit = segments_intersect(points[i], ends[i], points[j], ends[j])
+        hit = segments_intersect(*tree.segments(i), *tree.segments(j))
         if hit.any():
             _raise_contact(points, order, i[hit], j[hit])
     return tree
@@ -169,7 +171,8 @@ def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
 def _check_fold_back(points: FloatArray, order: LoopOrder) -> None:
     """Raise where a loop runs straight back over the edge it came by."""
     ahead = order.ahead
-    corner, after = points[ahead], points[ahead[ahead]]
+    corner = points.take(ahead, axis=0)
+    after = corner.take(ahead, axis=0)
     straight = np.flatnonzero(orientation(points, corner, after) == 0)
     before, corner, after = points[straight], corner[straight], after[straight]
     back = (np.sign(corner - before) != np.sign(after - corner)).any(axis=1)

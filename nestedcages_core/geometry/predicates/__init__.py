@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from .box_tree import BoxTree
 from .orientation import Signs, as_integers, crossing_pairs, orientation, orientation_sign, segments_intersect
-from .winding import ON_BOUNDARY, RayCrossings, ray_crossings, winding_number
+from .winding import ALL_WINDINGS_LIMIT, ON_BOUNDARY, RayCrossings, loop_windings, ray_crossings, winding_number
 
 __all__ = [
+    "ALL_WINDINGS_LIMIT",
     "ON_BOUNDARY",
     "BoxTree",
     "RayCrossings",
     "Signs",
     "as_integers",
     "crossing_pairs",
+    "loop_windings",
     "orientation",
     "orientation_sign",
     "ray_crossings",

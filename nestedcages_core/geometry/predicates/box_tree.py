@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from .oriented_boxes import OrientedBoxes
+from .sweep import SWEEP_LIMIT, swept_pairs, swept_self_pairs
 
 FANOUT = 4
 """Boxes that share a parent; 4 was the fastest of 2, 4 and 8 for loops of 1,000 to 100,000 segments."""
@@ -34,34 +35,72 @@ class BoxTree:
     sorted along a space-filling curve, so any order of the input is accepted, and loops given in their own order are
     the fastest. Level 0 holds the boxes of the segments; each level is padded with empty boxes to a multiple of FANOUT.
 
+    Few pairs of segments are found without it: it is built on first use.
+
     starts, ends: the segments as given, (E, 2).
-    order: (E,) the given index of each segment in tree order.
-    chain: (E,) the number of the chain of each segment in tree order; chain_starts: (chains + 1,) where each begins.
-    closed: whether every chain ends where it starts.
     """
 
     def __init__(self, starts: FloatArray, ends: FloatArray) -> None:
         self.starts = np.asarray(starts, dtype=np.float64).reshape(-1, 2)
         self.ends = np.asarray(ends, dtype=np.float64).reshape(-1, 2)
+        self._oriented: list[OrientedBoxes] = []
+
+    @cached_property
+    def _chains(self) -> tuple[IntArray, IntArray]:
+        """`order` and `chain_starts`."""
         count = len(self.starts)
         (x, y), (next_x, next_y) = self.ends[:-1].T, self.starts[1:].T
         breaks = 1 + np.flatnonzero((x != next_x) | (y != next_y))
         bounds = np.concatenate(([0], breaks, [count])) if count else np.zeros(1, dtype=np.int64)
-        sizes = np.diff(bounds)
+        sizes, order = np.diff(bounds), np.arange(count)
         if len(sizes) > FEW_CHAINS:
             sequence = _along_curve(self.starts[bounds[:-1]])
-            offsets = np.concatenate(([0], np.cumsum(sizes[sequence])))
-            self.order = np.arange(count) + np.repeat(bounds[:-1][sequence] - offsets[:-1], sizes[sequence])
             sizes = sizes[sequence]
-        else:
-            self.order = np.arange(count)
-        self.chain_starts = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
-        self.chain = np.repeat(np.arange(len(sizes)), sizes)
+            order += np.repeat(bounds[:-1][sequence] - (np.cumsum(sizes) - sizes), sizes)
+        return order, np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
+
+    @property
+    def order(self) -> IntArray:
+        """(E,) the given index of each segment in tree order."""
+        return self._chains[0]
+
+    @property
+    def chain_starts(self) -> IntArray:
+        """(chains + 1,) where each chain begins in tree order."""
+        return self._chains[1]
+
+    @cached_property
+    def chain(self) -> IntArray:
+        """(E,) the number of the chain of each segment in tree order."""
+        return np.repeat(np.arange(len(self.chain_starts) - 1), np.diff(self.chain_starts))
+
+    @cached_property
+    def closed(self) -> bool:
+        """Whether every chain ends where it starts."""
         first, last = self.order[self.chain_starts[:-1]], self.order[self.chain_starts[1:] - 1]
-        self.closed = bool((self.starts[first] == self.ends[last]).all())
-        starts, ends = self.sorted_segments
-        self.levels, self.counts = _pyramid(np.minimum(starts, ends), np.maximum(starts, ends))
-        self._oriented: list[OrientedBoxes] = []
+        return bool((self.starts[first] == self.ends[last]).all())
+
+    @cached_property
+    def _boxes(self) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest coordinates of each segment, as given, (2, E), (2, E)."""
+        starts, ends = self.starts.T.copy(), self.ends.T.copy()
+        return np.minimum(starts, ends), np.maximum(starts, ends)
+
+    @cached_property
+    def _pyramid(self) -> tuple[list[FloatArray], list[int]]:
+        """`levels` and `counts`."""
+        low, high = self._boxes
+        return _pyramid(low[:, self.order], high[:, self.order])
+
+    @property
+    def levels(self) -> list[FloatArray]:
+        """The boxes of each level."""
+        return self._pyramid[0]
+
+    @property
+    def counts(self) -> list[int]:
+        """How many boxes of each level are not padding."""
+        return self._pyramid[1]
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -69,7 +108,11 @@ class BoxTree:
     @cached_property
     def sorted_segments(self) -> tuple[FloatArray, FloatArray]:
         """Starts and ends, (E, 2) each, in tree order."""
-        return self.starts[self.order], self.ends[self.order]
+        return self.segments(self.order)
+
+    def segments(self, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Starts and ends, (K, 2) each, of some segments (K,) by their given index."""
+        return self.starts.take(chosen, axis=0), self.ends.take(chosen, axis=0)
 
     def self_pairs(self) -> tuple[IntArray, IntArray]:
         """Pairs i < j of segments whose boxes overlap or touch, (K,), (K,)."""
@@ -85,6 +128,10 @@ class BoxTree:
         slim: whether to drop pairs that oriented boxes separate, where axis-aligned boxes overlap too often. All pairs
         of segments that share a point are kept.
         """
+        swept = self._swept(other)
+        if swept is not None:
+            yield swept
+            return
         second = self if other is None else other
         a, b = len(self.levels) - 1, len(second.levels) - 1
         here, there = np.indices((self.levels[a].shape[1], second.levels[b].shape[1])).reshape(2, -1)
@@ -105,6 +152,13 @@ class BoxTree:
                 else:
                     b, i, j = b - 1, np.repeat(i, FANOUT), children(j)
                 waiting.append((a, b, *self._meeting(a, i, other, b, j, slim, tally)))
+
+    def _swept(self, other: BoxTree | None) -> tuple[IntArray, IntArray] | None:
+        """The pairs without a tree, if there are few segments and pairs."""
+        if other is None:
+            return swept_self_pairs(*self._boxes, BLOCK_PAIRS) if len(self) <= SWEEP_LIMIT else None
+        few = len(self) + len(other) <= SWEEP_LIMIT
+        return swept_pairs(*self._boxes, *other._boxes, BLOCK_PAIRS) if few else None
 
     def _meeting(
         self,
@@ -174,7 +228,7 @@ def _along_curve(points: FloatArray) -> IntArray:
 
 def _pyramid(lower: FloatArray, upper: FloatArray) -> tuple[list[FloatArray], list[int]]:
     """Boxes per level, each (4, N): least x, least y, greatest x, greatest y; and how many of them are not padding."""
-    boxes = np.concatenate((lower.T, upper.T))
+    boxes = np.concatenate((lower, upper))
     levels, counts = [boxes], [boxes.shape[1]]
     while boxes.shape[1] > FANOUT:
         missing = -boxes.shape[1] % FANOUT

@@ -34,17 +34,23 @@ SPLITTER = 2.0**27 + 1.0
 
 def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
     """Exact sign of (b - a) x (c - a) for points (..., 2): 1 for a left turn, -1 for a right turn, 0 on a line."""
-    ax, ay, bx, by, cx, cy = (np.asarray(p, dtype=np.float64)[..., k] for p in (a, b, c) for k in (0, 1))
+    a, b, c = np.asarray(a, np.float64), np.asarray(b, np.float64), np.asarray(c, np.float64)
+    ax, ay, bx, by, cx, cy = a[..., 0], a[..., 1], b[..., 0], b[..., 1], c[..., 0], c[..., 1]
     with np.errstate(all="ignore"):
         left = (ax - cx) * (by - cy)
         right = (ay - cy) * (bx - cx)
-        determinant: FloatArray = np.asarray(left - right)
-        certain = np.abs(determinant) > FLOAT_BOUND * (np.abs(left) + np.abs(right)) + MIN_PRODUCT
-        sign: Signs = np.sign(np.where(certain, determinant, 0.0)).astype(np.int8)
-        if not certain.all():
-            doubtful = np.nonzero(~certain)
-            corners = np.broadcast_arrays(ax, ay, bx, by, cx, cy)
-            sign[doubtful] = _sign_by_signs(np.stack([x[doubtful] for x in corners]))
+        determinant: FloatArray = left - right
+        bound = np.abs(left)
+        bound += np.abs(right)
+        bound *= FLOAT_BOUND
+        bound += MIN_PRODUCT
+        sign: Signs = np.asarray((determinant > bound).view(np.int8) - (determinant < -bound).view(np.int8))
+        if not sign.all():
+            doubtful = np.nonzero(sign == 0)
+            corners = [ax, ay, bx, by, cx, cy]
+            if not ax.shape == bx.shape == cx.shape:
+                corners = np.broadcast_arrays(*corners)
+            sign[doubtful] = _sign_by_signs(np.array([x[doubtful] for x in corners]))
     return sign
 
 
@@ -140,15 +146,16 @@ def segments_intersect(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArra
 
     They do if and only if their boxes overlap and neither lies on one side of the other's line.
     """
-    a, b, c, d = np.broadcast_arrays(a, b, c, d)
-    meet: BoolArray = (np.minimum(a, b) <= np.maximum(c, d)).all(axis=-1)
-    meet &= (np.minimum(c, d) <= np.maximum(a, b)).all(axis=-1)
+    overlap = np.minimum(a, b) <= np.maximum(c, d)
+    overlap &= np.minimum(c, d) <= np.maximum(a, b)
+    meet: BoolArray = overlap[:, 0] & overlap[:, 1]
     for start, end, first, second in ((a, b, c, d), (c, d, a, b)):
-        k = np.flatnonzero(meet)
+        k = meet.nonzero()[0]
         if len(k) == 0:
             break
-        sides = orientation(start[k], end[k], first[k]) * orientation(start[k], end[k], second[k])
-        meet[k] = sides <= 0
+        others = np.concatenate([first.take(k, axis=0), second.take(k, axis=0)]).reshape(2, -1, 2)
+        sides = orientation(start.take(k, axis=0), end.take(k, axis=0), others)
+        meet[k] = sides[0] * sides[1] <= 0
     return meet
 
 
@@ -157,7 +164,7 @@ def crossing_pairs(tree: BoxTree, other: BoxTree | None = None) -> tuple[IntArra
     second = tree if other is None else other
     found_i, found_j = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     for i, j in tree.blocks(other, slim=True):
-        hit = segments_intersect(tree.starts[i], tree.ends[i], second.starts[j], second.ends[j])
+        hit = segments_intersect(*tree.segments(i), *second.segments(j))
         found_i.append(i[hit])
         found_j.append(j[hit])
     return np.concatenate(found_i), np.concatenate(found_j)

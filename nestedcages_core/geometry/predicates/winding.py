@@ -14,6 +14,9 @@ from .orientation import orientation
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
 
+ALL_WINDINGS_LIMIT = 100_000
+"""Number of pairs of points and edges up to which `loop_windings` is faster than a tree (measured)."""
+
 PAIR_BLOCK = 2**19
 """Pairs of a point and a box tested together; bounds the memory to about 100 MB."""
 
@@ -42,13 +45,34 @@ def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray)
     level = np.minimum(starts[:, 1], ends[:, 1]) <= y
     level &= y <= np.maximum(starts[:, 1], ends[:, 1])
     point, edge = np.divmod(np.flatnonzero(level), max(1, len(starts)))
-    (ax, ay), (bx, by), (x, y) = starts[edge].T, ends[edge].T, points[point].T
-    side = orientation(starts[edge], ends[edge], points[point])
+    a, b, p = starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0)
+    (ax, ay), (bx, by), (x, y) = a.T, b.T, p.T
+    side = orientation(a, b, p)
     rises = (by > y).astype(np.int64) - (ay > y)
     crossed = (rises != 0) & (side == rises)
     winding = np.bincount(point[crossed], rises[crossed], len(points)).astype(np.int64)
     winding[point[(side == 0) & (np.minimum(ax, bx) <= x) & (x <= np.maximum(ax, bx))]] = ON_BOUNDARY
     return winding
+
+
+def loop_windings(points: FloatArray, starts: FloatArray, ends: FloatArray, loop: IntArray) -> IntArray:
+    """How often each of L closed loops of edges (E, 2) -> (E, 2) runs around points (P, 2) on none of them, (P, L).
+
+    loop: (E,) the loop of each edge. Exact; every pair of a point and an edge is tested, and a vertex at the height of
+    a point counts as below it.
+    """
+    height = points[:, 1:]
+    above = starts[:, 1] > height
+    crossing = (above != (ends[:, 1] > height)).ravel().nonzero()[0]
+    point = crossing // len(starts)
+    edge = crossing - point * len(starts)
+    rises = 1 - 2 * above.ravel().take(crossing).view(np.int8)
+    side = orientation(starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0))
+    around = (side == rises).nonzero()[0]
+    count = int(loop.max()) + 1
+    place = point.take(around) * count + loop.take(edge.take(around))
+    winding = np.bincount(place, rises.take(around), len(points) * count)
+    return winding.astype(np.int64).reshape(len(points), count)
 
 
 class RayCrossings(NamedTuple):
