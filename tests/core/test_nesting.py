@@ -61,7 +61,10 @@ def test_parents_are_kept_by_moved_and_pickled_meshes() -> None:
 def test_a_tree_and_all_pairs_agree_on_what_lies_in_what(monkeypatch: pytest.MonkeyPatch) -> None:
     random = np.random.default_rng(3)
     many = [
-        ring(9, size) + [x, y] for size in (0.4, 0.3, 0.1) for x in range(6) for y in range(int(random.integers(6)))
+        ring(9, size) + np.array([x, y])
+        for size in (0.4, 0.3, 0.1)
+        for x in range(6)
+        for y in range(int(random.integers(6)))
     ]
     for loops in (many[:7], many):
         meshes = Mesh.from_loops(loops), Mesh.from_loops([0.99 * loop + 0.003 for loop in loops])
