@@ -119,10 +119,10 @@ class ContactResponse:
         radii = np.where(active, radius, min(radius, gap))
         farthest_motion = np.concatenate([np.sqrt(2.0) * radii, length])
         reach = CLOSEST_APPROACH * radii + np.where(active, longest, 0.0)
-        all_pairs = self.candidates.within(x, farthest + reach, SKIN * reach)
+        all_pairs = self.candidates.meeting(x, farthest, farthest_motion, farthest + reach, SKIN * reach)
         all_contacts = measure(all_pairs, x)
 
-        near = all_contacts.distance - farthest < all_pairs.approach(farthest_motion)
+        near = np.flatnonzero(all_contacts.distance - farthest < all_pairs.approach(farthest_motion))
         pairs, contacts = resolve_corners(self.bodies, all_pairs.subset(near), all_contacts.where(near), x, 0.0)
         motion = np.concatenate([np.zeros((m, 2)), fine_motion])
         farthest_motion[m:] = 0.0
@@ -182,9 +182,9 @@ class ContactResponse:
             (hard, HARD_COMPLIANCE, reachable),
             (larger, SOFT_COMPLIANCE, reachable & (larger > hard)),
         ):
-            some, room = pairs.subset(where), (after - wanted)[where]
-            contact = contacts.where(where)
-            keep = not_implied(some, contact, room, 0.0)
+            kept = np.flatnonzero(where)
+            some, contact, room = pairs.subset(kept), contacts.where(kept), (after - wanted).take(kept)
+            keep = np.flatnonzero(not_implied(some, contact, room, 0.0))
             rows.extend(constraint_rows(some.subset(keep), contact.where(keep)))
             rooms.append(room[keep])
             softness.append(np.full(len(rooms[-1]), epsilon))

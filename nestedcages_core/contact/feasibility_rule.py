@@ -48,7 +48,7 @@ class FeasibilityRule:
     def concerned(self, pairs: Pairs, contacts: Contacts, motion: FloatArray) -> tuple[Pairs, Contacts]:
         """The pairs that the motion (m + n, 2), or part of it, can bring closer than the rule allows."""
         length = np.hypot(motion[:, 0], motion[:, 1])
-        near = contacts.distance - pairs.approach(length) <= self._least(contacts)
+        near = np.flatnonzero(contacts.distance - pairs.approach(length) <= self._least(contacts))
         return pairs.subset(near), contacts.where(near)
 
     def _least(self, contacts: Contacts) -> FloatArray:

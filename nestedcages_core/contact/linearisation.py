@@ -36,10 +36,10 @@ class Contacts(NamedTuple):
     on_line: BoolArray
     """(K,) whether the distance is to the line of the edge, not to one of its ends."""
 
-    def where(self, keep: BoolArray) -> Contacts:
-        """The contacts where ``keep`` (K,) is true."""
-        distance, parameter, normal, side, on_line = self
-        return Contacts(distance[keep], parameter[keep], normal[keep], side[keep], on_line[keep])
+    def where(self, keep: BoolArray | IntArray) -> Contacts:
+        """The contacts where ``keep`` (K,) is true, or at these indices."""
+        kept = np.flatnonzero(keep) if keep.dtype == bool else keep
+        return Contacts(*(field.take(kept, axis=0) for field in self))
 
 
 def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Contacts:
@@ -139,7 +139,8 @@ def resolve_corners(
     on_line[put] = True
     side = contacts.side.copy()
     side[put] = inner[line]
-    return pairs.subset(keep), Contacts(distance, parameter, normal, side, on_line).where(keep)
+    kept = np.flatnonzero(keep)
+    return pairs.subset(kept), Contacts(distance, parameter, normal, side, on_line).where(kept)
 
 
 def _in_corner(bodies: Bodies, x: FloatArray, corner: IntArray, point: IntArray) -> BoolArray:

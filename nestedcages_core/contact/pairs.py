@@ -19,6 +19,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh
+from ..geometry.vectors import norm
 from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
 from ..solver.tied import Tie
@@ -133,14 +134,13 @@ class Pairs:
         closer: FloatArray = reach.take(self.point) + np.maximum(reach.take(self.start), reach.take(self.end))
         return closer
 
-    def subset(self, keep: BoolArray) -> Pairs:
-        """The pairs where ``keep`` (K,) is true."""
-        first = int(np.count_nonzero(keep[self.fine_cage]))
-        second = first + int(np.count_nonzero(keep[self.cage_fine]))
-        third = second + int(np.count_nonzero(keep[self.cage_cage]))
+    def subset(self, keep: BoolArray | IntArray) -> Pairs:
+        """The pairs where ``keep`` (K,) is true, or at these indices in increasing order."""
+        kept = np.flatnonzero(keep) if keep.dtype == bool else keep
+        first, second = (int(end) for end in kept.searchsorted((self.fine_cage.stop, self.cage_fine.stop)))
         return Pairs(
-            self.point[keep], self.start[keep], self.end[keep],
-            slice(0, first), slice(first, second), slice(second, third),
+            self.point.take(kept), self.start.take(kept), self.end.take(kept),
+            slice(0, first), slice(first, second), slice(second, len(kept)),
         )  # fmt: skip
 
 
@@ -209,8 +209,18 @@ class CandidateList:
             self._radius = reach + skin
             self._x = x.copy()
             self._pairs = self.find(self.bodies, x, self._radius)
+            self._distance = self._pairs.measure(x).distance
             self.builds += 1
         return self._pairs
+
+    def meeting(
+        self, x: FloatArray, distance: float, motion: FloatArray, reach: float | FloatArray, skin: float | FloatArray
+    ) -> Pairs:
+        """The pairs of :meth:`within` that may come closer than ``distance`` when no vertex moves farther than
+        ``motion`` (m + n,)."""
+        pairs = self.within(x, reach, skin)
+        since = pairs.approach(norm(x - self._x) + motion)
+        return pairs.subset(np.flatnonzero(self._distance - distance <= since))
 
     def _too_wide(self, radius: float | FloatArray) -> bool:
         assert self._pairs is not None

@@ -57,16 +57,19 @@ def model_at(
     """The model at x (m + n, 2), with the curvature of the contacts under the ``loads``."""
     m = bodies.m
     longest = LONGEST_MOTION * float(region.radius.max())
-    pairs = candidates.within(x, wanted.clearance + 2.0 * longest, 2.0 * longest)
+    farthest_motion = np.zeros(len(x))
+    farthest_motion[:m] = longest
+    reach = wanted.clearance + 2.0 * longest
+    pairs = candidates.meeting(x, wanted.clearance, farthest_motion, reach, 2.0 * longest)
     contacts = measure(pairs, x)
     required = wanted.of(pairs)
 
     reach = np.zeros(len(x))
     reach[:m] = region.radius * np.sqrt(2.0)
-    near = contacts.distance - required < pairs.approach(reach)
+    near = np.flatnonzero(contacts.distance - required < pairs.approach(reach))
     some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
-    keep = not_implied(some, contact, room, REDUNDANCY * wanted.clearance)
+    keep = np.flatnonzero(not_implied(some, contact, room, REDUNDANCY * wanted.clearance))
     some, contact = some.subset(keep), contact.where(keep)
 
     cage, successor = x[:m], bodies.cage_successor
@@ -80,6 +83,4 @@ def model_at(
         local_axes(bodies, x),
         order=bodies.cage_order,
     )
-    farthest_motion = np.zeros(len(x))
-    farthest_motion[:m] = longest
     return QuadraticModel(program, Surroundings(pairs, contacts, required, farthest_motion), some, contact)

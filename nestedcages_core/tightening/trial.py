@@ -53,8 +53,8 @@ class Surroundings:
     def within(self, farthest_motion: FloatArray) -> Surroundings:
         """The pairs that can meet in shorter motions."""
         pairs = self.pairs
-        near = self.contacts.distance - self.required <= pairs.approach(farthest_motion)
-        return Surroundings(pairs.subset(near), self.contacts.where(near), self.required[near], farthest_motion)
+        near = np.flatnonzero(self.contacts.distance - self.required <= pairs.approach(farthest_motion))
+        return Surroundings(pairs.subset(near), self.contacts.where(near), self.required.take(near), farthest_motion)
 
 
 def find_trial(
