@@ -39,27 +39,45 @@ class Contacts(NamedTuple):
     def where(self, keep: BoolArray | IntArray) -> Contacts:
         """The contacts where ``keep`` (K,) is true, or at these indices."""
         kept = np.flatnonzero(keep) if keep.dtype == bool else keep
-        return Contacts(*(field.take(kept, axis=0) for field in self))
+        distance, parameter, normal, side, on_line = self
+        return Contacts(
+            distance.take(kept),
+            parameter.take(kept),
+            normal.T.take(kept, axis=1).T,
+            side.take(kept),
+            on_line.take(kept),
+        )
 
 
 def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Contacts:
     """Distances of the pairs at x (m + n, 2); negative where a point is not on its ``side`` (K,) of the edge."""
-    a = x.take(pairs.start, axis=0)
-    edge = x.take(pairs.end, axis=0) - a
-    to = x.take(pairs.point, axis=0) - a
-    edge_x, edge_y, to_x, to_y = edge[:, 0], edge[:, 1], to[:, 0], to[:, 1]
-    squared_length = np.maximum(edge_x * edge_x + edge_y * edge_y, SMALLEST_LENGTH**2)
-    along = (to_x * edge_x + to_y * edge_y) / squared_length
+    columns = np.ascontiguousarray(x.T)  # arrays (2, K) are faster than (K, 2)
+    a = columns.take(pairs.start, axis=1)
+    edge = columns.take(pairs.end, axis=1) - a
+    to = columns.take(pairs.point, axis=1) - a
+    squared_length = np.maximum(_dot(edge, edge), SMALLEST_LENGTH**2)
+    along = _dot(to, edge)
+    along /= squared_length
     parameter = np.minimum(np.maximum(along, 0.0), 1.0)
     on_line = along == parameter
-    left = np.where(edge_x * to_y >= edge_y * to_x, 1.0, -1.0)
+    left = np.where(edge[0] * to[1] >= edge[1] * to[0], 1.0, -1.0)
     left[~on_line] = 0.0
-    normal = to - parameter[:, None] * edge
-    distance = np.sqrt(normal[:, 0] * normal[:, 0] + normal[:, 1] * normal[:, 1])
+    edge *= parameter
+    to -= edge
+    distance = np.sqrt(_dot(to, to))
+    normal = np.divide(to, np.maximum(distance, SMALLEST_LENGTH), out=to)
     if side is not None:
-        distance[left * side < 0.0] *= -1.0
-    normal /= np.where(np.abs(distance) < SMALLEST_LENGTH, 1.0, distance)[:, None]
-    return Contacts(distance, parameter, normal, left, on_line)
+        wrong = left * side < 0.0
+        np.negative(distance, out=distance, where=wrong)
+        np.negative(normal, out=normal, where=wrong)
+    return Contacts(distance, parameter, normal.T, left, on_line)
+
+
+def _dot(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(K,) scalar products of vectors (2, K)."""
+    products = u * v
+    product: FloatArray = products[0] + products[1]
+    return product
 
 
 def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]:
