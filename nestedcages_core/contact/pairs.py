@@ -190,11 +190,17 @@ class CandidateList:
     """The pairs closer than a reach, found with a skin so that the list stays complete for a while (a Verlet list).
 
     A pair comes closer by at most the sum of the two largest motions since the list was built. The list is rebuilt when
-    that exceeds the skin. ``find`` searches: bodies, positions and radius to pairs.
+    that exceeds the skin. ``find`` searches: bodies, positions and radius to pairs. No skin is thinner than
+    ``thinnest_skin``, a length.
     """
 
-    def __init__(self, bodies: Bodies, find: Callable[[Bodies, FloatArray, Any], Pairs] = find_pairs) -> None:
-        self.bodies, self.find = bodies, find
+    def __init__(
+        self,
+        bodies: Bodies,
+        find: Callable[[Bodies, FloatArray, Any], Pairs] = find_pairs,
+        thinnest_skin: float = 0.0,
+    ) -> None:
+        self.bodies, self.find, self.thinnest_skin = bodies, find, thinnest_skin
         self.builds = 0
         self._radius: float | FloatArray = 0.0
         self._x: FloatArray | None = None
@@ -205,6 +211,7 @@ class CandidateList:
 
         Both are lengths, or one per cage vertex (m,).
         """
+        skin = np.maximum(skin, self.thinnest_skin)
         if self._pairs is None or self._x is None or self._too_wide(reach + skin) or not self._covers(x, reach):
             self._radius = reach + skin
             self._x = x.copy()

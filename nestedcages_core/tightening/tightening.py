@@ -43,6 +43,9 @@ NEGLIGIBLE_DECREASE = 1e-2
 FAST_CONVERGENCE = 0.02
 """The same as a fraction of the decrease predicted one step before, where convergence is that fast."""
 
+THINNEST_SKIN = 0.5
+"""Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
+
 COMPLEMENTARITY = 0.1
 """Complementarity at which a quadratic program is solved, as a fraction of the smallest decrease that counts."""
 
@@ -123,7 +126,7 @@ class _Run:
         self.x = x
         self.clearance = clearance * (1.0 + CLEARANCE_MARGIN)
         self.m = bodies.m
-        self.candidates = CandidateList(bodies)
+        self.candidates = CandidateList(bodies, thinnest_skin=THINNEST_SKIN * bodies.cage_edge_length)
         self.systems = 0
 
     def minimise(self) -> Stage[FloatArray, TighteningOutcome]:

@@ -67,7 +67,7 @@ def widen(
 
     Yields every x on the way; the linear motion from the one before is free of collisions.
     """
-    reach = (TARGET_DISTANCE + LONGEST_STEP) * clearance
+    reach = max(TARGET_DISTANCE + LONGEST_STEP, 1.0 / OWN_DISTANCE_KEPT) * clearance
     pairs, contacts = _measured(candidates, x, reach)
     own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
     wanted = WantedDistances(clearance, own)
@@ -111,7 +111,7 @@ def widen(
 
 
 def _measured(candidates: CandidateList, x: FloatArray, reach: float) -> tuple[Pairs, Contacts]:
-    pairs = candidates.within(x, reach, reach)
+    pairs = candidates.meeting(x, reach, np.zeros(len(x)), reach, reach)
     return pairs, measure(pairs, x)
 
 
