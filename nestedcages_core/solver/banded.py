@@ -8,9 +8,10 @@ of the cage widen it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -45,9 +46,9 @@ class Rows:
         """(K, w, 2), or (K, 1, 2) for a common one."""
         return np.moveaxis(self.direction if self.direction.ndim == 3 else self.direction[None], 2, 0)
 
-    def coupled(self) -> tuple[IntArray, IntArray]:
-        """Pairs of vertices in one row: the first with each of the others."""
-        return np.tile(self.vertex[0], len(self.vertex) - 1), self.vertex[1:].ravel()
+    def coupled(self) -> Iterator[tuple[IntArray, IntArray]]:
+        """All pairs of vertices (K,) in one row."""
+        return combinations(self.vertex, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,21 +76,18 @@ class BandOrder:
 
     def including(self, hessian: Blocks, rows: Sequence[Rows]) -> BandOrder:
         """This order if its band holds the couplings of both, else a new one that does."""
-        couplings = [(hessian.row, hessian.column), *(group.coupled() for group in rows)]
-        if all(self.distance(*pair) <= self.bandwidth for pair in couplings):
-            return self
-        # the first of three vertices with the other two, and these with each other
-        couplings += [(group.vertex[1], group.vertex[2]) for group in rows if len(group.vertex) > 2]
-        row, column = (np.concatenate(side) for side in zip(*couplings, strict=True))
-        return BandOrder.of(len(self.position), row, column)
+        pairs = [pair for group in rows for pair in group.coupled()]
+        row = np.concatenate([hessian.row, *(i for i, _ in pairs)])
+        column = np.concatenate([hessian.column, *(j for _, j in pairs)])
+        return self if self.distance(row, column) <= self.bandwidth else BandOrder.of(len(self.position), row, column)
 
 
 class BandedSystem:
     """W and all constraints over 2m unknowns: the motion of each vertex along its two axes, in the order of the band.
 
-    The constraints are A = (J; I; -I): the rows J, then lower and upper bounds of the unknowns. ``axes`` (m, 2, 2) are
-    perpendicular unit vectors: vertex, axis, component. Products with A use `bincount`, since building a sparse matrix
-    costs more than the few products with it.
+    The N = K + 4m constraints are A = (J; I; -I): the rows J, then lower and upper bounds of the unknowns. ``axes``
+    (m, 2, 2) are perpendicular unit vectors: vertex, axis, component. Arrays inside have their long axis last, where
+    numpy is fastest.
     """
 
     solve: Solve
@@ -99,87 +97,87 @@ class BandedSystem:
         size = 2 * len(order.position)
         height = 2 * order.bandwidth + 2  # diagonals stored: the main one and 2 bandwidth + 1 below
         self._shape = size, height
-        self._axes = axes
-        self._unknowns = 2 * order.position[:, None] + _AXES
+        self._unknowns = np.stack([2 * order.position, 2 * order.position + 1])
+        self._axes = np.ascontiguousarray(axes.reshape(-1, 4).T).reshape(2, 2, -1)
 
-        turned = axes.take(hessian.column, axis=0).transpose(0, 2, 1)
-        value = np.matmul(np.matmul(axes.take(hessian.row, axis=0), hessian.value), turned)
-        row = self._unknowns.take(hessian.row, axis=0)[:, :, None]
-        column = self._unknowns.take(hessian.column, axis=0)[:, None, :]
+        before, after = self._axes.take(hessian.row, axis=2), self._axes.take(hessian.column, axis=2)
+        value = hessian.value.reshape(-1, 4).T.reshape(2, 2, -1)
+        value = before[:, 0, None] * value[0] + before[:, 1, None] * value[1]
+        value = value[:, 0, None] * after[:, 0] + value[:, 1, None] * after[:, 1]
         # blocks above the diagonal are stored transposed, blocks on it as their lower triangle
-        value[hessian.row == hessian.column, 0, 1] = 0.0
-        self._W = np.bincount(_place(row, column, height).ravel(), value.ravel(), size * height)
+        value[0, 1, hessian.row == hessian.column] = 0.0
+        row, column = self._unknowns.take(hessian.row, axis=1), self._unknowns.take(hessian.column, axis=1)
+        self._W = np.bincount(_place(row[:, None], column, height).ravel(), value.ravel(), size * height)
 
-        # entries of J, and products of the entries of each row for Jᵀ diag(h) J
-        self._count = sum(group.count for group in rows)
-        numbers = np.arange(self._count)
-        entries, products = [_Entries.none()], [_Entries.none()]
+        # entries of A, and products of the entries of each row for Aᵀ diag(h) A
+        rows = [group for group in rows if group.count]
+        count = sum(group.count for group in rows)
+        unknown, ones = np.arange(size), np.ones(size)
+        bounds = np.arange(count, count + 2 * size)
+        entries = [(bounds[:size], unknown, ones), (bounds[size:], unknown, -ones)]
+        diagonal = _place(unknown, unknown, height)
+        products = [(bounds[:size], diagonal, ones), (bounds[size:], diagonal, ones)]
         first = 0
         for group in rows:
-            number = numbers[first : first + group.count, None]
+            number = np.arange(first, first + group.count)[None]
             first += group.count
-            along = np.matmul(axes.take(group.vertex.T, axis=0), group.directions[..., None])[..., 0]
-            entry = (group.weight.T[:, :, None] * along).reshape(group.count, 2 * len(group.vertex))
-            unknown = self._unknowns.take(group.vertex.T, axis=0).reshape(entry.shape)
-            entries.append(_Entries.of(number, unknown, entry))
-            one, other = _triangle(entry.shape[1])
-            place = _place(unknown[:, one], unknown[:, other], height)
-            products.append(_Entries.of(number, place, entry[:, one] * entry[:, other]))
-        self._J, self._products = _Entries.joined(entries), _Entries.joined(products)
+            axis = self._axes.take(group.vertex, axis=2)
+            entry = group.weight * (axis[:, 0] * group.direction[..., 0, :] + axis[:, 1] * group.direction[..., 1, :])
+            entry = entry.reshape(-1, group.count)
+            unknown = self._unknowns.take(group.vertex, axis=1).reshape(entry.shape)
+            entries.append((number.repeat(len(entry), axis=0), unknown, entry))
+            i, j = _triangle(len(entry))
+            place = _place(unknown.take(i, axis=0), unknown.take(j, axis=0), height)
+            products.append((number.repeat(len(i), axis=0), place, entry.take(i, axis=0) * entry.take(j, axis=0)))
+        self._A = _Matrix.of(entries, count + 2 * size, size)
+        self._products = _Matrix.of(products, count + 2 * size, size * height)
 
     def along_axes(self, vectors: FloatArray) -> FloatArray:
         """Unknowns (2m,) from vectors (m, 2) of the vertices."""
         unknowns = np.empty(self._shape[0])
-        unknowns[self._unknowns] = np.matmul(self._axes, vectors[:, :, None])[:, :, 0]
+        unknowns[self._unknowns] = self._axes[:, 0] * vectors[:, 0] + self._axes[:, 1] * vectors[:, 1]
         return unknowns
 
     def of_vertices(self, unknowns: FloatArray) -> FloatArray:
         """Vectors (m, 2) of the vertices from unknowns (2m,)."""
-        vectors: FloatArray = np.matmul(unknowns[self._unknowns][:, None, :], self._axes)[:, 0]
-        return vectors
+        along, across = unknowns[self._unknowns]
+        return np.ascontiguousarray((along * self._axes[0] + across * self._axes[1]).T)
 
     def per_unknown(self, lengths: FloatArray) -> FloatArray:
         """(2m,) a value of each vertex (m,), repeated for both its unknowns."""
         values = np.empty(self._shape[0])
-        values[self._unknowns] = lengths[:, None]
+        values[self._unknowns] = lengths
         return values
 
     def constraints(self, d: FloatArray) -> FloatArray:
-        """A d, (K + 4m,)."""
-        return np.concatenate([self._J.rows(d, self._count), d, -d])
+        """A d, (N,)."""
+        return self._A.times(d)
 
     def transposed(self, z: FloatArray) -> FloatArray:
         """Aᵀ z, (2m,)."""
-        count, size = self._count, self._shape[0]
-        product: FloatArray = self._J.columns(z, size)
-        product += z[count : count + size]
-        product -= z[count + size :]
-        return product
+        return self._A.transposed_times(z)
 
     def set_matrix(self, h: FloatArray) -> None:
         """Assemble W + Aᵀ diag(h) A."""
-        count, (size, height) = self._count, self._shape
-        band = self._products.columns(h, size * height)
+        band = self._products.transposed_times(h)
         band += self._W
         self._band = band.reshape(self._shape)
-        self._diagonal = self._band[:, 0] + h[count : count + size]
-        self._diagonal += h[count + size :]
 
     def factorise(self, shift: float) -> bool:
         """Factorise the matrix plus shift times the identity; False if that is not positive definite."""
-        self._band[:, 0] = self._diagonal + shift
-        solve = factorised(self._band)
+        band = self._band
+        if shift:
+            band = band.copy()
+            band[:, 0] += shift
+        solve = factorised(band)
         if solve is not None:
             self.solve = solve
         return solve is not None
 
 
-_AXES = np.array([0, 1])
-"""Both unknowns of a vertex."""
-
-
-class _Entries(NamedTuple):
-    """E entries of a sparse matrix."""
+class _Matrix(NamedTuple):
+    """A sparse matrix of E entries. Products use `bincount`: building a matrix of scipy costs more than the few
+    products with it."""
 
     row: IntArray
     """(E,)."""
@@ -187,30 +185,22 @@ class _Entries(NamedTuple):
     """(E,)."""
     value: FloatArray
     """(E,)."""
+    rows: int
+    columns: int
 
     @classmethod
-    def none(cls) -> _Entries:
-        return cls(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
+    def of(cls, parts: Sequence[tuple[IntArray, IntArray, FloatArray]], rows: int, columns: int) -> _Matrix:
+        """From rows, columns and values of any shape; at least one entry."""
+        row, column, value = (np.concatenate([array.ravel() for array in arrays]) for arrays in zip(*parts, strict=True))
+        return cls(row, column, value, rows, columns)
 
-    @classmethod
-    def of(cls, row: IntArray, column: IntArray, value: FloatArray) -> _Entries:
-        """From entries (K, w), all those of a line in the same row (K, 1)."""
-        return cls(np.repeat(row, value.shape[1]), column.ravel(), value.ravel())
+    def times(self, x: FloatArray) -> FloatArray:
+        """The matrix times x (columns,)."""
+        return np.bincount(self.row, self.value * x.take(self.column), self.rows)
 
-    @classmethod
-    def joined(cls, parts: Sequence[_Entries]) -> _Entries:
-        """All entries."""
-        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-    def rows(self, x: FloatArray, count: int) -> FloatArray:
-        """The matrix of ``count`` rows times x."""
-        sums = np.bincount(self.row, self.value * x.take(self.column), count)
-        return sums.astype(np.float64, copy=False)  # integers where there are no entries
-
-    def columns(self, y: FloatArray, count: int) -> FloatArray:
-        """The transpose of the matrix of ``count`` columns times y."""
-        sums = np.bincount(self.column, self.value * y.take(self.row), count)
-        return sums.astype(np.float64, copy=False)  # integers where there are no entries
+    def transposed_times(self, y: FloatArray) -> FloatArray:
+        """The transpose of the matrix times y (rows,)."""
+        return np.bincount(self.column, self.value * y.take(self.row), self.columns)
 
 
 @cache
