@@ -102,6 +102,7 @@ class ContactResponse:
 
     def __post_init__(self) -> None:
         self.candidates = CandidateList(self.bodies)
+        self._order = self.bodies.order
         still = np.arange(self.bodies.m)
         self._proximal = Blocks(still, still, np.broadcast_to(np.eye(2), (self.bodies.m, 2, 2)))
 
@@ -135,14 +136,15 @@ class ContactResponse:
             radii,
             local_axes(self.bodies, x),
             softness=softness,
-            order=self.bodies.cage_order,
             scale=max(longest, SMALLEST_SCALE * gap),
         )
         return Prepared(motion, all_pairs, all_contacts, program)
 
     def solved(self, prepared: Prepared) -> Response:
         """The second half of :meth:`to`: the motion of the cage."""
-        solution = self.bodies.solved(self.solver, prepared.program, ABSOLUTE_TOLERANCE * self.distances.gap**2)
+        tolerance = ABSOLUTE_TOLERANCE * self.distances.gap**2
+        solution = self.bodies.solved(self.solver, prepared.program, tolerance, self._order)
+        self._order = solution.order
         motion = prepared.motion
         if np.isfinite(solution.step).all():
             motion = np.concatenate([solution.step, motion[self.bodies.m :]])

@@ -70,16 +70,18 @@ class Bodies:
         """Number of fine vertices."""
         return len(self.fine_successor)
 
-    def solved(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float) -> QPSolution:
-        """The solution of a program over the cage vertices that keeps their ties."""
+    def solved(
+        self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder
+    ) -> QPSolution:
+        """The solution of a program over the cage vertices that keeps their ties; order: see :attr:`order`."""
         if self.tie is None:
-            return solver.solve(program, absolute)
-        return self.tie.solve(solver, program, absolute)
+            return solver.solve(program, absolute, order)
+        return self.tie.solve(solver, program, absolute, order)
 
     @cached_property
-    def cage_order(self) -> BandOrder:
-        """An order of the cage vertices that keeps neighbours close together."""
-        return BandOrder.of(self.m, np.arange(self.m), self.cage_successor)
+    def order(self) -> BandOrder:
+        """An order of the cage vertices, or of their orbits, that keeps neighbours close together."""
+        return BandOrder.of(self.m, np.arange(self.m), self.cage_successor) if self.tie is None else self.tie.order
 
     @cached_property
     def successor(self) -> IntArray:

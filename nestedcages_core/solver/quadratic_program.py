@@ -78,8 +78,6 @@ class QuadraticProgram:
     """(K,) ε ≥ 0; 0 is a hard row, None makes all rows hard."""
     scale: float | None = None
     """Expected size of the multipliers; None: length of the longest row of G."""
-    order: BandOrder | None = None
-    """An order of the vertices, used unless the rows couple distant ones; None: a new one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +94,8 @@ class QPSolution:
     """Number of linear systems factorised."""
     converged: bool
     """Whether all tolerances were met."""
+    order: BandOrder
+    """The order of the vertices in its systems."""
 
 
 @dataclass(frozen=True)
@@ -116,32 +116,33 @@ class InteriorPoint:
         check_count(self, "iterations", least=0)
         check_positive(self, "complementarity", "primal", "dual")
 
-    def solve(self, program: QuadraticProgram, absolute: float = 0.0) -> QPSolution:
+    def solve(
+        self, program: QuadraticProgram, absolute: float = 0.0, order: BandOrder | None = None
+    ) -> QPSolution:
         """Solve; ``absolute`` is a complementarity, in units of the energy, below which to stop in any case.
 
+        order: an order of the vertices, used if its band is wide enough; that of a similar program spares the search.
         Raises: NestedCagesError for an energy whose derivatives are not finite.
         """
-        return _Iteration(self, program).run(absolute)
+        hessian = program.hessian
+        order = order or BandOrder.of(len(program.radius), hessian.row, hessian.column)
+        return _Iteration(self, program, order.including(hessian, program.rows)).run(absolute)
 
 
 class _Iteration:
     """State of one solve, with the unknowns of the banded system.
 
-    Slacks and multipliers are ordered: K rows, 2m lower bounds, 2m upper bounds. The residuals of feasibility and
-    stationarity are linear in the steps, so they are updated rather than recomputed, and the predicted decrease follows
-    from them without a product with W.
+    The N = K + 4m slacks s and multipliers z are ordered: K rows, 2m lower bounds, 2m upper bounds. They are the two
+    rows of ``state``. The residuals of feasibility and stationarity are linear in the steps, so they are updated rather
+    than recomputed, and the predicted decrease follows from them without a product with W.
     """
 
-    def __init__(self, method: InteriorPoint, program: QuadraticProgram) -> None:
-        self.method = method
-        m, self.K = len(program.radius), len(program.offset)
-        order = program.order or BandOrder.of(m, program.hessian.row, program.hessian.column)
-        order = order.including(program.hessian, program.rows)
+    def __init__(self, method: InteriorPoint, program: QuadraticProgram, order: BandOrder) -> None:
+        self.method, self.order = method, order
+        K, size = len(program.offset), 2 * len(program.radius)
         self.system = BandedSystem(order, program.hessian, program.rows, program.axes)
-        size = 2 * m
         self.G = self.system.along_axes(program.gradient)
         radius = self.system.per_unknown(program.radius)
-        self.softness = program.softness
         self.length = float(radius.mean())
         self.scale = program.scale or max(_longest(self.G), TINY)
         self.damping = 0.0
@@ -150,18 +151,23 @@ class _Iteration:
             raise NestedCagesError(NOT_FINITE)
 
         # start: slacks inside their bounds, multipliers such that no complementarity product stands out
-        K = self.K
-        self.D = np.zeros(size)
+        self.K = K
         self.spread = np.zeros(K + 2 * size)
-        self.s = np.concatenate([program.offset, radius, radius])
-        np.maximum(self.s[:K], START_SLACK * self.length, out=self.s[:K])
-        self.z = np.full(len(self.s), START_MULTIPLIER * self.scale)
-        self.z[:K] *= np.minimum(1.0, self.length / self.s[:K])
-        self.primal = np.zeros(len(self.s))
-        self.primal[:K] = program.offset - self.s[:K]
-        if self.softness is not None:
-            self.primal[:K] += self.softness * self.z[:K]
-        self.dual = self.G - self.system.transposed(self.z)
+        self.D = self.spread[K : K + size]
+        self.state = np.empty((2, K + 2 * size))
+        s, z = self.s, self.z = self.state
+        np.concatenate([program.offset, radius, radius], out=s)
+        np.maximum(s[:K], START_SLACK * self.length, out=s[:K])
+        z[:] = START_MULTIPLIER * self.scale
+        z[:K] *= np.minimum(1.0, self.length / s[:K])
+        self.softness: FloatArray | None = None
+        self.primal = np.zeros(len(s))
+        self.primal[:K] = program.offset - s[:K]
+        if program.softness is not None:
+            self.softness = np.zeros(len(s))
+            self.softness[:K] = program.softness
+            self.primal += self.softness * z
+        self.dual = self.G - self.system.transposed(z)
 
     def run(self, absolute: float) -> QPSolution:
         method, K = self.method, self.K
@@ -171,21 +177,19 @@ class _Iteration:
             decrease = -0.5 * (inner(self.D, self.G + self.dual) + inner(self.spread, self.z))
             converged = (
                 complementarity <= method.complementarity * abs(decrease) + absolute
-                and float(np.abs(self.primal[:K]).max(initial=0.0)) <= method.primal * self.length
+                and float(np.abs(self.primal).max()) <= method.primal * self.length
                 and _longest(self.dual) <= method.dual * self.scale
             )
             if converged or iteration == method.iterations:
                 break
             self._factorise()
-            self._step(complementarity / len(self.s))
-        return QPSolution(self.system.of_vertices(self.D), self.z[:K].copy(), decrease, iteration, converged)
+            self._step(complementarity)
+        step, multipliers = self.system.of_vertices(self.D), self.z[:K].copy()
+        return QPSolution(step, multipliers, decrease, iteration, converged, self.order)
 
     def _factorise(self) -> None:
         """Factorise the Newton system, damped if it is not positive definite."""
-        self.denominator = self.s
-        if self.softness is not None:
-            self.denominator = self.s.copy()
-            self.denominator[: self.K] += self.softness * self.z[: self.K]
+        self.denominator = self.s if self.softness is None else self.s + self.softness * self.z
         self.h = self.z / self.denominator
         self.system.set_matrix(self.h)
         damping = least = DAMPING_DECAY * self.damping if self.damping > SMALLEST_DAMPING * self.first_damping else 0.0
@@ -200,56 +204,70 @@ class _Iteration:
             self.system.factorise(damping)
         self.damping = damping
 
-    def _step(self, mean: float) -> None:
-        """One predictor-corrector step from the mean complementarity."""
-        s, z = self.s, self.z
-        affine = -z * (s + self.primal)
-        d, spread, ds, dz = self._direction(affine)
-        after = inner(z + min(1.0, _reach(z, dz)) * dz, s + min(1.0, _reach(s, ds)) * ds) / len(s)
-        centring = min(max((after / mean) ** 3, SMALLEST_CENTRING), 1.0)
-        d, spread, ds, dz = self._direction(affine + (centring * mean - ds * dz))
-        step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
+    def _step(self, complementarity: float) -> None:
+        """One predictor-corrector step."""
+        mean = complementarity / len(self.s)
+        affine = self.h * (self.s + self.primal)
+        np.negative(affine, out=affine)
+        d, spread, change = self._direction(affine)
+        ds, dz = change
+        step, dual_step = (min(1.0, reach) for reach in self._reaches(change))
+        # the affine direction has z ds + s dz = -z s, so that two sums give the complementarity after it
+        products = ds * dz
+        after = (1.0 - dual_step) * complementarity + (step - dual_step) * inner(self.z, ds)
+        after += step * dual_step * float(products.sum())
+        centring = min(max((after / complementarity) ** 3, SMALLEST_CENTRING), 1.0)
+        np.subtract(centring * mean, products, out=products)
+        products /= self.denominator
+        products += affine
+        d, spread, change = self._direction(products)
+        step, dual_step = (STEP_TO_BOUNDARY * reach for reach in self._reaches(change))
         if max(step, dual_step) < SHORTEST_CORRECTED_STEP:
-            d, spread, ds, dz = self._direction(affine + mean)
-            step, dual_step = STEP_TO_BOUNDARY * _reach(s, ds), STEP_TO_BOUNDARY * _reach(z, dz)
+            d, spread, change = self._direction(affine + mean / self.denominator)
+            step, dual_step = (STEP_TO_BOUNDARY * reach for reach in self._reaches(change))
         step, dual_step = min(step, 1.0), min(dual_step, 1.0)
         # without damping a full step zeroes both residuals: A d + primal + ε dz = ds, (W + δ I) d + dual = Aᵀ dz
-        curved = self.system.transposed(dz) - self.dual
-        self.dual = (1.0 - dual_step) * self.dual + (step - dual_step) * curved - (step * self.damping) * d
-        self.primal = (1.0 - step) * self.primal
+        self.dual *= 1.0 - step
+        if step != dual_step:
+            self.dual += (step - dual_step) * self.system.transposed(change[1])
+        if self.damping:
+            self.dual -= (step * self.damping) * d
+        self.primal *= 1.0 - step
         if self.softness is not None:
-            self.primal[: self.K] += (dual_step - step) * self.softness * dz[: self.K]
-        self.D = self.D + step * d
-        self.spread = self.spread + step * spread
-        self.s = s + step * ds
-        self.z = z + dual_step * dz
+            self.primal += (dual_step - step) * self.softness * change[1]
+        spread *= step
+        self.spread += spread
+        change *= [[step], [dual_step]]
+        self.state += change
 
-    def _direction(self, products: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Newton direction d, and its changes of the rows, the slacks and the multipliers.
+    def _direction(self, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Newton direction d (2m,), and its changes of the rows (N,), and of the slacks and the multipliers (2, N).
 
-        Solves z ds + s dz = products + z primal and the linear conditions of feasibility and stationarity.
+        Solves z ds + s dz = y (s + ε z) + z primal and the linear conditions of feasibility and stationarity.
         """
-        y = products / self.denominator
         d = self.system.solve(self.system.transposed(y) - self.dual)
         spread = self.system.constraints(d)
-        dz = y - self.h * spread
-        ds = spread + self.primal
+        change = np.empty_like(self.state)
+        ds, dz = change
+        np.multiply(self.h, spread, out=dz)
+        np.subtract(y, dz, out=dz)
+        np.add(spread, self.primal, out=ds)
         if self.softness is not None:
-            ds[: self.K] += self.softness * dz[: self.K]
-        return d, spread, ds, dz
+            ds += self.softness * dz
+        return d, spread, change
+
+    def _reaches(self, change: FloatArray) -> list[float]:
+        """Largest factors on the changes of the slacks and of the multipliers that keep them positive."""
+        steepest = (change / self.state).min(axis=1).tolist()
+        return [-1.0 / slope if slope < 0.0 else float("inf") for slope in steepest]
 
 
 def block_scale(hessian: Blocks) -> float:
     """Largest Frobenius norm of a block."""
-    return float(np.sqrt((hessian.value**2).sum(axis=(1, 2)).max(initial=0.0)))
+    return float(np.sqrt((hessian.value**2).reshape(-1, 4).sum(axis=1).max(initial=0.0)))
 
 
 def _longest(vectors: FloatArray) -> float:
     """Length of the longest vector of an array of consecutive x, y."""
-    return float(np.sqrt((vectors.reshape(-1, 2) ** 2).sum(axis=1).max()))
-
-
-def _reach(x: FloatArray, dx: FloatArray) -> float:
-    """Largest t with x + t dx ≥ 0, for x > 0."""
-    steepest = float((dx / x).min())
-    return -1.0 / steepest if steepest < 0.0 else float("inf")
+    x, y = vectors[::2], vectors[1::2]
+    return float(np.sqrt((x * x + y * y).max()))

@@ -47,9 +47,11 @@ class Tie:
         """An order of the orbits that keeps neighbours close together."""
         return BandOrder.of(len(self.first), self.orbit, self.orbit[self.successor])
 
-    def solve(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float) -> QPSolution:
-        """The symmetric solution of a program over all m vertices."""
-        solution = solver.solve(self.program(program), absolute)
+    def solve(
+        self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder | None = None
+    ) -> QPSolution:
+        """The symmetric solution of a program over all m vertices; order: of the orbits."""
+        solution = solver.solve(self.program(program), absolute, order)
         return replace(solution, step=self.motion(solution.step))
 
     def program(self, program: QuadraticProgram) -> QuadraticProgram:
@@ -61,7 +63,6 @@ class Tie:
             rows=[self._rows(group) for group in program.rows],
             radius=self._least(program.radius),
             axes=program.axes[self.first],
-            order=self.order,
         )
 
     def motion(self, of_orbit: FloatArray) -> FloatArray:

@@ -81,6 +81,5 @@ def model_at(
         np.maximum(room[keep], 0.0),
         region.radius,
         local_axes(bodies, x),
-        order=bodies.cage_order,
     )
     return QuadraticModel(program, Surroundings(pairs, contacts, required, farthest_motion), some, contact)

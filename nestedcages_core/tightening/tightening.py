@@ -127,6 +127,7 @@ class _Run:
         self.clearance = clearance * (1.0 + CLEARANCE_MARGIN)
         self.m = bodies.m
         self.candidates = CandidateList(bodies, thinnest_skin=THINNEST_SKIN * bodies.cage_edge_length)
+        self.order = bodies.order
         self.systems = 0
 
     def minimise(self) -> Stage[FloatArray, TighteningOutcome]:
@@ -150,7 +151,8 @@ class _Run:
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
             model = model_at(self.x, self.bodies, self.candidates, energy, self.wanted, region, loads)
-            solution = self.bodies.solved(settings.solver, model.program, COMPLEMENTARITY * negligible)
+            solution = self.bodies.solved(settings.solver, model.program, COMPLEMENTARITY * negligible, self.order)
+            self.order = solution.order
             self.systems += solution.iterations
             loads = model.loads(solution)
             trial = self._try(model, solution.step, value, solution.decrease)
@@ -196,10 +198,9 @@ class _Run:
         """
         multipliers = solution.multipliers
         active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)
-        program, order, tie = model.program, self.bodies.cage_order, self.bodies.tie
-        if tie is not None:
-            program, order = tie.program(program), tie.order
-        softest = negative_curvature(program, order, active)
+        tie = self.bodies.tie
+        program = model.program if tie is None else tie.program(model.program)
+        softest = negative_curvature(program, self.order, active)
         if softest is None:
             return None
         direction = softest.direction if tie is None else tie.motion(softest.direction)

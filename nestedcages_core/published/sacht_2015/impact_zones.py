@@ -143,10 +143,9 @@ class ImpactZones:
             np.full(m, LARGEST_VELOCITY * largest),
             axes,
             softness=np.full(len(t), IMPULSE_COMPLIANCE),
-            order=self.bodies.cage_order,
             scale=largest,
         )
-        solution = self.solver.solve(program, IMPULSE_TOLERANCE * self.proximity**2)
+        solution = self.solver.solve(program, IMPULSE_TOLERANCE * self.proximity**2, self.bodies.order)
         velocity = wished.copy()
         if np.isfinite(solution.step).all():
             velocity[:m] = solution.step
