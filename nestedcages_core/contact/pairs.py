@@ -70,9 +70,7 @@ class Bodies:
         """Number of fine vertices."""
         return len(self.fine_successor)
 
-    def solved(
-        self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder
-    ) -> QPSolution:
+    def solved(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder) -> QPSolution:
         """The solution of a program over the cage vertices that keeps their ties; order: see :attr:`order`."""
         if self.tie is None:
             return solver.solve(program, absolute, order)

@@ -191,8 +191,8 @@ class _Matrix(NamedTuple):
     @classmethod
     def of(cls, parts: Sequence[tuple[IntArray, IntArray, FloatArray]], rows: int, columns: int) -> _Matrix:
         """From rows, columns and values of any shape; at least one entry."""
-        row, column, value = (np.concatenate([array.ravel() for array in arrays]) for arrays in zip(*parts, strict=True))
-        return cls(row, column, value, rows, columns)
+        joined = (np.concatenate([array.ravel() for array in arrays]) for arrays in zip(*parts, strict=True))
+        return cls(*joined, rows, columns)
 
     def times(self, x: FloatArray) -> FloatArray:
         """The matrix times x (columns,)."""

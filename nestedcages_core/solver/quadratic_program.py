@@ -109,16 +109,15 @@ class InteriorPoint:
     and change the result by less than the linearisation of its constraints."""
     primal: float = 1e-3
     """Largest violation of a constraint at the end, relative to the mean radius."""
-    dual: float = 0.02
-    """Largest residual of stationarity of a vertex at the end, relative to the scale of the multipliers."""
+    dual: float = 0.1
+    """Largest residual of stationarity of a vertex at the end, relative to the scale of the multipliers. At 0.02 the
+    method wanders along the ridges of indefinite programs for dozens of systems, and rounding decides where it ends."""
 
     def __post_init__(self) -> None:
         check_count(self, "iterations", least=0)
         check_positive(self, "complementarity", "primal", "dual")
 
-    def solve(
-        self, program: QuadraticProgram, absolute: float = 0.0, order: BandOrder | None = None
-    ) -> QPSolution:
+    def solve(self, program: QuadraticProgram, absolute: float = 0.0, order: BandOrder | None = None) -> QPSolution:
         """Solve; ``absolute`` is a complementarity, in units of the energy, below which to stop in any case.
 
         order: an order of the vertices, used if its band is wide enough; that of a similar program spares the search.
