@@ -43,7 +43,7 @@ def never_meet(before: FloatArray, after: FloatArray) -> BoolArray:
     first, last = _differences(before), _differences(after)
     count = before.shape[2]
     pair = np.arange(count)
-    rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).reshape(-1, count).max(axis=0)
+    rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).max(axis=(0, 1))
     certified = np.ones(count, bool)
     for halvings in range(MAX_HALVINGS):
         margin = halvings * rounding.take(pair)
