@@ -203,7 +203,7 @@ class CandidateList:
         self.bodies, self.find, self.thinnest_skin = bodies, find, thinnest_skin
         self.builds = 0
         self._radius: float | FloatArray = 0.0
-        self._x: FloatArray | None = None
+        self._x = self._distance = np.zeros(0)
         self._pairs: Pairs | None = None
 
     def within(self, x: FloatArray, reach: float | FloatArray, skin: float | FloatArray) -> Pairs:
@@ -212,7 +212,7 @@ class CandidateList:
         Both are lengths, or one per cage vertex (m,).
         """
         skin = np.maximum(skin, self.thinnest_skin)
-        if self._pairs is None or self._x is None or self._too_wide(reach + skin) or not self._covers(x, reach):
+        if self._pairs is None or self._too_wide(reach + skin) or not self._covers(x, reach):
             self._radius = reach + skin
             self._x = x.copy()
             self._pairs = self.find(self.bodies, x, self._radius)
@@ -238,7 +238,6 @@ class CandidateList:
 
     def _approach(self, x: FloatArray) -> float:
         """Upper bound on how much closer any pair has come since the list was built."""
-        assert self._x is not None
         moved = x - self._x
         squared = moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1]
         m = self.bodies.m

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 import scipy
@@ -191,16 +191,16 @@ class _Matrix(NamedTuple):
     @classmethod
     def of(cls, parts: Sequence[tuple[IntArray, IntArray, FloatArray]], rows: int, columns: int) -> _Matrix:
         """From rows, columns and values of any shape; at least one entry."""
-        joined = (np.concatenate([array.ravel() for array in arrays]) for arrays in zip(*parts, strict=True))
-        return cls(*joined, rows, columns)
+        joined = [np.concatenate([array.ravel() for array in arrays]) for arrays in zip(*parts, strict=True)]
+        return cls(joined[0], joined[1], joined[2], rows, columns)
 
     def times(self, x: FloatArray) -> FloatArray:
         """The matrix times x (columns,)."""
-        return np.bincount(self.row, self.value * x.take(self.column), self.rows)
+        return cast(FloatArray, np.bincount(self.row, self.value * x.take(self.column), self.rows))
 
     def transposed_times(self, y: FloatArray) -> FloatArray:
         """The transpose of the matrix times y (rows,)."""
-        return np.bincount(self.column, self.value * y.take(self.row), self.columns)
+        return cast(FloatArray, np.bincount(self.column, self.value * y.take(self.row), self.columns))
 
 
 @cache
