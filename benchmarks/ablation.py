@@ -47,6 +47,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.hierarchy.settings import DEFAULT_CLEARANCE
 from nestedcages_core.hierarchy.units import SolverUnits
+from nestedcages_core.memory import forget
 from nestedcages_core.stages import drain
 from random_shapes import KINDS, random_shape
 from stress import SMALLEST_POSSIBLE
@@ -239,6 +240,7 @@ def run(job: tuple[Case, str | None]) -> Made:
     case, name = job
     mechanism = MECHANISMS[name] if name is not None else Mechanism("")
     used: set[str] = set()
+    forget()  # what was made with other mechanisms
     with switched_off(mechanism.patches), watching(used) if name is None else nullcontext():
         begin = time.process_time()
         try:
@@ -270,6 +272,7 @@ def probe(case: Case) -> list[str]:
     """The mechanisms that decimation and flow of a case use, of those with probes."""
     used: set[str] = set()
     clearance = DEFAULT_CLEARANCE * case.fine.diagonal if case.clearance is None else case.clearance
+    forget()
     with watching(used), suppress(NestedCagesError):
         coarse: Mesh | None = case.level if isinstance(case.level, Mesh) else None
         if not isinstance(case.level, Mesh):

@@ -1,9 +1,11 @@
-"""A hand on a slider: one drawing of 500 vertices, and its cage for every number of vertices from 16 to 64.
+"""A hand on a slider: one drawing of 500 vertices, and its cage for every position of a number.
 
-    python benchmarks/slider.py [--step 1] [--vertices 500]
+    python benchmarks/slider.py [--positions 49] [--vertices 500]
 
-Dragged up and down once, with what earlier positions have left for reuse and without. CPU milliseconds per position.
-The cages of both must be the same to the last bit: exit status 1 if they are not.
+The number is that of vertices from 16 to 64, the clearance from 1e-5 to 1e-2 of the diagonal, or the strength of
+`ShapeKeeping` from 0.1 to 10, the latter two with 32 vertices. Each is dragged up and down once, with what earlier
+positions have left for reuse and without. CPU milliseconds per position. The cages of both must be the same to the last
+bit: exit status 1 if they are not.
 """
 
 from __future__ import annotations
@@ -11,48 +13,70 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 
 import numpy as np
 
 import clone  # noqa: F401 - puts the core of this clone on the path
 from data.drawn import blob
-from nestedcages_core import Mesh, nested_cages
-from nestedcages_core.decimation import remembered
+from nestedcages_core import Mesh, Settings, ShapeKeeping, nested_cages
+from nestedcages_core.memory import forget
 
-FEWEST, MOST = 16, 64
-"""Ends of the slider."""
+COUNTS = 16, 64
+CLEARANCES = 1e-5, 1e-2
+STRENGTHS = 0.1, 10.0
+"""Ends of the sliders."""
+
+COUNT = 32
+"""Vertices where another number is dragged."""
 
 
-def dragged(fine: Mesh, counts: list[int], *, reuse: bool) -> tuple[list[float], list[np.ndarray]]:
+def positions(fine: Mesh, number: int) -> dict[str, list[tuple[int, Settings]]]:
+    """Numbers of vertices and settings, up and down, by slider."""
+    up: dict[str, list[tuple[int, Settings]]] = {
+        "vertices": [(round(count), Settings()) for count in np.linspace(*COUNTS, number)],
+        "clearance": [
+            (COUNT, Settings(clearance=share * fine.diagonal)) for share in np.geomspace(*CLEARANCES, number).tolist()
+        ],
+        "energy": [
+            (COUNT, Settings(energy=ShapeKeeping(strength))) for strength in np.geomspace(*STRENGTHS, number).tolist()
+        ],
+    }
+    return {name: [*there, *there[-2::-1]] for name, there in up.items()}
+
+
+def dragged(
+    fine: Mesh, requests: Sequence[tuple[int, Settings]], *, reuse: bool
+) -> tuple[list[float], list[np.ndarray]]:
     """CPU seconds and the cage's vertices at each position."""
-    remembered.forget()
+    forget()
     seconds, cages = [], []
-    for count in counts:
+    for count, settings in requests:
         if not reuse:
-            remembered.forget()
+            forget()
         began = time.process_time()
-        cages.append(nested_cages(fine, [count]).cages[0].vertices)
+        cages.append(nested_cages(fine, [count], settings).cages[0].vertices)
         seconds.append(time.process_time() - began)
     return seconds, cages
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--step", type=int, default=1, help="vertices between positions (%(default)s)")
+    parser.add_argument("--positions", type=int, default=49, help="of each slider (%(default)s)")
     parser.add_argument("--vertices", type=int, default=500, help="of the drawing (%(default)s)")
     options = parser.parse_args()
     fine = blob(options.vertices)
-    up = list(range(FEWEST, MOST + 1, options.step))
-    counts = up + up[-2::-1]
-    nested_cages(fine, [FEWEST])  # everything is imported
-    print(f"{options.vertices} vertices, cages of {FEWEST} to {MOST}, up and down: milliseconds per position\n")
-    print("| | median | worst | first position |\n|---|---|---|---|")
-    found = {}
-    for name, reuse in (("alone", False), ("with reuse", True)):
-        seconds, found[name] = dragged(fine, counts, reuse=reuse)
-        median, worst, first = 1e3 * np.median(seconds), 1e3 * max(seconds), 1e3 * seconds[0]
-        print(f"| {name} | {median:.0f} | {worst:.0f} | {first:.0f} |", flush=True)
-    same = all((one == other).all() for one, other in zip(*found.values(), strict=True))
+    nested_cages(fine, [COUNT])  # everything is imported
+    print(f"{options.vertices} vertices, {options.positions} positions up and down: milliseconds per position\n")
+    print("| slider | | median | worst | first position |\n|---|---|---|---|---|")
+    same = True
+    for slider, requests in positions(fine, options.positions).items():
+        found = {}
+        for name, reuse in (("alone", False), ("with reuse", True)):
+            seconds, found[name] = dragged(fine, requests, reuse=reuse)
+            median, worst, first = 1e3 * np.median(seconds), 1e3 * max(seconds), 1e3 * seconds[0]
+            print(f"| {slider} | {name} | {median:.0f} | {worst:.0f} | {first:.0f} |", flush=True)
+        same = same and all((one == other).all() for one, other in zip(*found.values(), strict=True))
     print("\nThe cages are the same to the last bit." if same else "\nThe cages differ.")
     return 0 if same else 1
 

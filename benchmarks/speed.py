@@ -129,20 +129,19 @@ class Worker:
 
 def work() -> None:
     """In a worker: a cage for every case that comes in, without anything remembered from the repeat before."""
+    import importlib.util
     import pickle
     import sys
     import time
 
     from nestedcages_core import Mesh, NestedCagesError, nested_cages
 
-    try:
-        from nestedcages_core.decimation.remembered import forget
-    except ImportError:  # of earlier commits, which remember nothing
-
-        def forget() -> None: ...
-
+    memory = ("memory", "decimation.remembered")  # of this commit and of earlier ones; others remember nothing
+    found = [name for name in memory if importlib.util.find_spec(f"nestedcages_core.{name}")]
+    forget = getattr(importlib.import_module(f"nestedcages_core.{found[0]}"), "forget", None) if found else None
     while True:
-        forget()
+        if forget is not None:
+            forget()
         try:
             loops, count = pickle.load(sys.stdin.buffer)
         except EOFError:

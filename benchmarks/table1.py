@@ -19,6 +19,7 @@ for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
 import clone  # noqa: E402, F401
 from data import COARSE_RING_VERTICES, TABLE_1, Table1Row, annulus, read_table1  # noqa: E402
 from nestedcages_core import Mesh, NestedCagesError, Progress, nested_cages, verify  # noqa: E402
+from nestedcages_core.memory import forget  # noqa: E402
 
 REPEATS = 5  # the median of so many runs is printed, after one that is not counted
 
@@ -51,6 +52,7 @@ def measure(fine: Mesh, coarse: Mesh, repeats: int) -> Measurement:
     totals: list[float] = []
     phases: dict[str, list[float]] = {}
     for turn in range(repeats + 1):
+        forget()
         clock = PhaseClock()
         (level,) = nested_cages(fine, [coarse], progress=clock).levels
         clock()

@@ -20,6 +20,7 @@ CORE = "nestedcages_core"
 ROOMS = (
     "errors",
     "stages",
+    "memory",
     "parameters",
     "geometry",
     "decimation",

@@ -26,6 +26,7 @@ from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
 from nestedcages_core.hierarchy.attempts import contacts_for
 from nestedcages_core.hierarchy.units import SolverUnits
+from nestedcages_core.memory import forget
 from nestedcages_core.stages import Stage, drain, mapped
 
 DEFAULT = "nested_cages"
@@ -162,6 +163,7 @@ class Recorded:
 
 
 def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measurement:
+    forget()
     result = Measurement(fine)
     ends = time.process_time() + limit
     phase = "decimation"
@@ -247,6 +249,7 @@ def measure_default(fine: Mesh, coarse: Wanted) -> Measurement:
     assert isinstance(coarse, Mesh)
     result = Measurement(fine)
     units = SolverUnits.of(fine)
+    forget()
     began = time.process_time()
     try:
         (level,) = nested_cages(fine, [coarse]).levels

@@ -9,6 +9,7 @@ import numpy as np
 
 from nestedcages_core import Mesh, NestedCagesError, Settings, nested_cages, verify
 from nestedcages_core.geometry.grid import Grid
+from nestedcages_core.memory import forget
 
 from .table import Table, per_cent
 
@@ -40,9 +41,11 @@ def table(shapes: Mapping[str, Mesh]) -> Table:
     asked = found = 0
     for name, fine in shapes.items():
         for count in COUNTS:
+            forget()
             begin = time.process_time()
             free = nested_cages(fine, [count]).levels[0]
             seconds = time.process_time() - begin
+            forget()
             cells, begin = [], time.process_time()
             for part in PARTS:
                 asked += 1

@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping
 
 from nestedcages_core import Mesh, NestedCagesError, inner_cages, verify
+from nestedcages_core.memory import forget
 from peers import inner_polygon_hull
 
 from .table import Table, per_cent
@@ -34,6 +35,7 @@ def table(shapes: Mapping[str, Mesh]) -> Table:
     )
     for name, fine in shapes.items():
         for count in COUNTS:
+            forget()
             begin = time.process_time()
             ours = lost(fine, count, made)
             seconds = time.process_time() - begin

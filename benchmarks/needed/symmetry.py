@@ -10,6 +10,7 @@ import numpy as np
 from nestedcages_core import Mesh, Mirror, NestedCagesError, Rotation, Settings, nested_cages, verify
 from nestedcages_core.geometry.orbits import Orbits
 from nestedcages_core.geometry.overlay import overlay
+from nestedcages_core.memory import forget
 
 from .table import Table, per_cent
 
@@ -41,6 +42,7 @@ def table(shapes: Mapping[str, Mesh]) -> Table:
             for count in COUNTS:
                 excess = []
                 for k, settings in enumerate((Settings(), Settings(symmetry=placed))):
+                    forget()
                     begin = time.process_time()
                     try:
                         level = nested_cages(fine, [count], settings).levels[0]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 import shapely
 
 from nestedcages_core import Mesh, NestedCagesError, Within, nested_cages, verify
+from nestedcages_core.memory import forget
 from nestedcages_core.verification.reach import reach
 
 from .table import Table, per_cent
@@ -32,6 +33,7 @@ def table(shapes: Mapping[str, Mesh]) -> Table:
     for name, fine in shapes.items():
         for part in PARTS:
             distance = part * fine.diagonal
+            forget()
             begin = time.process_time()
             try:
                 level = nested_cages(fine, [Within(distance=distance)]).levels[0]

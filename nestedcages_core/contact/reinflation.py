@@ -15,6 +15,7 @@ from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..memory import Memory, key_of
 from ..solver.tied import Tie
 from ..stages import Stage, mapped
 from .base import Contact
@@ -24,6 +25,9 @@ logger = logging.getLogger(__name__)
 
 REMEDY = "use more cage vertices, or a coarse mesh closer to the fine one"
 """Advice in messages when the path is blocked."""
+
+CAPACITY = 16_000_000
+"""Bytes of all reinflations that are remembered: another energy of the cage needs the same ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +77,9 @@ class Reinflation:
         return {name: value for name, value in vars(self).items() if name != "fine_steps"}
 
 
+_reinflations: Memory[Reinflation] = Memory(CAPACITY)
+
+
 def reinflate(
     fine: Mesh,
     coarse: Mesh,
@@ -91,9 +98,20 @@ def reinflate(
     ``partial`` is the reinflation so far.
     """
     bodies = Bodies.of(coarse, fine, tie)
-    containment = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
-    start = np.concatenate([coarse.vertices, flow_steps[-1]])
-    path = list(flow_steps[-2::-1])
+    failure = ReinflationError("There is no contact to reinflate by.")
+    for contact in contacts:
+        defining = (contact, clearance, flow_steps, *fine.defining_arrays, *coarse.defining_arrays)
+        key = key_of(*defining) if tie is None else None
+        try:
+            return (yield from _reinflations.stage(key, _by(contact, bodies, flow_steps, clearance), _size))
+        except ReinflationError as error:
+            failure = error
+    raise failure
+
+
+def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: float) -> Stage[float, Reinflation]:
+    """The reinflation by one contact. Raises ReinflationError."""
+    steps, path = [np.concatenate([bodies.coarse.vertices, flow_steps[-1]])], list(flow_steps[-2::-1])
     distance = float(np.abs(flow_steps[-1] - flow_steps[0]).sum())
 
     def fraction(x: FloatArray) -> float:
@@ -101,24 +119,24 @@ def reinflate(
             steps.append(x)
         return 1.0 - float(np.abs(x[bodies.m :] - flow_steps[0]).sum()) / distance if distance > 0.0 else 1.0
 
-    steps, reason = [start], ""
-    for contact in contacts:
-        steps = [start]
-        iterations, reached = 0, True
-        if path:
-            outcome = yield from mapped(contact.reinflate(bodies, start, path, clearance=clearance), fraction)
-            iterations, reached, reason = outcome.iterations, outcome.reached_target, outcome.reason
-            logger.debug("reinflation by %s: %d systems, %d steps: %s", contact, iterations, len(steps) - 1,
-                         reason or "reached the fine mesh")  # fmt: skip
-        if reached:
-            vertex = containment.first_contact(steps[-1])
-            if vertex is None:
-                return _recorded(steps, bodies.m, iterations)
-            which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"
-            reason = f"it ended in contact at {which}"
-    partial = _recorded(steps, bodies.m, 0)
+    iterations, reason = 0, ""
+    if path:
+        outcome = yield from mapped(contact.reinflate(bodies, steps[0], path, clearance=clearance), fraction)
+        iterations, reason = outcome.iterations, "" if outcome.reached_target else outcome.reason or "it was stopped"
+        logger.debug("reinflation by %s: %d systems, %d steps: %s", contact, iterations, len(steps) - 1,
+                     reason or "reached the fine mesh")  # fmt: skip
+    if not reason:
+        vertex = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor).first_contact(steps[-1])
+        if vertex is None:
+            return _recorded(steps, bodies.m, iterations)
+        which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"
+        reason = f"it ended in contact at {which}"
     sentence = f"Reinflation did not return the fine mesh to its position: {reason}; {REMEDY}."
-    raise ReinflationError(sentence, partial=partial)
+    raise ReinflationError(sentence, partial=_recorded(steps, bodies.m, 0))
+
+
+def _size(made: Reinflation) -> int:
+    return made.cage_steps.nbytes + made.moving_steps.nbytes
 
 
 def _recorded(steps: list[FloatArray], m: int, iterations: int) -> Reinflation:

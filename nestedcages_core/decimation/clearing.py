@@ -29,6 +29,9 @@ MAX_WIDENINGS = 12
 STALLED_RATIO = 0.97
 """Ratio of the largest shortfalls after and before a step above which no further step is made."""
 
+NEGLIGIBLE_SHORTFALL = 1e-6
+"""Shortfall, as a fraction of the distance, that needs no further step: far within the reserve."""
+
 MAX_ROUNDS = 12
 """Maximum number of rounds that remove obstacles to wider steps: small details first, then narrow gaps."""
 
@@ -63,7 +66,7 @@ def _widened(outline: Outline, fine: Mesh, distance: float) -> Outline:
     for _ in range(MAX_WIDENINGS):
         missing = shortfall(outline, fine, distance)
         worst = float(missing.max())
-        if worst == 0.0 or worst > STALLED_RATIO * last:
+        if worst <= NEGLIGIBLE_SHORTFALL * distance or worst > STALLED_RATIO * last:
             break
         wider, stuck = strict_offset(outline, missing, fine.edge_tree)
         if len(stuck):

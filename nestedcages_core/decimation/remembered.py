@@ -7,23 +7,20 @@ remembered changes no result.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Sequence
-from hashlib import sha256
 from threading import Lock
 
 import numpy as np
 
+from ..memory import Memory, key_of
 from ..stages import Stage
 from .linked_loops import Removal
 from .outline import Outline
 from .progressive_hull import ProgressiveHull, Weights
 
-MAX_VERTICES = 16_000
-"""Vertices of all outlines whose runs are remembered, about 2 kB each."""
-
-MAX_SIZE = 4_000
-"""Size of an outline up to which its runs are remembered."""
+CAPACITY, BYTES_PER_VERTEX = 32_000_000, 2_000
+"""Bytes of all runs that are remembered, and of a run per vertex of its outline, as measured: outlines of up to 4,000
+vertices are remembered."""
 
 
 class RememberedHull(ProgressiveHull):
@@ -65,32 +62,17 @@ class RememberedHull(ProgressiveHull):
         return Outline(vertices[alive], tuple(sizes.tolist()), spans[alive])
 
 
-_runs: OrderedDict[bytes, RememberedHull] = OrderedDict()
-_lock = Lock()
+_runs: Memory[RememberedHull] = Memory(CAPACITY)
 
 
 def remembered_hull(outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:
     """The progressive hull of an outline: one that has been run already, if there is one."""
-    if len(outline.vertices) > MAX_SIZE:
+    size = BYTES_PER_VERTEX * len(outline.vertices)
+    if not _runs.has_room(size):
         return ProgressiveHull(outline, weights, minimum)
-    key = sha256(repr((outline.sizes, weights, list(minimum))).encode())
-    key.update(outline.vertices.tobytes())
-    key.update(outline.spans.tobytes())
-    name = key.digest()
-    with _lock:
-        run = _runs.get(name)
-        if run is not None and run.sound:
-            _runs.move_to_end(name)
-            return run
-    run = RememberedHull(outline, weights, minimum)
-    with _lock:
-        _runs[name] = run
-        while sum(len(each.start.vertices) for each in _runs.values()) > MAX_VERTICES:
-            _runs.popitem(last=False)
+    key = key_of(outline.sizes, weights, tuple(minimum), outline.vertices, outline.spans)
+    run = _runs.get(key)
+    if run is None or not run.sound:
+        run = RememberedHull(outline, weights, minimum)
+        _runs.put(key, run, size)
     return run
-
-
-def forget() -> None:
-    """Forget all runs: frees their memory."""
-    with _lock:
-        _runs.clear()

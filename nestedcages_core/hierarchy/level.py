@@ -30,6 +30,7 @@ from .early_stop import EarlyStop
 from .priorities import Priorities
 from .progress import LevelProgress
 from .results import Level, NestingReport, Progress
+from .reuse import coarse_meshes, flow_inside
 from .settings import Settings
 from .symmetric import Alike, made_alike, with_images
 from .units import SolverUnits
@@ -135,7 +136,7 @@ class LevelBuilder:
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
         if isinstance(source, SeveralStarts):
-            search = source.starts(self.outline, attempt.count, clearance=clearance, most=attempt.starts)
+            search = coarse_meshes(source, self.outline, attempt.count, clearance=clearance, most=attempt.starts)
             return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
         return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
 
@@ -151,7 +152,7 @@ class LevelBuilder:
                 flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             else:
                 flow = yield from self.progress.follow(
-                    attempt.flow.run(self.unit_fine, unit_coarse), lambda done: (done, "flow")
+                    flow_inside(attempt.flow, self.unit_fine, unit_coarse), lambda done: (done, "flow")
                 )
         except FlowError as error:
             partial = error.partial

@@ -9,6 +9,7 @@ import pytest
 
 import nestedcages_core
 from judge import faults_of_cage, faults_of_motion
+from nestedcages_core.memory import forget
 
 LARGEST_PAIRS = 100_000
 """Product of the vertex counts of cage and fine mesh up to which a level is judged."""
@@ -30,6 +31,12 @@ def faults_of_level(level: Any, *, all_steps: bool = False) -> list[str]:
     if not (way.fine_steps[-1] == level.fine.vertices).all():
         faults.append("the fine mesh is not back at its coordinates")
     return faults + faults_of_motion(level.cage.edges, level.fine.edges, way.cage_steps, way.fine_steps, steps)
+
+
+@pytest.fixture(autouse=True)
+def nothing_remembered() -> None:
+    """Each test computes what it tests."""
+    forget()
 
 
 @pytest.fixture(autouse=True)

@@ -12,17 +12,11 @@ from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.remembered import RememberedHull, remembered_hull
 from nestedcages_core.decimation.request import canonical_order
+from nestedcages_core.memory import forget
 from nestedcages_core.stages import drain
 from shapes import islands, letter_a, star
 
 SHAPES = pytest.mark.parametrize("shape", [letter_a, star, islands])
-
-
-@pytest.fixture(autouse=True)
-def nothing_remembered():
-    remembered.forget()
-    yield
-    remembered.forget()
 
 
 def outline_of(mesh: Mesh) -> Outline:
@@ -61,9 +55,9 @@ def test_cages_are_the_same_bits_whatever_was_asked_for_before(shape) -> None:
     counts = [fewest, fewest + 9, fewest + 30, fewest + 10]
     alone = []
     for count in counts:
-        remembered.forget()
+        forget()
         alone.append(nested_cages(fine, [count]).levels[0])
-    remembered.forget()
+    forget()
     for count, level in zip(counts, alone, strict=True):
         again = nested_cages(fine, [count]).levels[0]
         assert (again.cage.vertices == level.cage.vertices).all()
@@ -74,7 +68,7 @@ def test_cages_are_the_same_bits_whatever_was_asked_for_before(shape) -> None:
 def test_another_clearance_or_a_need_gives_the_same_as_a_fresh_start() -> None:
     fine = star(5, 60)
     for levels, settings in (([16], Settings(clearance=0.02)), ([Within(excess=0.1)], None)):
-        remembered.forget()
+        forget()
         fresh = nested_cages(fine, levels, settings).cages[0]
         nested_cages(fine, [24, 16])
         assert (nested_cages(fine, levels, settings).cages[0].vertices == fresh.vertices).all()
@@ -120,13 +114,16 @@ def test_a_run_that_was_interrupted_in_a_move_is_not_used_again(monkeypatch) -> 
 
 
 def test_memory_is_bounded_and_forgets_the_oldest() -> None:
-    first = outline_of(star(9, remembered.MAX_SIZE))
+    largest = remembered.CAPACITY // (4 * remembered.BYTES_PER_VERTEX)
+    first = outline_of(star(9, largest))
     oldest = remembered_hull(first, EVEN_WEIGHTS, [3])
-    for k in range(remembered.MAX_VERTICES // remembered.MAX_SIZE):
+    for k in range(3):
         remembered_hull(first.moved(first.vertices + k + 1.0), EVEN_WEIGHTS, [3])
-    assert sum(len(run.start.vertices) for run in remembered._runs.values()) <= remembered.MAX_VERTICES
+    assert remembered_hull(first, EVEN_WEIGHTS, [3]) is oldest
+    for k in range(4):
+        remembered_hull(first.moved(first.vertices - k - 1.0), EVEN_WEIGHTS, [3])
     assert remembered_hull(first, EVEN_WEIGHTS, [3]) is not oldest
-    larger = outline_of(star(9, remembered.MAX_SIZE + 1))
+    larger = outline_of(star(9, largest + 1))
     assert not isinstance(remembered_hull(larger, EVEN_WEIGHTS, [3]), RememberedHull)
 
 

@@ -16,6 +16,7 @@ from nestedcages_core import (
     inner_cages,
     nested_cages,
 )
+from nestedcages_core.memory import forget
 from nestedcages_core.motion.animated import AnimatedCagesRun
 from nestedcages_core.stages import Run, Stage, drain, mapped
 from shapes import letter_a, ring, star
@@ -105,6 +106,7 @@ def test_a_run_can_be_stopped_at_every_yield(make: Callable[[], Run[Any, Any]]) 
     """At places spread over the whole run; what was yielded before is the same each time."""
     whole = list(make())
     for stop in sorted({round(k * (len(whole) - 1) / 4) for k in range(5)}):
+        forget()  # a run of its own
         run = make()
         seen = [next(run) for _ in range(stop + 1)]
         assert seen == whole[: stop + 1]
@@ -152,5 +154,6 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     assert stages.count("decimation") >= moves + 5
     assert stages.count("reinflation") >= 2 * (len(level.reinflation.moving_steps) - 1)  # two halves of each step
     assert stages.count("verification") >= len(level.reinflation.cage_steps)
+    forget()
     first_move = next(k for k, progress in enumerate(NestedCagesRun(fine, [24])) if progress.fraction > 0.0)
     assert first_move >= 5

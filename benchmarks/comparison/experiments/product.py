@@ -13,6 +13,7 @@ from comparison.measure import CLEARANCE, Decimated, Measurement, Results
 from comparison.tables import excess_and_time, matrix, median, number, table
 from nestedcages_core import Mesh, NestedCagesError, Settings
 from nestedcages_core.decimation import Decimation
+from nestedcages_core.memory import forget
 
 PAPERS = "paper's energy, Newton"
 """The fourth way to resolve contact: the paper's barrier and weights, by projected Newton."""
@@ -59,6 +60,7 @@ def run(inputs: Inputs, bench: Bench) -> Results:
 
 def coarse_mesh(decimation: Decimation, fine: Mesh) -> Decimated | str:
     """A coarse mesh for all that start from it, or why there is none."""
+    forget()
     began = time.process_time()
     try:
         coarse = decimation.decimate(fine, COUNT, clearance=CLEARANCE * fine.diagonal)
