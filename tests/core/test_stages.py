@@ -143,7 +143,7 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     """Set-up, certificates, rejected steps and halves of a step yield as well: the test counts yields, not seconds.
 
     The set-up of a decimation has a part of its own for gaps, for each scale of them and for the touching edges; a
-    certificate has one for each step of the motion.
+    certificate has one for each block of steps of the motion.
     """
     turn = ring(1900)
     fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
@@ -153,7 +153,7 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     moves = (1900 - 24) // 512  # of the first run of the hull, at least
     assert stages.count("decimation") >= moves + 5
     assert stages.count("reinflation") >= 2 * (len(level.reinflation.moving_steps) - 1)  # two halves of each step
-    assert stages.count("verification") >= len(level.reinflation.cage_steps)
+    assert stages.count("verification") >= 3  # one for each block of steps, whose size is bounded
     forget()
     first_move = next(k for k, progress in enumerate(NestedCagesRun(fine, [24])) if progress.fraction > 0.0)
     assert first_move >= 5
