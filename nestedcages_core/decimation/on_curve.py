@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InvalidMeshError, NestingError
-from ..geometry.distance import point_edge
+from ..geometry.broad_phase import position_in_group
 from ..geometry.mesh import Mesh
 from ..geometry.orbits import Orbits
 from ..geometry.signed_distance import EdgeSearch
@@ -109,14 +109,15 @@ def _snapped(hull: Outline, outline: Outline) -> Outline:
 
     Stretches are disjoint and in order, so the points are.
     """
-    places = np.empty_like(hull.vertices)
     of_loop = np.repeat(np.arange(len(hull.sizes)), hull.sizes)
-    loops = outline.loops
-    for vertex, ((first, last), k) in enumerate(zip(hull.spans.tolist(), of_loop.tolist(), strict=True)):
-        fine = loops[k]
-        stretch = fine[np.arange(first, last + 1 if first <= last else last + 1 + len(fine)) % len(fine)]
-        starts, ends = stretch[: max(1, len(stretch) - 1)], stretch[min(1, len(stretch) - 1) :]
-        near = point_edge(hull.vertices[vertex], starts, ends)
-        closest = int(np.argmin(near.distance))
-        places[vertex] = starts[closest] + near.parameter[closest] * (ends[closest] - starts[closest])
-    return hull.moved(places)
+    begin, size = outline.begins[of_loop], np.array(outline.sizes)[of_loop]
+    first, last = hull.spans.T
+    edges = (last - first) % size
+    candidates = np.maximum(edges, 1)
+    vertex = np.repeat(np.arange(len(edges)), candidates)
+    edge = begin[vertex] + (first[vertex] + position_in_group(candidates)) % size[vertex]
+    search = EdgeSearch(outline.vertices, outline.vertices.take(outline.successor, axis=0))
+    nearest = search.among(hull.vertices, vertex, edge)
+    parameter = np.where(edges > 0, nearest.parameter, 0.0)[:, None]
+    starts, ends = search.starts.take(nearest.edge, axis=0), search.ends.take(nearest.edge, axis=0)
+    return hull.moved(starts + parameter * (ends - starts))

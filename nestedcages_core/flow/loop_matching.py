@@ -108,7 +108,7 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes)
     elif len(fine_outers) == len(coarse_outers):
         fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
-        _, component = scipy.optimize.linear_sum_assignment(
+        _, component = _assignment(
             _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + MISSING_HOLE_COST * fewer
         )
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
@@ -144,8 +144,17 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
     if len(holes) == len(candidates) == 1:
         partner[candidates] = holes
         return
-    rows, columns = scipy.optimize.linear_sum_assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
+    rows, columns = _assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
     partner[candidates[rows]] = holes[columns]
+
+
+def _assignment(cost: FloatArray) -> tuple[IntArray, IntArray]:
+    """Rows and columns (C,), (C,) of the matching of least cost (R, C) that gives each column a row of its own."""
+    rows, columns = np.unique(cost.argmin(axis=0), return_index=True)
+    tied = np.count_nonzero(cost == cost.min(axis=0)) > cost.shape[1]
+    if len(rows) == cost.shape[1] and not tied:  # the usual case, without importing the solver
+        return rows, columns
+    return scipy.optimize.linear_sum_assignment(cost)  # type: ignore[no-any-return]
 
 
 def _is_free(fine: Mesh, coarse: Mesh, hole: int) -> bool:

@@ -6,6 +6,7 @@ is found by measuring all edges or, for many, by a tree over points along the ed
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from .arrays import FloatArray, IntArray
 from .broad_phase import position_in_group
 from .distance import SMALLEST_LENGTH, point_edge
 from .mesh import Mesh
-from .predicates import winding_number
+from .predicates import winding_around, winding_number
 
 SAMPLES_PER_MEAN_EDGE = 0.5
 """Points of the tree per mean edge length: an edge of twice the mean length has one, longer edges have more."""
@@ -71,27 +72,37 @@ class EdgeSearch:
         return parts[0] if len(parts) == 1 else ClosestEdge(*map(np.concatenate, zip(*parts, strict=True)))
 
     def _among_all(self, points: FloatArray) -> ClosestEdge:
-        edge_x, edge_y = (self.ends - self.starts).T
-        squared_length = np.maximum(edge_x * edge_x + edge_y * edge_y, SMALLEST_LENGTH**2)
-        to_x = points[:, :1] - self.starts[:, 0]
-        to_y = points[:, 1:] - self.starts[:, 1]
-        parameter = to_x * (edge_x / squared_length)
-        parameter += to_y * (edge_y / squared_length)
-        np.clip(parameter, 0.0, 1.0, out=parameter)
-        to_x -= parameter * edge_x
-        to_y -= parameter * edge_y
+        (start_x, start_y), (edge_x, edge_y), (along_x, along_y) = self._columns
+        x, y = points.T.copy()[:, :, None]
+        to_x = x - start_x
+        to_y = y - start_y
+        parameter = to_x * along_x
+        share = to_y * along_y
+        parameter += share
+        np.maximum(parameter, 0.0, out=parameter)
+        np.minimum(parameter, 1.0, out=parameter)
+        to_x -= np.multiply(parameter, edge_x, out=share)
+        to_y -= np.multiply(parameter, edge_y, out=share)
         to_x *= to_x
         to_y *= to_y
         to_x += to_y
         edge = to_x.argmin(axis=1)
-        row = np.arange(len(points))
-        return ClosestEdge(np.sqrt(to_x[row, edge]), edge, parameter[row, edge])
+        best = np.arange(len(points)) * len(start_x) + edge
+        return ClosestEdge(np.sqrt(to_x.ravel().take(best)), edge, parameter.ravel().take(best))
+
+    @cached_property
+    def _columns(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Starts of the edges, vectors along them, and these over their squared lengths, (2, E) each."""
+        starts = self.starts.T.copy()
+        along = self.ends.T - starts
+        squared_length = np.maximum(along[0] * along[0] + along[1] * along[1], SMALLEST_LENGTH**2)
+        return starts, along, along / squared_length
 
     def _by_tree(self, points: FloatArray) -> ClosestEdge:
         tree = self._sampled_tree()
         reach, sample = tree.query(points, k=min(NEAREST_SAMPLES, len(self._edge_of_sample)))
         point = np.arange(len(points)).repeat(sample.shape[1])
-        found = self._best_of(points, point, self._edge_of_sample[sample.ravel()])
+        found = self.among(points, point, self._edge_of_sample[sample.ravel()])
         # an edge at distance d has a sample within √(d² + (spacing / 2)²)
         bound = np.hypot(found.distance, 0.5 * self._spacing) * (1.0 + 1e-12)
         unproven = np.nonzero(reach[:, -1] < bound)[0]
@@ -99,7 +110,7 @@ class EdgeSearch:
             inside = tree.query_ball_point(points[unproven], bound[unproven])
             counts = np.fromiter(map(len, inside), np.int64, len(inside))
             edges = self._edge_of_sample[np.concatenate(inside).astype(np.int64)]
-            better = self._best_of(points[unproven], np.arange(len(unproven)).repeat(counts), edges)
+            better = self.among(points[unproven], np.arange(len(unproven)).repeat(counts), edges)
             for whole, part in zip(found, better, strict=True):
                 whole[unproven] = part
         return found
@@ -117,9 +128,9 @@ class EdgeSearch:
             self._tree = scipy.spatial.cKDTree(self.starts[self._edge_of_sample] + parameter[:, None] * direction)
         return self._tree
 
-    def _best_of(self, points: FloatArray, point: IntArray, edge: IntArray) -> ClosestEdge:
-        """The nearest among candidate pairs (point, edge), sorted by point, at least one for each point."""
-        pairs = point_edge(points[point], self.starts[edge], self.ends[edge])
+    def among(self, points: FloatArray, point: IntArray, edge: IntArray) -> ClosestEdge:
+        """The nearest among candidate pairs (point, edge), sorted by point, at least one for each of the points."""
+        pairs = point_edge(points.take(point, axis=0), self.starts.take(edge, axis=0), self.ends.take(edge, axis=0))
         first = np.searchsorted(point, np.arange(len(points)))
         least = np.minimum.reduceat(pairs.distance, first)
         candidates = np.nonzero(pairs.distance == least[point])[0]
@@ -148,10 +159,10 @@ class SignedDistance:
         """Signed distance and gradient at (P, 2) points."""
         distance, edge, parameter = self.search.closest(points)
         starts, ends = self.search.starts.take(edge, axis=0), self.search.ends.take(edge, axis=0)
-        direction = ends - starts
-        away = points - (starts + parameter[:, None] * direction)
+        away = points - (starts + parameter[:, None] * (ends - starts))
         touching = distance <= self._touching
-        sign = np.where(self.winding(points) == self.outside, 1.0, -1.0)
+        around = winding_around(points, self.search.starts, self.search.ends)
+        sign = np.where(around == self.outside, 1.0, -1.0)
         gradient = away * (sign / np.maximum(distance, SMALLEST_LENGTH))[:, None]
         if touching.any():
             gradient[touching] = self._normals_at(edge[touching], parameter[touching])

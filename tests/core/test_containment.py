@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core.energies import containment_energy
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
+from nestedcages_core.geometry.predicates import box_tree
 from shapes import annulus
 
 
@@ -25,9 +25,9 @@ def meets(cage: np.ndarray, cage_successor: np.ndarray, fine: np.ndarray, fine_s
     )
 
 
-@pytest.mark.parametrize("limit", [0, 10**6], ids=["trees", "all pairs"])
+@pytest.mark.parametrize("limit", [-1, 4000], ids=["trees", "sweeps"])
 def test_contacts_are_those_that_shapely_sees(monkeypatch: pytest.MonkeyPatch, limit: int) -> None:
-    monkeypatch.setattr(containment_energy, "ALL_PAIRS_LIMIT", limit)
+    monkeypatch.setattr(box_tree, "SWEEP_LIMIT", limit)
     fine, coarse = annulus(20), annulus(10)
     random = np.random.default_rng(5)
     found = []

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy
 import shapely
 
 from nestedcages_core import Mesh
 from nestedcages_core.flow.containment import Containment
 from nestedcages_core.flow.erosion import erode
 from nestedcages_core.flow.geodesic import Retraction, retract, solid_graph
-from nestedcages_core.flow.loop_matching import match_loops
+from nestedcages_core.flow.loop_matching import _assignment, match_loops
 from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
 from nestedcages_core.flow.samples import Spacing, local_margins
 from nestedcages_core.flow.smoothing import StepSystem
@@ -146,3 +147,14 @@ def test_retraction_stays_in_the_fine_solid(whole: bool) -> None:
     lengths = [np.abs(b - a).max() for a, b in zip([fine.vertices, *way.steps], way.steps, strict=False)]
     assert max(lengths) <= 0.05 * 1.001
     assert shapely.contains_xy(polygon(coarse), way.steps[-1]).all()
+
+
+@pytest.mark.parametrize("near", [0.0, 0.5, 5.0])
+def test_loops_are_assigned_as_the_solver_does(near: float) -> None:
+    """Cheap ones on a diagonal, ties among small whole numbers, and more rows than columns."""
+    random = np.random.default_rng(4)
+    for rows, columns in ((1, 1), (2, 2), (5, 5), (7, 4)):
+        for _ in range(40):
+            cost = random.integers(0, 9, (rows, columns)) + near * (1.0 - np.eye(rows, columns))
+            found = _assignment(cost)
+            np.testing.assert_array_equal(found, scipy.optimize.linear_sum_assignment(cost))

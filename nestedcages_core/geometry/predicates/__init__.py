@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from .box_tree import BoxTree
 from .orientation import Signs, as_integers, crossing_pairs, orientation, orientation_sign, segments_intersect
-from .winding import ALL_WINDINGS_LIMIT, ON_BOUNDARY, RayCrossings, loop_windings, ray_crossings, winding_number
+from .winding import (
+    ALL_WINDINGS_LIMIT,
+    ON_BOUNDARY,
+    RayCrossings,
+    loop_windings,
+    ray_crossings,
+    winding_around,
+    winding_number,
+)
 
 __all__ = [
     "ALL_WINDINGS_LIMIT",
@@ -19,5 +27,6 @@ __all__ = [
     "orientation_sign",
     "ray_crossings",
     "segments_intersect",
+    "winding_around",
     "winding_number",
 ]

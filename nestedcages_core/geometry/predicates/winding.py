@@ -6,16 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..all_pairs import blocks, few_pairs
+from ..all_pairs import blocks, few_rays
 from ..arrays import FloatArray, IntArray
 from .box_tree import CROWDED, FANOUT, BoxTree, children
-from .orientation import orientation
+from .orientation import Signs, orientation
 
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
 
 ALL_WINDINGS_LIMIT = 100_000
 """Number of pairs of points and edges up to which `loop_windings` is faster than a tree (measured)."""
+
+TESTS_PER_MEASURE = 4
+"""Pairs that can be tested together for each that can be measured: truth values take less memory than distances."""
 
 PAIR_BLOCK = 2**19
 """Pairs of a point and a box tested together; bounds the memory to about 100 MB."""
@@ -30,7 +33,7 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
     Points on an edge get ON_BOUNDARY. A point inside a counter-clockwise loop gets 1.
     """
     points, starts, ends = (np.asarray(a, dtype=np.float64).reshape(-1, 2) for a in (points, starts, ends))
-    if not few_pairs(len(points), len(starts)):
+    if not few_rays(len(points), len(starts)):
         crossings = ray_crossings(points, BoxTree(starts, ends))
         winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
         winding[crossings.touching] = ON_BOUNDARY
@@ -41,10 +44,12 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
 
 def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
     """`winding_number` by testing every pair of a point and an edge."""
-    y = points[:, 1:]
+    y = points[:, 1:].copy()
     level = np.minimum(starts[:, 1], ends[:, 1]) <= y
     level &= y <= np.maximum(starts[:, 1], ends[:, 1])
-    point, edge = np.divmod(np.flatnonzero(level), max(1, len(starts)))
+    pair = level.ravel().nonzero()[0]
+    point = pair // max(1, len(starts))
+    edge = pair - point * len(starts)
     a, b, p = starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0)
     (ax, ay), (bx, by), (x, y) = a.T, b.T, p.T
     side = orientation(a, b, p)
@@ -55,24 +60,44 @@ def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray)
     return winding
 
 
+def winding_around(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
+    """`winding_number` where points on edges may get any value, (P,)."""
+    if not few_rays(len(points), len(starts)):
+        return winding_number(points, starts, ends)
+    parts = []
+    for part in blocks(points, len(starts) // TESTS_PER_MEASURE):
+        point, _, value = _crossed(part, starts, ends)
+        parts.append(np.bincount(point, value, len(part)))
+    return np.concatenate(parts).astype(np.int64)
+
+
 def loop_windings(points: FloatArray, starts: FloatArray, ends: FloatArray, loop: IntArray) -> IntArray:
     """How often each of L closed loops of edges (E, 2) -> (E, 2) runs around points (P, 2) on none of them, (P, L).
 
-    loop: (E,) the loop of each edge. Exact; every pair of a point and an edge is tested, and a vertex at the height of
-    a point counts as below it.
+    loop: (E,) the loop of each edge. Exact; every pair of a point and an edge is tested.
     """
-    height = points[:, 1:]
-    above = starts[:, 1] > height
-    crossing = (above != (ends[:, 1] > height)).ravel().nonzero()[0]
-    point = crossing // len(starts)
-    edge = crossing - point * len(starts)
-    rises = 1 - 2 * above.ravel().take(crossing).view(np.int8)
-    side = orientation(starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0))
-    around = (side == rises).nonzero()[0]
+    point, edge, value = _crossed(points, starts, ends)
     count = int(loop.max()) + 1
-    place = point.take(around) * count + loop.take(edge.take(around))
-    winding = np.bincount(place, rises.take(around), len(points) * count)
+    winding = np.bincount(point * count + loop.take(edge), value, len(points) * count)
     return winding.astype(np.int64).reshape(len(points), count)
+
+
+def _crossed(points: FloatArray, starts: FloatArray, ends: FloatArray) -> tuple[IntArray, IntArray, Signs]:
+    """Pairs (point, edge) where the ray from the point to the right crosses the edge, and 1 for upwards, -1 for down.
+
+    A vertex on the ray counts as below it, so a ray through a vertex is counted once.
+    """
+    height = points[:, 1:].copy()
+    above = starts[:, 1].copy() > height
+    crossing = ends[:, 1].copy() > height
+    crossing ^= above
+    pair = crossing.ravel().nonzero()[0]
+    point = pair // len(starts)
+    edge = pair - point * len(starts)
+    rises: Signs = 1 - 2 * above.ravel().take(pair).view(np.int8)
+    side = orientation(starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0))
+    right = (side == rises).nonzero()[0]
+    return point.take(right), edge.take(right), rises.take(right)
 
 
 class RayCrossings(NamedTuple):
