@@ -141,6 +141,8 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
         x, y = coarse.vertices[coarse.loops[holes[-1]]].mean(axis=0).tolist()
         cause = f"Loop {holes[-1]} of the coarse mesh is a hole, but the fine mesh has no hole for it"
         raise _mismatch(fine, cause, (x, y), "remove it")
+    if len(holes) == 0:
+        return
     if len(holes) == len(candidates) == 1:
         partner[candidates] = holes
         return
