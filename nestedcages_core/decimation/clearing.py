@@ -15,10 +15,11 @@ from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
 from ..geometry.vectors import cross
 from .base import LEAST_PER_LOOP
+from .hull_moves import Weights
 from .linked_loops import LinkedLoops
 from .offset import strict_offset
 from .outline import Outline
-from .progressive_hull import ProgressiveHull, Weights
+from .progressive_hull import ProgressiveHull
 
 CLEARANCE_RESERVE = 1.05
 """Distance in clearances that outlines keep where there is space: slack for later stages."""

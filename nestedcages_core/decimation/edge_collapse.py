@@ -70,7 +70,7 @@ class _Collapsing(Simplification):
         cost = xx * x * x + xy * x * y + yy * y * y + x1 * x + y1 * y + one
         if max(abs(x), abs(y)) < MAX_VERTEX_DISTANCE * loops.diameter / self.unit:
             squared = max(cost, 0.0) / (loops.diameter / self.unit) * self.unit * self.unit
-            self.queue.push(vertex, squared, self.unit * x + cx, self.unit * y + cy)
+            self.queue.push([(squared, vertex, (self.unit * x + cx, self.unit * y + cy))])
 
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:
         """Collapse unless something lies between the chains, or the new edges touch something."""
@@ -96,19 +96,11 @@ class _Collapsing(Simplification):
         loops, X, Y = self.loops, self.loops.x, self.loops.y
         A, B, C, D = (self._point(v) for v in (a, b, c, d))
         xs, ys = (A[0], B[0], C[0], D[0], at[0]), (A[1], B[1], C[1], D[1], at[1])
-        low_x, high_x, low_y, high_y = min(xs), max(xs), min(ys), max(ys)
-        for edge in loops.grid.near(low_x, low_y, high_x, high_y):
-            after = loops.next[edge]
-            px, py, qx, qy = X[edge], Y[edge], X[after], Y[after]
-            if (
-                (px < low_x and qx < low_x)
-                or (px > high_x and qx > high_x)
-                or (py < low_y and qy < low_y)
-                or (py > high_y and qy > high_y)
-                or edge in (a, b, c)
-            ):
+        for edge in loops.boxes.near(min(xs), min(ys), max(xs), max(ys)):
+            if edge in (a, b, c):
                 continue
-            start, stop = (px, py), (qx, qy)
+            after = loops.next[edge]
+            start, stop = (X[edge], Y[edge]), (X[after], Y[after])
             if edge != d and any(_in_triangle(start, *corners, at) for corners in ((A, B), (B, C), (C, D))):
                 return False
             for end, own in ((a, A), (d, D)):

@@ -10,8 +10,9 @@ from math import exp, log
 from typing import TypeAlias
 
 from ..stages import Stage, mapped
+from .hull_moves import Weights
 from .outline import Outline
-from .progressive_hull import ProgressiveHull, Weights
+from .progressive_hull import ProgressiveHull
 
 Greedy: TypeAlias = Callable[[Outline, Weights, Sequence[int]], ProgressiveHull]
 """Makes the state of a run from an outline, weights and the vertices that each loop keeps."""

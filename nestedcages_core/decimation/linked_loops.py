@@ -1,4 +1,4 @@
-"""Linked loops and a grid of their edges: the data structure of all greedy decimations."""
+"""Linked loops and the boxes of their edges: the data structure of all greedy decimations."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ..geometry.predicates import orientation_sign
-from .edge_grid import EdgeGrid
+from .edge_boxes import EdgeBoxes
 from .outline import Outline
 
 MARGIN_ULPS = 64.0
@@ -20,7 +20,7 @@ Removal: TypeAlias = tuple[int, list[tuple[int, float, float, int, int]]]
 
 
 class LinkedLoops:
-    """Doubly linked loops with their edges in a grid. Vertices keep their numbers; an edge has that of its start."""
+    """Doubly linked loops with the boxes of their edges. Vertices keep their numbers; an edge has that of its start."""
 
     def __init__(self, outline: Outline, reach: float) -> None:
         """reach: expected upper bound on the distance of vertices from the centre, in diameters."""
@@ -41,11 +41,9 @@ class LinkedLoops:
         far = reach * self.diameter
         self.ulp = float(np.spacing(max(np.abs(vertices).max(), far)))
         self.margin = MARGIN_ULPS * self.ulp
-        self.grid = EdgeGrid(total, (self.centre[0] - far, self.centre[1] - far), self.ulp)
+        self.boxes = EdgeBoxes(vertices, vertices[outline.successor])
         self.removals: list[Removal] | None = None
         """Filled from now on, where it is a list."""
-        for edge in range(total):
-            self._insert_edge(edge)
 
     def outline(self) -> Outline:
         """The current loops."""
@@ -62,28 +60,25 @@ class LinkedLoops:
             if vertex == start:
                 return
 
-    def _insert_edge(self, edge: int) -> None:
-        end = self.next[edge]
-        self.grid.insert(edge, self.x[edge], self.y[edge], self.x[end], self.y[end])
-
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
         """Remove a vertex, and move some right before it, in loop order: (vertex, x, y) each."""
-        before, after = self.previous[vertex], self.next[vertex]
-        changed = [self.previous[moved[0][0]], *(v for v, _, _ in moved)] if moved else [before]
-        self.grid.remove(vertex)
-        for edge in changed:
-            self.grid.remove(edge)
-        self.next[before], self.previous[after] = after, before
+        X, Y, following, boxes = self.x, self.y, self.next, self.boxes
+        before, after = self.previous[vertex], following[vertex]
+        following[before], self.previous[after] = after, before
         self.alive[vertex] = False
+        boxes.remove(vertex)
         loop = self.loop_of[vertex]
         if self.entrance[loop] == vertex:
             self.entrance[loop] = after
         self.sizes[loop] -= 1
         self.total -= 1
         for v, x, y in moved:
-            self.x[v], self.y[v] = x, y
-        for edge in changed:
-            self._insert_edge(edge)
+            X[v], Y[v] = x, y
+        edge = self.previous[moved[0][0]] if moved else before
+        for _ in range(len(moved) + 1):
+            end = following[edge]
+            boxes.insert(edge, X[edge], Y[edge], X[end], Y[end])
+            edge = end
         if self.removals is not None:
             self.removals.append((vertex, [(v, x, y, self.first[v], self.last[v]) for v, x, y in moved]))
 
@@ -115,7 +110,7 @@ class LinkedLoops:
         low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
         ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
         u, v, w = -margin * (abs(ux) + abs(uy)), -margin * (abs(vx) + abs(vy)), -margin * (abs(wx) + abs(wy))
-        for vertex in self.grid.near(low_x, low_y, high_x, high_y):
+        for vertex in self.boxes.near(low_x, low_y, high_x, high_y):
             x, y = X[vertex], Y[vertex]
             if (
                 low_x <= x <= high_x
@@ -138,18 +133,15 @@ class LinkedLoops:
         low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
         ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
         u, v, w = -margin * (abs(ux) + abs(uy)), -margin * (abs(vx) + abs(vy)), -margin * (abs(wx) + abs(wy))
-        for edge in self.grid.near(low_x, low_y, high_x, high_y):
+        for edge in self.boxes.near(low_x, low_y, high_x, high_y):
+            if edge in own:
+                continue
             end = following[edge]
             px, py, qx, qy = X[edge], Y[edge], X[end], Y[end]
             if (
-                (px < low_x and qx < low_x)
-                or (px > high_x and qx > high_x)
-                or (py < low_y and qy < low_y)
-                or (py > high_y and qy > high_y)
-                or (ux * (py - ay) - uy * (px - ax) < u and ux * (qy - ay) - uy * (qx - ax) < u)
+                (ux * (py - ay) - uy * (px - ax) < u and ux * (qy - ay) - uy * (qx - ax) < u)
                 or (vx * (py - by) - vy * (px - bx) < v and vx * (qy - by) - vy * (qx - bx) < v)
                 or (wx * (py - cy) - wy * (px - cx) < w and wx * (qy - cy) - wy * (qx - cx) < w)
-                or edge in own
             ):
                 continue
             ex, ey = qx - px, qy - py

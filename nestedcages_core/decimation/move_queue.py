@@ -2,59 +2,48 @@
 
 from __future__ import annotations
 
-from heapq import heapify, heappop, heappush
+from collections.abc import Iterable
+from heapq import heappop, heappush
 from math import inf
+from typing import TypeAlias
+
+Place: TypeAlias = tuple[float, ...]
+"""Coordinates of the new vertices of a move."""
 
 COST_SPLITTER = 2.0**27 + 1.0
 """Rounds costs to 26 bits (Dekker 1971), so that equal moves of a symmetric shape tie despite round-off."""
 
-HEAP_DIVISOR = 4
-"""An empty heap is refilled with the cheapest 1 / HEAP_DIVISOR of the waiting moves: a small heap stays in cache."""
-
 
 class MoveQueue:
-    """Each move belongs to a slot; renewing the slot discards its moves. Among equal costs the first slot goes first.
-
-    Only the cheapest moves are in a heap; the others wait in a list, where becoming obsolete costs nothing.
-    """
+    """Moves belong to slots; renewing a slot discards its moves. Among equal costs the first slot goes first."""
 
     def __init__(self, slots: int, negligible: float) -> None:
         """Costs up to `negligible` count as 0."""
-        self._stamps = [0] * slots
+        self.stamps = [0] * slots
+        """Number of renewals per slot."""
         self._negligible = negligible
-        self._heap: list[tuple[float, ...]] = []
-        self._waiting: list[tuple[float, ...]] = []
-        self._limit = -1.0
+        self._heap: list[tuple[float, int, int, Place]] = []
 
     def renew(self, slot: int) -> None:
         """Discard the moves of a slot."""
-        self._stamps[slot] += 1
+        self.stamps[slot] += 1
 
-    def push(self, slot: int, cost: float, *place: float) -> None:
-        """Add a move of a slot, with its parameters."""
-        scaled = cost * COST_SPLITTER
-        cost = scaled - (scaled - cost) if cost > self._negligible else 0.0
-        if cost <= self._limit:
-            heappush(self._heap, (cost, slot, self._stamps[slot], *place))
-        else:
-            self._waiting.append((cost, slot, self._stamps[slot], *place))
+    def push(self, moves: Iterable[tuple[float, int, Place]]) -> None:
+        """Add moves: cost, slot and place each."""
+        stamps, heap, negligible = self.stamps, self._heap, self._negligible
+        for cost, slot, place in moves:
+            scaled = cost * COST_SPLITTER
+            cost = scaled - (scaled - cost) if cost > negligible else 0.0
+            heappush(heap, (cost, slot, stamps[slot], place))
 
-    def pop(self, max_cost: float = inf) -> tuple[int, tuple[float, ...]] | None:
+    def pop(self, max_cost: float = inf) -> tuple[int, Place] | None:
         """Slot and place of the cheapest move, which is discarded; None if none costs up to `max_cost`."""
-        stamps = self._stamps
-        while True:
-            while self._heap:
-                cost, slot, stamp, *place = heappop(self._heap)
-                if stamps[int(slot)] == stamp:
-                    if cost > max_cost:
-                        heappush(self._heap, (cost, slot, stamp, *place))
-                        return None
-                    return int(slot), tuple(place)
-            waiting = [move for move in self._waiting if stamps[int(move[1])] == move[2]]
-            if not waiting:
-                self._waiting, self._limit = [], -1.0
-                return None
-            self._limit = sorted([move[0] for move in waiting])[len(waiting) // HEAP_DIVISOR]
-            self._heap = [move for move in waiting if move[0] <= self._limit]
-            self._waiting = [move for move in waiting if move[0] > self._limit]
-            heapify(self._heap)
+        stamps, heap = self.stamps, self._heap
+        while heap:
+            cost, slot, stamp, place = move = heappop(heap)
+            if stamps[slot] == stamp:
+                if cost > max_cost:
+                    heappush(heap, move)
+                    return None
+                return slot, place
+        return None

@@ -20,11 +20,12 @@ from ..parameters import check_count
 from ..stages import Stage, drain, mapped
 from .base import Count, Start
 from .clearing import CLEARANCE_RESERVE, cleared, without_gaps, without_small_details
+from .hull_moves import Weights
 from .hull_search import ROUGH_WEIGHTS, search_hulls
 from .importance import Importance
 from .offset import offsetting
 from .outline import Outline
-from .progressive_hull import ProgressiveHull, Weights
+from .progressive_hull import ProgressiveHull
 from .remembered import remembered_hull
 from .request import Request
 from .symmetric_hull import AsymmetricError, SymmetricHull, padded_alike, symmetrised

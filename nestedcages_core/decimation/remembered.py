@@ -14,9 +14,10 @@ import numpy as np
 
 from ..memory import Memory, key_of
 from ..stages import Stage
+from .hull_moves import Weights
 from .linked_loops import Removal
 from .outline import Outline
-from .progressive_hull import ProgressiveHull, Weights
+from .progressive_hull import ProgressiveHull
 
 CAPACITY, BYTES_PER_VERTEX = 32_000_000, 2_000
 """Bytes of all runs that are remembered, and of a run per vertex of its outline, as measured: outlines of up to 4,000

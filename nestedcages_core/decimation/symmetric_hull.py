@@ -18,9 +18,11 @@ from ..geometry.orbits import Orbits
 from ..geometry.symmetry import Symmetry
 from ..geometry.vectors import norm
 from ..stages import Stage
+from .hull_moves import Weights
 from .importance import Importance
+from .move_queue import Place
 from .outline import Outline
-from .progressive_hull import MAX_REACH_ROUNDS, PAUSE, REACH_GROWTH, ProgressiveHull, Weights
+from .progressive_hull import MAX_REACH_ROUNDS, PAUSE, REACH_GROWTH, ProgressiveHull
 
 SYMMETRY_TOLERANCE = 1e-3
 """Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric. Offsets in
@@ -121,14 +123,13 @@ class SymmetricHull(ProgressiveHull):
                 self._consider_all()
         return symmetrised(loops.outline(), self.symmetry)
 
-    def _make(self, slot: int, place: tuple[float, ...]) -> None:
+    def _make(self, slot: int, ratio: Place) -> None:
         b, loops = slot // 2, self.loops
-        if not slot % 2 and not place:
-            self._together(b, place, self._drop, [b])
-        elif not slot % 2:
-            self._together(b, place, self._pivot, [loops.previous[b], b, loops.next[b]])
-        else:
-            self._together(b, place, self._extend, [b, loops.next[b]])
+        make, place = self._prepared(slot, ratio)
+        if place is None:
+            return
+        touched = [b, loops.next[b]] if slot % 2 else [loops.previous[b], b, loops.next[b]] if ratio else [b]
+        self._together(b, place, make, touched)
 
     def _together(self, b: int, place: tuple[float, ...], make: Callable[..., None], touched: Sequence[int]) -> None:
         """Make a move, which touches the vertices `touched` in loop order, with all its images."""
@@ -207,23 +208,20 @@ class _Snapshot:
             (v, loops.x[v], loops.y[v], loops.next[v], loops.previous[v], loops.first[v], loops.last[v])
             for v in self.window
         ]
-        self.pinned = None if hull.pinned is None else [hull.pinned[v] for v in self.window]
+        self.pinned = [hull.pinned[v] for v in self.window]
 
     def restore(self) -> None:
         """Undo the move."""
         loops = self.hull.loops
         for v in self.window:
             if loops.alive[v]:
-                loops.grid.remove(v)
+                loops.boxes.remove(v)
         for v, x, y, after, before, first, last in self.vertices:
             loops.x[v], loops.y[v], loops.next[v], loops.previous[v] = x, y, after, before
             loops.first[v], loops.last[v], loops.alive[v] = first, last, True
         loops.total, loops.sizes[self.loop], loops.entrance[self.loop] = self.whole
-        if self.pinned is not None and self.hull.pinned is not None:
-            for v, held in zip(self.window, self.pinned, strict=True):
-                self.hull.pinned[v] = held
+        for v, held in zip(self.window, self.pinned, strict=True):
+            self.hull.pinned[v] = held
         for v in self.window:
-            loops.grid.insert(v, loops.x[v], loops.y[v], loops.x[loops.next[v]], loops.y[loops.next[v]])
-        for v in self.window:
-            self.hull._consider_vertex(v)
-            self.hull._consider_edge(v)
+            loops.boxes.insert(v, loops.x[v], loops.y[v], loops.x[loops.next[v]], loops.y[loops.next[v]])
+        self.hull._consider_around(self.window[0], self.window[-1])

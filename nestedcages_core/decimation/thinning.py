@@ -16,9 +16,10 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import BoxTree, orientation
 from ..geometry.vectors import cross, norm
 from ..stages import Stage, drain
+from .hull_moves import SMALLEST_DIVISOR, TURN_ROUNDING, Weights
 from .linked_loops import MARGIN_ULPS
 from .outline import Outline
-from .progressive_hull import NEGLIGIBLE_AREA, NUDGE_ULPS, SMALLEST_DIVISOR, TURN_ROUNDING, Weights
+from .progressive_hull import NEGLIGIBLE_AREA, NUDGE_ULPS
 
 LARGE = 3000
 """Size of an outline from which thinning pays: the hull at 4,000 vertices takes 0.4 of the time, at 8,000 0.3."""

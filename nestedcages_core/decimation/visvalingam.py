@@ -29,7 +29,7 @@ class _Dropping(Simplification):
         a, c = loops.previous[vertex], loops.next[vertex]
         ux, uy = loops.x[vertex] - loops.x[a], loops.y[vertex] - loops.y[a]
         wx, wy = loops.x[c] - loops.x[vertex], loops.y[c] - loops.y[vertex]
-        self.queue.push(vertex, 0.5 * abs(ux * wy - uy * wx))
+        self.queue.push([(0.5 * abs(ux * wy - uy * wx), vertex, ())])
 
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:
         """Drop b unless something lies in the triangle, or the last three vertices would lie on a line."""

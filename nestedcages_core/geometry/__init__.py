@@ -19,6 +19,6 @@
 Which search to use: `predicates.BoxTree` (kept as `Mesh.edge_tree`) for edges that touch edges and for rays,
 `broad_phase.near_pairs` for all pairs within a radius, `signed_distance.EdgeSearch` for the nearest edge,
 `Triangulation.locate` for the triangle around a point. All of them are built once and read; for loops that change edge
-by edge, decimation has its `EdgeGrid`, and for steps of a motion, contact has its candidate list over `near_pairs`.
+by edge, decimation has its `EdgeBoxes`, and for steps of a motion, contact has its candidate list over `near_pairs`.
 `all_pairs` says when no search is needed.
 """

@@ -1,0 +1,146 @@
+"""The moves of a progressive hull: which of them there are, what they add, and where their new vertices go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+from .linked_loops import LinkedLoops
+from .move_queue import Place
+
+TURN_ROUNDING = 4e-16
+"""Relative error of a 2x2 determinant of differences of doubles, rounded up."""
+
+SMALLEST_DIVISOR = 1e-300
+"""Squared lengths and cross products, in squared input units, that are too small to be divided by."""
+
+PIVOT_RATIOS = (1.0, 0.5, 2.0, 0.2, 5.0)
+"""Ratios |b q| / |p b| that pivots try; the first, with b in the middle, adds the least area."""
+
+PIVOT_RATIO_LOOP = 6
+"""Size up to which a loop tries all ratios: few other moves are left, and the first may be blocked."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Cost weight per kind of move, per area added; randomised by restarts."""
+
+    drop: float = 1.0
+    extend: float = 1.0
+    """Extend across two convex vertices."""
+    slide: float = 1.0
+    """Extend across a convex and a reflex vertex: one neighbour gets shorter."""
+    pivot: float | None = 1.0
+    """None: only loops of a few vertices pivot, which may have no other move."""
+    spike: float = 0.02
+    """Cost of the squared height of a new corner over the edge it replaces: against spikes."""
+    noise: float = 0.0
+    """Standard deviation of the logarithm of a random factor per vertex."""
+    loops: tuple[float, ...] = ()
+    """Factor per loop; empty for none."""
+    reach: float = 1.5
+    """Largest distance of new vertices from the centre, in diameters."""
+    seed: int = 0
+
+
+class Costs(NamedTuple):
+    """What moves cost."""
+
+    weights: Weights
+    factor: list[float]
+    """(n,) per vertex, and for the edge after it."""
+
+
+HullMove: TypeAlias = tuple[float, int, Place]
+"""Cost, slot, and the ratio of a pivot. The moves of vertex v are in slot 2 v, those of its edge in 2 v + 1."""
+
+
+def moves_of(loops: LinkedLoops, costs: Costs, stamps: list[int], first: int, last: int = -1) -> list[HullMove]:
+    """The moves of the vertices first .. last and of the edges between them, or of all around a loop.
+
+    stamps: number of renewals per slot, increased for the slots that the result renews: what lies beyond first .. last
+    has not changed, hence neither have drops of these two.
+    """
+    weights, factor = costs
+    spike_weight, pivot_weight = weights.spike, weights.pivot or 1.0
+    X, Y, following, previous = loops.x, loops.y, loops.next, loops.previous
+    size = loops.sizes[loops.loop_of[first]]
+    pivots = size > 3 and (weights.pivot is not None or size <= PIVOT_RATIO_LOOP)
+    ratios = PIVOT_RATIOS if size <= PIVOT_RATIO_LOOP else PIVOT_RATIOS[:1]
+    found: list[HullMove] = []
+    b, a, c = first, previous[first], following[first]
+    z = previous[a]
+    ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
+    fx, fy, ux, uy, wx, wy = ax - X[z], ay - Y[z], bx - ax, by - ay, cx - bx, cy - by
+    turn_a, turn_b = fx * uy - fy * ux, ux * wy - uy * wx
+    while True:
+        d = following[c]
+        dx, dy = X[d], Y[d]
+        qx, qy = dx - cx, dy - cy
+        turn_c = wx * qy - wy * qx
+
+        # drop b, or pivot about it
+        if turn_b <= 0.0 or turn_b <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
+            if last < 0 or (b != first and b != last):
+                stamps[2 * b] += 1
+                found.append((factor[b] * weights.drop * 0.5 * abs(turn_b), 2 * b, ()))
+        else:
+            stamps[2 * b] += 1
+            if pivots and turn_a >= 0.0 and turn_c >= 0.0:
+                den = fy * qx - fx * qy
+                for ratio in ratios if abs(den) >= SMALLEST_DIVISOR else ():
+                    # (a + s f) + ratio (c - t q) = (1 + ratio) b
+                    mx, my = ux - ratio * wx, uy - ratio * wy
+                    s, t = (my * qx - mx * qy) / den, (fx * my - fy * mx) / (den * ratio)
+                    if s > 0.0 and t > 0.0:
+                        area = 0.5 * (s * turn_a + t * turn_c)
+                        spike = 0.25 * (s * s * (fx * fx + fy * fy) + t * t * (qx * qx + qy * qy))
+                        found.append((factor[b] * (pivot_weight * area + spike_weight * spike), 2 * b, (ratio,)))
+        if b == last:
+            break
+
+        # replace the edge from b to c by the corner where its neighbours' lines meet
+        stamps[2 * b + 1] += 1
+        den = ux * qy - uy * qx
+        if turn_b > 0.0 and turn_c > 0.0:
+            weight, possible = weights.extend, den > 0.0
+        else:
+            # one end is convex, and the neighbour at the other is shortened, by less than its length
+            weight, possible = weights.slide, turn_b * turn_c < 0.0 and turn_b < -den and turn_c < -den
+        if possible and (squared := wx * wx + wy * wy) >= SMALLEST_DIVISOR:
+            area = 0.5 * abs(turn_c / den * turn_b)
+            spike = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
+            found.append((factor[b] * (weight * area + spike_weight * spike), 2 * b + 1, ()))
+        if c == first:
+            break
+        a, b, c = b, c, d
+        ax, ay, bx, by, cx, cy = bx, by, cx, cy, dx, dy
+        fx, fy, ux, uy, wx, wy = ux, uy, wx, wy, qx, qy
+        turn_a, turn_b = turn_b, turn_c
+    return found
+
+
+def corner(loops: LinkedLoops, b: int) -> tuple[float, float]:
+    """Where the lines of the edges before and after the edge from b meet."""
+    X, Y = loops.x, loops.y
+    a, c = loops.previous[b], loops.next[b]
+    d = loops.next[c]
+    bx, by, cx, cy = X[b], Y[b], X[c], Y[c]
+    ux, uy, wx, wy, qx, qy = bx - X[a], by - Y[a], cx - bx, cy - by, X[d] - cx, Y[d] - cy
+    den = ux * qy - uy * qx
+    s, t = (wx * qy - wy * qx) / den, -(ux * wy - uy * wx) / den  # b + s u = c + t q
+    nearer_b = abs(s) * (abs(ux) + abs(uy)) <= abs(t) * (abs(qx) + abs(qy))
+    return (bx + s * ux, by + s * uy) if nearer_b else (cx + t * qx, cy + t * qy)
+
+
+def pivoted(loops: LinkedLoops, b: int, ratio: float) -> tuple[float, float, float, float]:
+    """Where an edge about b that b divides by a ratio meets the lines of the edges beyond its neighbours."""
+    X, Y = loops.x, loops.y
+    a, c = loops.previous[b], loops.next[b]
+    z, d = loops.previous[a], loops.next[c]
+    ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
+    fx, fy, gx, gy = ax - X[z], ay - Y[z], cx - X[d], cy - Y[d]
+    # (a + s f) + ratio (c + t g) = (1 + ratio) b
+    mx, my, den = (bx - ax) - ratio * (cx - bx), (by - ay) - ratio * (cy - by), fx * gy - fy * gx
+    s, t = (mx * gy - my * gx) / den, (fx * my - fy * mx) / (den * ratio)
+    return ax + s * fx, ay + s * fy, cx + t * gx, cy + t * gy
