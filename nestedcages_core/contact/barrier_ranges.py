@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.arrays import TINY, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
-from ..geometry.distance import point_edge
-from ..geometry.vectors import rotated_right
+from ..geometry.arrays import FloatArray
+from .facing_gaps import facing_gaps
 from .pairs import Bodies, Pairs
 
 
@@ -63,26 +61,3 @@ class BarrierRanges:
     def largest(self) -> float:
         """Distance beyond which no pair has a barrier."""
         return float(max(self.cage_vertex.max(), self.fine_vertex.max()))
-
-
-def facing_gaps(vertices: FloatArray, successor: IntArray, predecessor: IntArray, reach: float) -> FloatArray:
-    """(k,) distance from each vertex to the nearest edge that faces it across the outside, infinite beyond ``reach``.
-
-    A vertex and an edge face each other if each is on the outer side of the other and their normals are opposed.
-    """
-    ends = vertices[successor]
-    edge = ends - vertices
-    length = np.maximum(np.hypot(edge[:, 0], edge[:, 1]), TINY)
-    normal = rotated_right(edge) / length[:, None]
-    vertex_normal = normal + normal[predecessor]
-    point, other = near_pairs(vertices, vertices, ends, reach)
-    foreign = (point != other) & (point != successor[other])
-    point, other = point[foreign], other[foreign]
-    pair = point_edge(vertices[point], vertices[other], ends[other])
-    beyond_edge = (pair.normal * normal[other]).sum(axis=1) > 0.0
-    beyond_vertex = (pair.normal * vertex_normal[point]).sum(axis=1) < 0.0
-    opposed = (vertex_normal[point] * normal[other]).sum(axis=1) < 0.0
-    facing = beyond_edge & beyond_vertex & opposed
-    gap = np.full(len(vertices), np.inf)
-    np.minimum.at(gap, point[facing], pair.distance[facing])
-    return gap
