@@ -125,7 +125,7 @@ def test_gaps_are_seen_across_the_outside_only() -> None:
 
 
 @pytest.mark.parametrize("waves", [25, 100, 400])
-@pytest.mark.parametrize("reach", [0.03, 0.3])
+@pytest.mark.parametrize("reach", [0.1, 0.3])
 def test_the_tree_finds_the_gaps_that_all_pairs_have(waves: int, reach: float, monkeypatch: pytest.MonkeyPatch) -> None:
     random, count = np.random.default_rng(waves), 1500
     angle, k = np.arange(count) * 2 * np.pi / count, np.arange(1, waves + 1)
