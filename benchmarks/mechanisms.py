@@ -20,6 +20,7 @@ from nestedcages_core import (
     Tightening,
     TwoSidedFlow,
 )
+from nestedcages_core.decimation.hull_search import RESTART_WEIGHTS
 from nestedcages_core.hierarchy.attempts import MAX_IPC_PAIRS
 
 
@@ -154,8 +155,8 @@ def uniform_radius(update: Callable[..., None]) -> Callable[..., None]:
 
 MECHANISMS: dict[str, Mechanism] = {
     # where cages begin
-    "second and third start": Mechanism("hierarchy", partial(Settings, starts=1)),
-    "third start": Mechanism("hierarchy", partial(Settings, starts=2)),
+    "second start": Mechanism("hierarchy", partial(Settings, starts=1)),
+    "second start (2 to 3)": Mechanism("hierarchy", partial(Settings, starts=3)),
     "early stop of losing starts": Mechanism("hierarchy", patches={"hierarchy.early_stop:FIRST_LOOK": 10**9}),
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
@@ -165,9 +166,9 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "places on the curve by the hull": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
     "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
-    "restarts (5 to 1)": Mechanism("decimation", hulls(1)),
-    "restarts (5 to 3)": Mechanism("decimation", hulls(3)),
-    "restarts (5 to 10: five random weights)": Mechanism("decimation", hulls(10)),
+    "restarts (2 to 1)": Mechanism("decimation", hulls(1)),
+    "restarts (2 to 4)": Mechanism("decimation", hulls(4)),
+    "endings (5 to 1)": Mechanism("decimation", patches={"decimation.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:1]}),
     "further restarts for loops": Mechanism(
         "decimation",
         patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},

@@ -33,7 +33,7 @@ class Methods:
     broad_phase: str = AUTOMATIC
     repairs: frozenset[str] = frozenset(key for key, _, _ in REPAIRS)
     tighten: bool = True
-    starts: int = 3
+    starts: int = 2
     fall_back: bool = True
 
     def with_partners(self) -> Methods:

@@ -1,4 +1,5 @@
-"""Several hulls of one outline: greedy runs down to a medium size, then restarts from there with varied weights."""
+"""Several hulls of one outline, by a tree of greedy runs: one down to a medium size, some from there, each of which
+ends in several ways."""
 
 from __future__ import annotations
 
@@ -33,23 +34,27 @@ RESTART_WEIGHTS = (
 """Weights that complement each other: of 44, those with the tightest cages over 124 random shapes and 52
 glyphs (docs/ablation.md: restarts)."""
 
+ENDING_WEIGHTS = RESTART_WEIGHTS
+"""Weights with which every restart ends, once each (docs/ablation.md: endings)."""
+
 STAGE_SHARE = 0.4
 """Approximate fraction of the time before the restarts; only for the progress bar."""
 
-MIN_STAGE_SIZE, STAGE_SIZE_FACTOR = 150, 4
-"""Size of the outline to restart from: a minimum, and a multiple of the wanted number of vertices."""
+MIN_STAGE_SIZE, STAGE_SIZE_FACTOR, MIDDLE_SIZE_FACTOR = 100, 3.0, 2.0
+"""Size of the outline to restart from: a minimum, and a multiple of the wanted number of vertices; the multiple from
+which restarts end in several ways."""
 
-STAGE_SIZE_RATIO = 1.25
-"""Ratio of sizes next to each other, to which they are rounded: close numbers of vertices share their restarts."""
+SIZE_RATIO = 1.25
+"""Ratio of sizes next to each other, to which they are rounded: close numbers of vertices share their runs."""
 
 MAX_RESTART_MOVES = 12_000
-"""Moves of all restarts together, about half a second: limits the number of restarts."""
+"""Moves of all restarts together, about a third of a second: limits the number of restarts."""
 
 EXTRA_RESTARTS_PER_LOOP, MAX_RESTART_FACTOR = 2, 2
 """Additional restarts per loop after the second, since vertices can be distributed in many ways; maximum number of
 restarts, as a multiple of that of one loop (docs/ablation.md: further restarts for loops)."""
 
-MIN_RESTARTS = 4
+MIN_RESTARTS = 2
 """Minimum number of restarts, whatever the moves."""
 
 MAX_RESCUES = 40
@@ -124,7 +129,8 @@ def search_hulls(
     """
     stage = yield from mapped(_stage(outline, count, minimum, ROUGH_WEIGHTS, greedy), lambda done: STAGE_SHARE * done)
     stage = prepare(stage)
-    moves = max(1, len(stage.vertices) - count)
+    size, middle = len(stage.vertices), middle_size(count)
+    moves = max(1, size - middle) + len(ENDING_WEIGHTS) * max(1, min(size, middle) - count)
     further = EXTRA_RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
     wanted = min(restarts + further, MAX_RESTART_FACTOR * restarts)
     runs = max(1, min(wanted, max(MIN_RESTARTS, MAX_RESTART_MOVES // moves)))
@@ -132,17 +138,25 @@ def search_hulls(
     weights = list(RESTART_WEIGHTS[:runs])
     weights += [RESTART_VARIATION.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]
     hulls: list[Outline] = []
-    for chosen in weights:
-        run = greedy(stage, chosen, minimum).steps(count)
-        hulls.append((yield from mapped(run, partial(_fraction, len(hulls), len(weights)))))
+    for number, chosen in enumerate(weights):
+        begun = stage
+        if size > middle:
+            run = greedy(stage, chosen, minimum).steps(middle)
+            begun = yield from mapped(run, partial(_fraction, number, runs, 0.0))
+        for ending, other in enumerate(ENDING_WEIGHTS):
+            finished = (ending + 1.0) / (len(ENDING_WEIGHTS) + 1.0)
+            run = greedy(begun, other, minimum).steps(count)
+            hulls.append((yield from mapped(run, partial(_fraction, number, runs, finished))))
+        if begun is stage:
+            break  # the other runs would end the same outline
     if all(len(hull.vertices) > count for hull in hulls):
         hulls = yield from _rescues(outline, count, minimum, seed, prepare, greedy)
     return sorted(hulls, key=lambda hull: (max(count, len(hull.vertices)), hull.area))
 
 
-def _fraction(finished: int, runs: int, done: float) -> float:
-    """Fraction of the search that is done, given that of the next restart."""
-    return STAGE_SHARE + (1.0 - STAGE_SHARE) * (finished + done) / runs
+def _fraction(number: int, runs: int, finished: float, done: float) -> float:
+    """Fraction of the search that is done, given those of a restart and of its next part."""
+    return STAGE_SHARE + (1.0 - STAGE_SHARE) * (number + finished + done / (len(ENDING_WEIGHTS) + 1.0)) / runs
 
 
 def _stage(
@@ -156,8 +170,17 @@ def _stage(
 
 def stage_size(count: int) -> int:
     """Size of the outline to restart from for a number of vertices: the same for numbers close to each other."""
-    steps = max(0, round(log(STAGE_SIZE_FACTOR * count / MIN_STAGE_SIZE, STAGE_SIZE_RATIO)))
-    return round(MIN_STAGE_SIZE * STAGE_SIZE_RATIO**steps)
+    return max(MIN_STAGE_SIZE, _rounded(STAGE_SIZE_FACTOR * count))
+
+
+def middle_size(count: int) -> int:
+    """Size of the outlines from which restarts end in several ways."""
+    return _rounded(MIDDLE_SIZE_FACTOR * count)
+
+
+def _rounded(size: float) -> int:
+    """A size rounded to a power of the ratio."""
+    return round(SIZE_RATIO ** round(log(size, SIZE_RATIO)))
 
 
 def _rescues(

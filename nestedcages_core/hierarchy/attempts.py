@@ -112,7 +112,7 @@ def in_turn(
 
     First the best one, on the curve, as in the paper; then the others as hulls, which is faster. If one of these leads
     to a better cage, that cage is put on the curve, from where flow and reinflation lead back to it. See
-    docs/ablation.md: second and third start; third start.
+    docs/ablation.md: second start.
     """
     least, better = inf, None
     prefers_curve = starts[0].on_curve is not None

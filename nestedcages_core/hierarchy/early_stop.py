@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-FIRST_LOOK = 3
+FIRST_LOOK = 2
 """Steps before the first comparison, since the first ones only repair the start."""
 
 STEPS_AHEAD = 2.0

@@ -43,7 +43,7 @@ class Settings:
     decimation: Decimation = field(default_factory=OnCurve)
     """Turns a vertex count into a coarse mesh. From 20,000 vertices on `OnCurve` gives way to its hull, unless there is
     no fallback: that takes less than half of the time, and cages are as tight."""
-    starts: int = 3
+    starts: int = 2
     """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)
     """Decimation to start from if the flow or the reinflation fails; None: raise an error (docs/ablation.md: the hull

@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core import Mesh, OuterHull, Settings, Within, nested_cages
 from nestedcages_core.decimation import remembered
-from nestedcages_core.decimation.hull_search import EVEN_WEIGHTS, RESTART_WEIGHTS, stage_size
+from nestedcages_core.decimation.hull_search import EVEN_WEIGHTS, RESTART_WEIGHTS, middle_size, stage_size
 from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.remembered import RememberedHull, remembered_hull
@@ -83,17 +83,19 @@ def test_known_runs_make_no_moves(monkeypatch) -> None:
 
     for move in ("_drop", "_extend", "_pivot"):
         monkeypatch.setattr(ProgressiveHull, move, fail)
-    for count in (20, 24, 35):
+    for count in (20, 22, 24):
         OuterHull().decimate(fine, count)
     with pytest.raises(AssertionError, match="a move"):
         OuterHull().decimate(star(9, 181), 20)
 
 
 def test_counts_close_to_each_other_restart_from_the_same_size() -> None:
-    sizes = [stage_size(count) for count in range(3, 200)]
-    assert sizes == sorted(sizes)
-    assert len(set(sizes)) < 12
-    assert all(size >= 3.5 * count for size, count in zip(sizes, range(3, 200), strict=True))
+    counts = range(3, 200)
+    for size_of, factor, most in ((stage_size, 3.0, 12), (middle_size, 2.0, 22)):
+        sizes = [size_of(count) for count in counts]
+        assert sizes == sorted(sizes)
+        assert len(set(sizes)) < most
+        assert all(size >= 0.88 * factor * count for size, count in zip(sizes, counts, strict=True))
 
 
 def test_a_run_that_was_interrupted_in_a_move_is_not_used_again(monkeypatch) -> None:
