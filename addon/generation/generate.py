@@ -231,7 +231,7 @@ class Generation:
                     break
                 finally:
                     run.close()
-                missed = needs.missed(wanted, plan.fine, level.mesh)
+                missed = needs.missed(wanted, plan.fine, level)
                 if level.certificate.holds and not missed:
                     yield needs.told(level, wanted, plan.fine, clearance, plan.request.fine.frame.scale)
                     return

@@ -30,9 +30,9 @@ def stricter(level: Level, drawing: core.Mesh, slack: float) -> Level:
     return replace(level, excess=excess)
 
 
-def missed(level: Level, drawing: core.Mesh, cage: core.Mesh) -> str:
+def missed(level: Level, drawing: core.Mesh, made: CageLevel) -> str:
     """Why a stored cage misses the tolerance; empty if it does not."""
-    if not isinstance(level, core.Within) or level.is_met(cage, drawing):
+    if not isinstance(level, core.Within) or level.is_met(made.mesh, drawing):
         return ""
     return (
         "the cage is not within what was asked for in Blender's single precision; move the drawing closer to its "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,9 +43,9 @@ class CageLevel:
         vertices: NDArray[np.float32] = self.cage_steps[-1]
         return vertices
 
-    @property
+    @cached_property
     def mesh(self) -> core.Mesh:
-        """The cage as the core's ``Mesh``."""
+        """The cage as the core's ``Mesh``, validated on first use."""
         return core.Mesh(self.cage.astype(np.float64), self.cage_edges)
 
     @property
