@@ -12,6 +12,7 @@ from .errors import UserError
 
 if TYPE_CHECKING:
     import nestedcages_core as core
+    from nestedcages_core import memory
     from nestedcages_core.geometry import predicates, triangulation
 else:
 
@@ -36,7 +37,8 @@ else:
             return attrgetter(f"{self.__name__}.{name}".removeprefix("core."))(nestedcages_core)
 
     core = _LazyModule("core")
+    memory = _LazyModule("memory")
     predicates = _LazyModule("geometry.predicates")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "predicates", "triangulation"]
+__all__ = ["core", "memory", "predicates", "triangulation"]

@@ -23,15 +23,15 @@ Key: TypeAlias = Hashable
 """Everything that a result depends on; None: it depends on something that can change, so it is not remembered."""
 
 LARGEST_SHARE = 0.25
-"""Largest share of a memory that a single value may take."""
+"""Largest share of a memory that a single value may take, unless it says otherwise."""
 
 
 class Memory(Generic[Value]):
     """Values by key; where they take too much memory, those that have not been used for longest are forgotten."""
 
-    def __init__(self, capacity: int) -> None:
-        """capacity: of all values, in bytes."""
-        self.capacity = capacity
+    def __init__(self, capacity: int, largest_share: float = LARGEST_SHARE) -> None:
+        """capacity: of all values, in bytes. largest_share: of it, for a single value."""
+        self.capacity, self.largest = capacity, largest_share * capacity
         self._values: OrderedDict[Key, tuple[Value, int]] = OrderedDict()
         self._size = 0
         self._lock = Lock()
@@ -50,7 +50,7 @@ class Memory(Generic[Value]):
 
     def has_room(self, size: int) -> bool:
         """Whether a value of so many bytes is remembered."""
-        return size <= LARGEST_SHARE * self.capacity
+        return size <= self.largest
 
     def put(self, key: Key, value: Value, size: int) -> None:
         """Remember a value of so many bytes, if it has room."""
@@ -71,6 +71,15 @@ class Memory(Generic[Value]):
         self.put(key, result, size(result))
         return result  # type: ignore[no-any-return]
 
+    def value(self, key: Key, make: Callable[[], Value], size: int) -> Value:
+        """The value of a key, which is made only if it is not known. size: its bytes."""
+        known = self.get(key)
+        if known is not None:
+            return known
+        made = make()
+        self.put(key, made, size)
+        return made
+
     def clear(self) -> None:
         """Forget everything."""
         with self._lock:
@@ -88,14 +97,15 @@ def forget() -> None:
 
 
 def key_of(*parts: object) -> Key:
-    """The key of arrays, numbers, strings, method objects, and tuples of these.
+    """The key of meshes, arrays, numbers, strings, method objects, and tuples of these.
 
     Method objects are told apart by value if they are frozen dataclasses of such parts, as those of this package are.
     None if there is anything else: it could change without notice.
     """
-    if not all(isinstance(part, np.ndarray) or _is_value(part) for part in parts):
+    listed = [each for part in parts for each in getattr(part, "defining_arrays", (part,))]  # those of a mesh
+    if not all(isinstance(part, np.ndarray) or _is_value(part) for part in listed):
         return None
-    digests = tuple(_digest(part) if isinstance(part, np.ndarray) else part for part in parts)
+    digests = tuple(_digest(part) if isinstance(part, np.ndarray) else part for part in listed)
     return repr(digests), digests  # repr tells 0 from 0.0, -0.0 and False; the objects tell classes of one name apart
 
 

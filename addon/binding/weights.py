@@ -11,6 +11,7 @@ import numpy as np
 from .. import keys
 from ..core import core
 from ..errors import UserError
+from ..generation.memory import remembered
 from ..scene import filling
 from ..scene.plane import PLANARITY, Array, size, space_to_space, transform
 from . import node_groups
@@ -50,8 +51,13 @@ def add(
         raise UserError(f"'{obj.name}' and '{cage.name}' do not lie in one plane")
     try:
         kind, outline = KINDS[method](), filling.outline(cage)
-        found = core.cage_coordinates(inside[:, :2], outline, kind)
-        slopes = kind.gradients(inside[:, :2], outline) @ there[:2, :2]  # along the object's own axes
+        flat = np.ascontiguousarray(inside[:, :2])
+        found, gradients = remembered(
+            lambda: (core.cage_coordinates(flat, outline, kind), kind.gradients(flat, outline)),
+            3 * flat.itemsize * len(flat) * len(outline.vertices),
+            "coordinates", flat, outline, kind,
+        )  # fmt: skip
+        slopes = gradients @ there[:2, :2]  # along the object's own axes
     except core.NestedCagesError as error:
         raise UserError(f"'{obj.name}': {error}") from error
     dense = found if isinstance(found, np.ndarray) else found.toarray()

@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core
+from ..core import core, memory
 from ..errors import UserError
 from ..generation.generate import (
     AUTOMATIC_CLEARANCES,
@@ -23,6 +23,7 @@ from ..generation.generate import (
 )
 from ..generation.job import Progress, Work
 from ..generation.levels import OWN, Level, Wanted, are_counts, wanted_levels
+from ..generation.memory import known, remembered
 from .poses import Poses
 
 
@@ -90,7 +91,7 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
     for number, level in enumerate(wanted, 1):
         name = f"{poses.drawing.name}, level {number}"
         assert not isinstance(level.level, core.Within)
-        for step in _level(name, inner, frames, points, level.level, options, cyclic):
+        for step in _known_or_made(name, inner, frames, points, level.level, options, cyclic):
             if isinstance(step, MovingCage):
                 cages.append(replace(step, notes=(*level.notes, *step.notes)))
             else:
@@ -98,6 +99,29 @@ def follow(poses: Poses, options: Options, *, cyclic: bool = False) -> Work[Movi
         frames, points = cages[-1].frames, cages[-1].steps.astype(np.float64)
         inner = core.Mesh(points[0], cages[-1].edges)
     return Moving(poses, fine.edges, tuple(cages))
+
+
+def _known_or_made(
+    name: str,
+    inner: core.Mesh,
+    frames: NDArray[np.float64],
+    points: NDArray[np.float64],
+    wanted: int | core.Mesh,
+    options: Options,
+    cyclic: bool,
+) -> Iterator[Progress | MovingCage]:
+    """As `_level`, but a cage that is remembered is not made again."""
+    key = memory.key_of(
+        "moving level", inner, frames, points, wanted, options.methods, options.clearance, cyclic
+    )  # fmt: skip
+    found = known().get(key)
+    if found is not None:
+        yield found
+        return
+    for step in _level(name, inner, frames, points, wanted, options, cyclic):
+        if isinstance(step, MovingCage):
+            known().put(key, step, step.steps.nbytes)
+        yield step
 
 
 def _level(
@@ -180,7 +204,7 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
     counts = tuple(each.level for each in wanted_cages(options.levels, poses) if isinstance(each.level, int))
     yield Progress(0.0, f"{name}: uniting all positions")
     try:
-        union = core.swept(fine, poses.points)
+        union = remembered(lambda: core.swept(fine, poses.points), poses.points.nbytes, "swept", fine, poses.points)
     except core.NestedCagesError as error:
         raise UserError(f"'{name}': {_with_frames(str(error), poses.frames)}") from error
     whole = replace(poses.drawing, loops=tuple(union.vertices[loop] for loop in union.loops))

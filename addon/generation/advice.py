@@ -8,11 +8,14 @@ from math import ceil
 from ..core import core
 from ..errors import UserError
 from ..scene.convert import Drawing
+from .memory import remembered
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
 # Factor from one tested vertex count to the next; drawings with more vertices than this are not tested.
 COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
+# Size in bytes of a bound, for the memory.
+BOUND_BYTES = 1000
 
 
 def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing) -> None:
@@ -20,7 +23,7 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
 
     Each level keeps its own clearance, so the last one is as many clearances away from the drawing.
     """
-    bound = core.hierarchy.tightest_place(fine)
+    (bound,) = remembered(lambda: (core.hierarchy.tightest_place(fine),), BOUND_BYTES, "tightest place", fine)
     if bound is None or bound.clearance > levels * clearance:
         return
     scale, most = drawing.frame.scale, bound.clearance / levels

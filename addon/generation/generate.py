@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..core import core
+from ..core import core, memory
 from ..errors import UserError
 from ..scene.convert import Drawing
 from . import needs
 from .advice import check_room, excess_note, smallest_found
 from .job import Progress
 from .levels import Level, Wanted, are_counts, wanted_levels
-from .memory import Memory, key_of
+from .memory import known, remembered
 from .methods import Methods
 from .rules import Places, Rules
 from .storage import CageLevel, stored
@@ -31,6 +31,9 @@ MARGIN = 2.0 * np.sqrt(2.0)
 MARGINS = (1.0, 64.0)
 # How much stricter, in these margins, a distance or an excess is asked for with each of them.
 SLACKS = (0.0, 64.0)
+
+# Size in bytes of the advice on a level, for the memory.
+ADVICE_BYTES = 1000
 
 # Names of the core's stages for users.
 STAGES = {
@@ -79,10 +82,6 @@ class Result:
     def inside(self) -> bool:
         """Whether the cages lie inside the drawing."""
         return self.levels[0].inside
-
-
-known_levels: Memory[CageLevel] = Memory()
-"""Levels computed in this session, for reuse: each around the same mesh with the same choices."""
 
 
 @dataclass(frozen=True)
@@ -162,18 +161,14 @@ class Generation:
 
     def _levels(self, plan: Plan, finished: list[CageLevel]) -> Iterator[Progress]:
         """Fills `finished`; the fraction of the progress is in levels. Raises: UserError."""
-        fine = inner = plan.fine
+        inner = plan.fine
         for number, wanted in enumerate(plan.levels, 1):
             name = f"{plan.request.fine.name}, level {number}"
             yield Progress(number - 1.0, name)  # shown before anything is computed
             for step in self._known_or_made(plan, name, inner, wanted.level):
                 if isinstance(step, CageLevel):
                     cage = step.mesh
-                    advice = (
-                        ()
-                        if step.inside or plan.settings.convex
-                        else excess_note(fine, cage, wanted.level, plan.clearances[0])
-                    )
+                    advice = () if step.inside or plan.settings.convex else _advice(plan, cage, wanted.level)
                     notes = (*plan.request.places.notes, *wanted.notes, *step.report.notes, *advice)
                     finished.append(replace(step, report=replace(step.report, notes=tuple(dict.fromkeys(notes)))))
                     inner = cage
@@ -192,18 +187,18 @@ class Generation:
     ) -> Iterator[core.Progress | CageLevel]:
         """As `_level`, but a level that is remembered is not made again."""
         options, places = self.options, plan.request.places
-        choices = vars(options.methods) | vars(options.rules) | vars(places)
-        choices |= {"inside": options.inside, "scale": plan.request.fine.frame.scale}
-        if isinstance(wanted, core.Within) or options.rules.kinds(places):
-            choices["about"] = plan.fine.vertices.tobytes(), plan.fine.edges.tobytes()
-        key = key_of(fine, wanted, plan.clearances, choices)
-        known = known_levels.get(key)
-        if known is not None:
-            yield known
+        about = plan.fine if isinstance(wanted, core.Within) or options.rules.kinds(places) else None
+        key = memory.key_of(
+            "level", fine, wanted, plan.clearances, options.methods, options.rules, options.inside,
+            replace(places, notes=()), plan.request.fine.frame.scale, about,
+        )  # fmt: skip
+        found = known().get(key)
+        if found is not None:
+            yield found
             return
         for step in self._level(plan, name, fine, wanted):
             if isinstance(step, CageLevel):
-                known_levels.put(key, step, step.fine_steps.nbytes + step.cage_steps.nbytes)
+                known().put(key, step, step.fine_steps.nbytes + step.cage_steps.nbytes)
             yield step
 
     def _level(
@@ -241,6 +236,20 @@ class Generation:
                     "ask for more clearance"
                 )
         raise UserError(f"'{name}': {problem}")
+
+
+def _advice(plan: Plan, cage: core.Mesh, wanted: int | core.Mesh | core.Within) -> tuple[str, ...]:
+    """Why a cage is loose; empty if it is not."""
+    clearance = plan.clearances[0]
+    return remembered(
+        lambda: excess_note(plan.fine, cage, wanted, clearance),
+        ADVICE_BYTES,
+        "advice",
+        plan.fine,
+        cage,
+        wanted,
+        clearance,
+    )
 
 
 def _noted(level: CageLevel, note: str) -> CageLevel:

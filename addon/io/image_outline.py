@@ -9,10 +9,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core
+from ..core import core, memory
 from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
+from ..generation.memory import known
 from ..scene import display, ownership
 
 
@@ -46,6 +47,10 @@ class Picture:
 
         options: padding, threshold and holes of ``picture_cages``.
         """
+        key = memory.key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
+        traced: core.Mesh | None = known().get(key)
+        if traced is not None:
+            return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
         try:
             steps = core.exchange.pictures.picture_cages_run(self.alpha, [vertices], **options)
@@ -56,7 +61,9 @@ class Picture:
                     found = done.value.cages[0]
                     break
                 yield Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}")
-            return core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
+            traced = core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
+            known().put(key, traced, found.vertices.nbytes)
+            return traced
         except core.NestedCagesError as error:
             raise UserError(f"'{self.name}': {error}") from error
 

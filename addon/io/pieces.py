@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from ..core import core, triangulation
 from ..errors import UserError
+from ..generation.memory import remembered
 from ..scene import convert, display, filling
 from ..scene.plane import size
 from . import exporters
@@ -49,7 +50,10 @@ def make(
 def _tiles(drawing: convert.Drawing, most: int) -> Tiles:
     mesh = drawing.mesh()
     try:
-        return Tiles(drawing, mesh, triangulation.piece_vertices(mesh, most))
+        pieces = remembered(
+            lambda: triangulation.piece_vertices(mesh, most), mesh.vertices.nbytes, "pieces", mesh, most
+        )
+        return Tiles(drawing, mesh, pieces)
     except core.NestedCagesError as error:
         raise UserError(f"'{drawing.name}': {error}") from error
 

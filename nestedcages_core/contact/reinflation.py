@@ -100,8 +100,7 @@ def reinflate(
     bodies = Bodies.of(coarse, fine, tie)
     failure = ReinflationError("There is no contact to reinflate by.")
     for contact in contacts:
-        defining = (contact, clearance, flow_steps, *fine.defining_arrays, *coarse.defining_arrays)
-        key = key_of(*defining) if tie is None else None
+        key = key_of(contact, clearance, flow_steps, fine, coarse) if tie is None else None
         try:
             return (yield from _reinflations.stage(key, _by(contact, bodies, flow_steps, clearance), _size))
         except ReinflationError as error:

@@ -25,14 +25,14 @@ def coarse_meshes(
 ) -> Stage[float, list[Start]]:
     """The starts of a decimation, which depend neither on the energy nor on the flow."""
     numbers = count if isinstance(count, int) else tuple(count)
-    key = key_of(source, *fine.defining_arrays, numbers, clearance, most)
+    key = key_of(source, fine, numbers, clearance, most)
     search = source.starts(fine, count, clearance=clearance, most=most)
     return list((yield from _starts.stage(key, search, _size)))
 
 
 def flow_inside(method: FlowMethod, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
     """The flow, which depends neither on the energy nor on the clearance, but for its coarse mesh."""
-    key = key_of(method, *fine.defining_arrays, *coarse.defining_arrays)
+    key = key_of(method, fine, coarse)
     return (yield from _flows.stage(key, method.run(fine, coarse), lambda flow: flow.steps.nbytes))
 
 

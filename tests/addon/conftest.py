@@ -65,7 +65,7 @@ def extension() -> Iterator[ModuleType]:
 def empty_scene(extension: ModuleType) -> None:
     """A scene without objects, on frame 1 of 1 to 250, and nothing remembered of earlier computations."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    import_module(f"{PACKAGE}.addon.generation.generate").known_levels.clear()
+    import_module(f"{PACKAGE}.nestedcages_core.memory").forget()
 
 
 @pytest.fixture
@@ -82,3 +82,17 @@ def addon(extension: ModuleType) -> ModuleType:
 def core(extension: ModuleType) -> ModuleType:
     """The core as the add-on sees it."""
     return import_module(f"{PACKAGE}.nestedcages_core")
+
+
+@pytest.fixture
+def runs(core: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """What every run of the core that makes cages was asked for: its levels."""
+    found: list[object] = []
+    make = core.NestedCagesRun.__init__
+
+    def noted(self: object, fine: object, levels: object, settings: object = None) -> None:
+        found.append(levels)
+        make(self, fine, levels, settings)
+
+    monkeypatch.setattr(core.NestedCagesRun, "__init__", noted)
+    return found
