@@ -64,6 +64,7 @@ class PenetrationEnergy:
         self.margins = local_margins(coarse, margin)
         self.samples = fine_samples(fine, spacing)
         self._target = fine.successor[self.samples.edge]
+        self._between_vertices = bool(self.samples.parameter.any())
         self._push_fine = [_FinePush(matching, self.samples, loop) for loop in range(len(coarse.loops))]
         on_coarse = coarse_samples(coarse, spacing)
         at = coarse.vertices[on_coarse.edge]
@@ -82,8 +83,9 @@ class PenetrationEnergy:
     def at(self, vertices: FloatArray) -> Penetration:
         """The penetration of the fine mesh with vertices (n, 2)."""
         samples = self.samples
-        at = vertices[samples.edge]
-        points = at + samples.parameter[:, None] * (vertices[self._target] - at)
+        points = vertices.take(samples.edge, axis=0)
+        if self._between_vertices:
+            points = points + samples.parameter[:, None] * (vertices.take(self._target, axis=0) - points)
         found = [push.find(points, self.margins) for push in self._push_fine]
         found += [push.find(vertices, self.margins) for push in self._push_coarse]
         edge, parameter, weight, depth, margin = (np.concatenate([part[k] for part in found]) for k in range(5))
@@ -125,26 +127,27 @@ class _FinePush:
         self._known_at: FloatArray = np.zeros((len(self.subject), 2))
 
     def find(self, points: FloatArray, margins: FloatArray) -> _Pushed:
-        here = points[self.subject]
+        here = points.take(self.subject, axis=0)
         motion = here - self._known_at
-        k = np.nonzero(self._known + np.hypot(motion[:, 0], motion[:, 1]) + self._widest(margins) > 0.0)[0]
-        sample = self.field.at(here[k])
-        self._known[k], self._known_at[k] = sample.distance, here[k]
-        margin = margins[self.start[sample.edge]]
+        around = margins.take(self.start)
+        near = self._known + np.hypot(motion[:, 0], motion[:, 1]) + around.max() > 0.0
+        k = near.nonzero()[0]
+        measured = here.take(k, axis=0)
+        sample = self.field.at(measured)
+        self._known[k] = sample.distance
+        self._known_at[k] = measured
+        margin = around.take(sample.edge)
         depth = sample.distance + margin
-        pushed = np.nonzero(depth > 0.0)[0]
-        who = self.subject[k[pushed]]
+        pushed = (depth > 0.0).nonzero()[0]
+        who = self.subject.take(k.take(pushed))
         return _Pushed(
-            self.samples.edge[who],
-            self.samples.parameter[who],
-            self.samples.weight[who],
-            depth[pushed],
-            margin[pushed],
-            sample.gradient[pushed],
+            self.samples.edge.take(who),
+            self.samples.parameter.take(who),
+            self.samples.weight.take(who),
+            depth.take(pushed),
+            margin.take(pushed),
+            sample.gradient.take(pushed, axis=0),
         )
-
-    def _widest(self, margins: FloatArray) -> float:
-        return float(margins[self.start].max())
 
 
 class _CoarsePush:
@@ -161,17 +164,17 @@ class _CoarsePush:
         self.sign = int(matching.fine.loop_signs[fine_loop])
 
     def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
-        sample = _field(vertices[self.start], self.sign).at(self.points)
-        margin = margins[self.coarse_edge]
+        sample = _field(vertices.take(self.start, axis=0), self.sign).at(self.points)
+        margin = margins.take(self.coarse_edge)
         depth = margin - self.side * sample.distance
-        k = np.nonzero(depth > 0.0)[0]
+        k = (depth > 0.0).nonzero()[0]
         return _Pushed(
-            self.start[sample.edge[k]],
-            sample.parameter[k],
-            self.weight[k],
-            depth[k],
-            margin[k],
-            self.side * sample.gradient[k],
+            self.start.take(sample.edge.take(k)),
+            sample.parameter.take(k),
+            self.weight.take(k),
+            depth.take(k),
+            margin.take(k),
+            self.side * sample.gradient.take(k, axis=0),
         )
 
 

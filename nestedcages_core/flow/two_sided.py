@@ -25,7 +25,7 @@ from .energy_flow import Descent, EnergyFlow
 from .erosion import erode
 from .geodesic import retract, solid_graph
 from .loop_matching import Matching, match_loops
-from .penetration import PenetrationEnergy
+from .penetration import Penetration, PenetrationEnergy
 from .samples import Spacing
 from .smoothing import StepSystem
 
@@ -139,8 +139,9 @@ class _Run:
     def vertices(self) -> Method:
         """Descent with samples at the vertices only."""
         energy = self.energy(np.inf)
-        self.only_touching = energy.at(self.fine.vertices).overlap <= MAX_CONTACT_OVERLAP * self.unit
-        self.first = yield from self.descend(energy, self.fine.vertices, self.settings.vertex_limit)
+        home = energy.at(self.fine.vertices)
+        self.only_touching = home.overlap <= MAX_CONTACT_OVERLAP * self.unit
+        self.first = yield from self.descend(energy, self.fine.vertices, self.settings.vertex_limit, home)
         return self.result("vertices", self.first.steps, self.first.obstacle)
 
     def erosion(self) -> Method:
@@ -182,10 +183,13 @@ class _Run:
         obstacle = None if descent.obstacle is None else retraction.pieces or descent.obstacle
         return self.result("geodesic", retraction.steps + descent.steps, obstacle)
 
-    def descend(self, energy: PenetrationEnergy, start: FloatArray, limit: int) -> Stage[float, Descent]:
-        """Descent of an energy from (n, 2) positions."""
+    def descend(
+        self, energy: PenetrationEnergy, start: FloatArray, limit: int, at_start: Penetration | None = None
+    ) -> Stage[float, Descent]:
+        """Descent of an energy from (n, 2) positions; at_start: its penetration there, if it is known."""
         smoothing, longest = self.settings.smoothing * self.unit, self.settings.longest_step * self.unit
-        descent = yield from EnergyFlow(energy, self.containment, self.system, smoothing, longest).descend(start, limit)
+        flow = EnergyFlow(energy, self.containment, self.system, smoothing, longest)
+        descent = yield from flow.descend(start, limit, at_start)
         self.iterations += descent.iterations
         return descent
 
