@@ -162,26 +162,38 @@ class _CoarsePush:
         self.side = side
         self.start = matching.fine.loops[fine_loop]
         self.sign = int(matching.fine.loop_signs[fine_loop])
+        # distances change by no more than the loop moves, so points on the right side are not measured until it has
+        self._beyond: FloatArray = np.full(len(self.points), -np.inf)
+        """Lower bound on the distance from the wrong side when the loop was last looked at."""
+        self._loop: FloatArray = matching.fine.vertices.take(self.start, axis=0)
 
     def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
-        sample = _field(vertices.take(self.start, axis=0), self.sign).at(self.points)
+        loop = vertices.take(self.start, axis=0)
+        motion = loop - self._loop
+        self._beyond -= np.hypot(motion[:, 0], motion[:, 1]).max()
+        self._loop = loop
         margin = margins.take(self.coarse_edge)
-        depth = margin - self.side * sample.distance
+        near = (margin > self._beyond).nonzero()[0]
+        sample = _field(loop, self.sign, len(self.points)).at(self.points.take(near, axis=0))
+        beyond = self.side * sample.distance
+        self._beyond[near] = beyond
+        depth = margin.take(near) - beyond
         k = (depth > 0.0).nonzero()[0]
+        who = near.take(k)
         return _Pushed(
             self.start.take(sample.edge.take(k)),
             sample.parameter.take(k),
-            self.weight.take(k),
+            self.weight.take(who),
             depth.take(k),
-            margin.take(k),
+            margin.take(who),
             self.side * sample.gradient.take(k, axis=0),
         )
 
 
-def _field(loop: FloatArray, sign: int) -> SignedDistance:
+def _field(loop: FloatArray, sign: int, expected: int = 0) -> SignedDistance:
     """Signed distance to the solid side of one oriented loop (k, 2); sign +1 for an outer loop, -1 for a hole."""
     ends = np.concatenate([loop[1:], loop[:1]])
-    return SignedDistance(loop, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF)
+    return SignedDistance(loop, ends, outside=0 if sign > 0 else -1, tolerance=INPUT_ROUND_OFF, expected=expected)
 
 
 def _facing_loops(matching: Matching) -> list[tuple[int, int]]:

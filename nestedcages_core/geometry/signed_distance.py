@@ -59,14 +59,18 @@ class SignedSample(NamedTuple):
 class EdgeSearch:
     """Finds the nearest of E edges for many points; the tree is built once."""
 
-    def __init__(self, starts: FloatArray, ends: FloatArray) -> None:
-        """starts, ends: (E, 2) with E > 0."""
-        self.starts, self.ends = starts, ends
+    def __init__(self, starts: FloatArray, ends: FloatArray, expected: int = 0) -> None:
+        """starts, ends: (E, 2) with E > 0.
+
+        expected: number of points for which the way of searching is chosen, if there are fewer: the two ways round
+        differently, so results for some of the points are those for all.
+        """
+        self.starts, self.ends, self.expected = starts, ends, expected
         self._tree: scipy.spatial.cKDTree | None = None
 
     def closest(self, points: FloatArray) -> ClosestEdge:
         """Nearest edge of each of the (P, 2) points."""
-        if not few_pairs(len(points), len(self.starts)):
+        if not few_pairs(max(len(points), self.expected), len(self.starts)):
             return self._by_tree(points)
         parts = [self._among_all(part) for part in blocks(points, len(self.starts))]
         return parts[0] if len(parts) == 1 else ClosestEdge(*map(np.concatenate, zip(*parts, strict=True)))
@@ -142,11 +146,17 @@ class SignedDistance:
     """Signed distance to the solid bounded by (E, 2) oriented edges, solid on their left."""
 
     def __init__(
-        self, starts: FloatArray, ends: FloatArray, outside: int = 0, tolerance: float = BOUNDARY_TOLERANCE
+        self,
+        starts: FloatArray,
+        ends: FloatArray,
+        outside: int = 0,
+        tolerance: float = BOUNDARY_TOLERANCE,
+        expected: int = 0,
     ) -> None:
         """outside: winding number of points outside the solid; 0 for meshes and outer loops, -1 for a hole alone.
-        tolerance: distance, as a fraction of the largest coordinate, below which a point is on the boundary."""
-        self.search = EdgeSearch(starts, ends)
+        tolerance: distance, as a fraction of the largest coordinate, below which a point is on the boundary.
+        expected: as for `EdgeSearch`."""
+        self.search = EdgeSearch(starts, ends, expected)
         self.outside = outside
         self._touching = max(tolerance * float(np.abs(starts).max()), SMALLEST_LENGTH)
 
