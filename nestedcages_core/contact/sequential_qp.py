@@ -56,9 +56,6 @@ REACH, MAX_REACH = 1.5, 0.5
 SUFFICIENT_PROGRESS = 2e-3
 """Smallest relative decrease of the remaining distance that counts as progress."""
 
-PATIENCE = 20
-"""Consecutive iterations without progress after which the path counts as blocked."""
-
 
 @dataclass(frozen=True)
 class SequentialQP:
@@ -73,12 +70,15 @@ class SequentialQP:
     """Maximum motion of a fine vertex in one step."""
     iterations: int = 300
     """Maximum number of steps to one target."""
+    patience: int = 20
+    """Consecutive steps without progress after which the way to a target counts as blocked."""
     quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1))
     """Solves the quadratic programs."""
 
     def __post_init__(self) -> None:
         check_positive(self, "gap", "stride")
         check_count(self, "iterations")
+        check_count(self, "patience")
         check_part(self, "quadratic_programs", "solve", "InteriorPoint()")
 
     def reinflate(
@@ -125,7 +125,7 @@ class _Motion:
                 left, stalled = total, 0
             elif rejected == 0:
                 stalled += 1
-                if stalled > PATIENCE:
+                if stalled > self.settings.patience:
                     return False
 
             part: FloatArray = np.minimum(pace, stride / np.maximum(length, stride))

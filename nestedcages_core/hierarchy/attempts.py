@@ -33,8 +33,9 @@ MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
 140, and an iteration takes fifty times as long (docs/ablation.md: IPC gives way in crowds)."""
 
-QUICK_LIMIT = 10
-"""Maximum number of steps of a descent of the flow where hulls compete: half the usual one."""
+QUICK_LIMIT, QUICK_PATIENCE = 10, 6
+"""Maximum number of steps of a descent of the flow where hulls compete, half the usual one; patience of the contact
+there, with which as many cages come from the flow as with the usual one."""
 
 HULL_FROM = 20_000
 """Number of fine vertices from which the best outer hull alone replaces starts on the curve, unless there is no
@@ -85,7 +86,7 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
             decimation, starts = decimation.hull, 1
         if may_fall_back and isinstance(decimation, OnCurve):
             # its hulls need neither flow nor contact and lead to nearly the same cages: give up on these early
-            flow, contacts = _quick(flow), contacts if settings.contact else contacts[:1]
+            flow, contacts = _quick(flow), contacts if settings.contact else (SequentialQP(patience=QUICK_PATIENCE),)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
     yield last
     searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
