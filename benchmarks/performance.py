@@ -4,9 +4,9 @@
     python benchmarks/performance.py table1 growth    # only these
     python benchmarks/performance.py table1 --program-times TIMES.csv
 
-The paper's C++ program is not ours to ship: its times in data/table1.csv come from another machine. Whoever has built
-it can time its discs and name a CSV file with the times; the speed of this machine is printed in any case. Exit status
-1 if a benchmark fails; its place in the page then stays as it was.
+The paper's C++ program is not ours to ship: its times in data/table1.csv come from another machine. With a checkout of
+it, paper_program.py builds and times it and writes TIMES.csv; the speed of this machine is printed in any case. Exit
+status 1 if a benchmark fails; its place in the page then stays as it was.
 """
 
 from __future__ import annotations

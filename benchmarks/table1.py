@@ -124,8 +124,9 @@ def main(arguments: list[str] | None = None) -> int:
         if row.reference_seconds:
             ratios.append(row.reference_seconds / ours.seconds)
     print(table(lines))
+    print("\nC++: recorded on another machine" if options.data == TABLE_1 else f"\nC++: {options.data.name}")
     if ratios:
-        print(f"\nratio of times, C++ to ours: geometric mean {statistics.geometric_mean(ratios):.0f}, ", end="")
+        print(f"ratio of times, C++ to ours: geometric mean {statistics.geometric_mean(ratios):.0f}, ", end="")
         print(f"least {min(ratios):.0f}")
     return int(failed)
 

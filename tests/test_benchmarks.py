@@ -158,3 +158,47 @@ def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType
         assert placed(renewed, name, "NEW") == renewed
     with pytest.raises(SystemExit, match="no place"):
         placed(text, "nothing", "NEW")
+
+
+PRETENDED = """#!{python}
+import pathlib, sys
+fine, coarse = (pathlib.Path("..", "data", f"{{name}}_V.csv").read_text() for name in sys.argv[1:])
+if len(fine.split()) > 40:
+    sys.exit("no memory")
+rows = [[float(number) for number in line.split(",")] for line in coarse.split()]
+pathlib.Path("result.csv").write_text("1.5\\n" + "\\n".join(f"{{1.5 * x}},{{1.5 * y}}" for x, y in rows))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="runs a script by its first line")
+def test_the_papers_program_is_timed_and_its_cages_are_measured(data, tmp_path, monkeypatch, capsys) -> None:
+    import paper_program
+
+    def compiled(program: Path, options: object) -> bool:
+        program.parent.mkdir()
+        program.write_text(PRETENDED.format(python=sys.executable), encoding="utf-8")
+        program.chmod(0o755)
+        return True
+
+    monkeypatch.setattr(paper_program, "built", compiled)
+    times = tmp_path / "times.csv"
+    folders = ["--checkout", "c", "--libigl", "l", "--eigen", "e"]
+    monkeypatch.setattr(sys, "argv", ["paper_program.py", *folders, "--output", str(times), "--rows", "32", "512"])
+    assert paper_program.main() == 0
+    first, last = data.read_table1(times)
+    coarse, fine = data.annulus(16), data.annulus(16)
+    assert (first.fine_vertices, first.reference_seconds) == (32, 1.5)
+    assert first.reference_excess == pytest.approx(100.0 * (1.5**2 * coarse.area / fine.area - 1.0), rel=1e-3)
+    assert (last.fine_vertices, last.reference_seconds, last.reference_excess) == (512, None, None)
+    assert last.optimum_excess == 2.6
+
+
+def test_the_papers_program_that_does_not_compile_is_no_success(data, tmp_path, monkeypatch) -> None:
+    import paper_program
+
+    (tmp_path / "main.cpp").write_text("#include <igl/opengl/glfw/Viewer.h>\n", encoding="utf-8")
+    here = str(tmp_path)
+    options = ["--checkout", here, "--libigl", here, "--eigen", here, "--output", str(tmp_path / "times.csv")]
+    monkeypatch.setattr(sys, "argv", ["paper_program.py", *options, "--compiler", "false"])
+    assert paper_program.main() == 1
+    assert not (tmp_path / "times.csv").exists()
