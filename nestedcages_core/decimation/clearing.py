@@ -46,7 +46,9 @@ NARROW_GAP = 2.2
 def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
     """The outline moved outwards until it keeps the clearance; gaps too narrow for that are filled."""
     for _ in range(MAX_ROUNDS):
-        outline = _widened(outline, fine, CLEARANCE_RESERVE * clearance)
+        outline, kept = _widened(outline, fine, CLEARANCE_RESERVE * clearance)
+        if kept:
+            break
         tight = shortfall(outline, fine, clearance) > 0.0
         if not tight.any():
             break
@@ -61,32 +63,36 @@ def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
     return outline
 
 
-def _widened(outline: Outline, fine: Mesh, distance: float) -> Outline:
-    """The outline with edges closer than `distance` moved outwards, as far as gaps allow."""
+def _widened(outline: Outline, fine: Mesh, distance: float) -> tuple[Outline, bool]:
+    """The outline with edges closer than `distance` moved outwards, as far as gaps allow; whether all are now."""
     last = np.inf
     for _ in range(MAX_WIDENINGS):
         missing = shortfall(outline, fine, distance)
         worst = float(missing.max())
-        if worst <= NEGLIGIBLE_SHORTFALL * distance or worst > STALLED_RATIO * last:
+        if worst <= NEGLIGIBLE_SHORTFALL * distance:
+            return outline, True
+        if worst > STALLED_RATIO * last:
             break
         wider, stuck = strict_offset(outline, missing, fine.edge_tree)
         if len(stuck):
             break
         outline, last = wider, worst
-    return outline
+    return outline, False
 
 
 def shortfall(outline: Outline, fine: Mesh, distance: float) -> FloatArray:
     """(n,) how much farther out each vertex must move for both its edges to keep a distance."""
-    starts, ends = outline.vertices, outline.vertices[outline.successor]
+    starts, ends = outline.vertices, outline.vertices.take(outline.successor, axis=0)
     fine_starts, fine_ends = fine.edge_tree.starts, fine.edge_tree.ends
     missing = np.zeros(len(starts))
     point, edge = near_pairs(fine.vertices, starts, ends, distance)
-    short = distance - point_edge(fine.vertices[point], starts[edge], ends[edge]).distance
+    near = fine.vertices.take(point, axis=0), starts.take(edge, axis=0), ends.take(edge, axis=0)
+    short = distance - point_edge(*near).distance
     np.maximum.at(missing, edge, short)
     np.maximum.at(missing, outline.successor[edge], short)
     vertex, edge = near_pairs(starts, fine_starts, fine_ends, distance)
-    short = distance - point_edge(starts[vertex], fine_starts[edge], fine_ends[edge]).distance
+    near = starts.take(vertex, axis=0), fine_starts.take(edge, axis=0), fine_ends.take(edge, axis=0)
+    short = distance - point_edge(*near).distance
     np.maximum.at(missing, vertex, short)
     return missing
 
