@@ -45,7 +45,7 @@ def offsetting(
     outline: Outline, distance: FloatArray | float, obstacle: BoxTree
 ) -> Stage[None, tuple[Outline, IntArray]]:
     """`strict_offset` as a generator that yields between its searches."""
-    lengths = norm(outline.vertices[outline.successor] - outline.vertices)
+    lengths = norm(outline.ends - outline.vertices)
     distance = np.broadcast_to(distance, len(lengths))
     longest = np.minimum(MITRE_LIMIT * distance, EDGE_FRACTION * np.minimum(lengths, lengths[outline.predecessor]))
     longest = np.minimum(longest, (yield from _room_in_gaps(outline, longest)))
@@ -71,7 +71,7 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray
 
     reach: (n,) upper bound on each step without gaps; much wider gaps are not searched.
     """
-    starts, ends = outline.vertices, outline.vertices[outline.successor]
+    starts, ends = outline.vertices, outline.ends
     room = np.full(len(starts), np.inf)
     edge_reach = np.maximum(reach, reach[outline.successor])
     if not edge_reach.any():
@@ -83,17 +83,23 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray
 
     while True:
         radius = scale / GAP_FRACTION
-        for points, edges in (
-            (np.flatnonzero(of_scale(reach)), np.arange(len(starts))),
-            (np.arange(len(starts)), np.flatnonzero(of_scale(edge_reach))),
-        ):
+        everything = np.arange(len(starts))
+        points, edges = np.flatnonzero(of_scale(reach)), np.flatnonzero(of_scale(edge_reach))
+        searches = [(points, everything), (everything, edges)]
+        if len(points) == len(starts) or len(edges) == len(starts):
+            searches = [(everything, everything)]
+        for points, edges in searches:
             yield
-            point, edge = near_pairs(starts[points], starts[edges], ends[edges], radius)
-            vertex, edge = points[point], edges[edge]
-            end = outline.successor[edge]
-            facing = (vertex != edge) & (vertex != end) & (orientation(starts[edge], ends[edge], starts[vertex]) < 0)
-            vertex, edge, end = vertex[facing], edge[facing], end[facing]
-            gap = GAP_FRACTION * point_edge(starts[vertex], starts[edge], ends[edge]).distance
+            near = near_pairs(starts.take(points, axis=0), starts.take(edges, axis=0), ends.take(edges, axis=0), radius)
+            vertex, edge = points.take(near[0]), edges.take(near[1])
+            foreign = ((vertex != edge) & (vertex != outline.successor.take(edge))).nonzero()[0]
+            vertex, edge = vertex.take(foreign), edge.take(foreign)
+            pair = starts.take(edge, axis=0), ends.take(edge, axis=0), starts.take(vertex, axis=0)
+            facing = (orientation(*pair) < 0).nonzero()[0]
+            vertex, edge = vertex.take(facing), edge.take(facing)
+            end = outline.successor.take(edge)
+            start, stop, place = (corner.take(facing, axis=0) for corner in pair)
+            gap = GAP_FRACTION * point_edge(place, start, stop).distance
             for one in (vertex, edge, end):
                 np.minimum.at(room, one, gap)
         smaller = edge_reach[(edge_reach > 0.0) & (edge_reach * SCALE_STEP <= scale)]
@@ -109,9 +115,9 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     a sharp convex corner of half angle α, whose tip points along t, the two vertices of a cut that is one length away
     go n₁ + h e₁ and n₂ - h e₂, with h = (1 - sin α) / cos α and e₁, e₂ along the edges.
     """
-    after = outline.vertices[outline.successor] - outline.vertices
+    after = outline.ends - outline.vertices
     after = after / norm(after)[:, None]
-    before = after[outline.predecessor]
+    before = after.take(outline.predecessor, axis=0)
     n1, n2 = rotated_right(before), rotated_right(after)
     sine = 0.5 * norm(n1 + n2)  # of half the angle between the edges
     sharp = sine * MITRE_LIMIT < 1.0
@@ -123,11 +129,13 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     source = np.repeat(np.arange(len(cut)), np.where(cut, 2, 1))
     second = np.flatnonzero(np.diff(source, prepend=-1) == 0)
     h = ((1.0 - sine) / np.sqrt(np.maximum(1.0 - sine**2, 0.5)))[:, None]
-    direction = direction[source]
+    direction = direction.take(source, axis=0)
     corner = source[second]
-    direction[second - 1], direction[second] = (n1 + h * before)[corner], (n2 - h * after)[corner]
+    direction[second - 1] = (n1 + h * before).take(corner, axis=0)
+    direction[second] = (n2 - h * after).take(corner, axis=0)
     doubled = np.add.reduceat(np.where(cut, 2, 1), outline.begins)
-    return Outline(outline.vertices[source], tuple(doubled.tolist()), outline.spans[source]), source, direction
+    vertices, spans = outline.vertices.take(source, axis=0), outline.spans.take(source, axis=0)
+    return Outline(vertices, tuple(doubled.tolist()), spans), source, direction
 
 
 def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> IntArray:
@@ -135,21 +143,20 @@ def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> I
 
     watched: (W,) the edges to test against all others.
     """
-    starts, ends = outline.vertices, outline.vertices[outline.successor]
     everything = outline.tree
-    if len(watched) == len(starts):
+    if len(watched) == len(everything):
         i, j = everything.self_pairs()
         k, other = everything.pairs(obstacle)
     else:
-        part = BoxTree(starts[watched], ends[watched])
+        part = BoxTree(*everything.segments(watched))
         i, j = part.pairs(everything)
         i = watched[i]
         k, other = part.pairs(obstacle)
         k = watched[k]
     apart = (i != j) & (outline.successor[i] != j) & (outline.successor[j] != i)
     i, j = i[apart], j[apart]
-    crossing = segments_intersect(starts[i], ends[i], starts[j], ends[j])
-    against = segments_intersect(starts[k], ends[k], obstacle.starts[other], obstacle.ends[other])
+    crossing = segments_intersect(*everything.segments(i), *everything.segments(j))
+    against = segments_intersect(*everything.segments(k), *obstacle.segments(other))
     folded = watched[_folds_back(outline, watched)]
     touching: IntArray = np.unique(np.concatenate((i[crossing], j[crossing], k[against], folded)))
     return touching
@@ -158,6 +165,8 @@ def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> I
 def _folds_back(outline: Outline, edges: IntArray) -> BoolArray:
     """(K,) whether the edge after each of some edges (K,) runs back over it."""
     middle = outline.successor[edges]
-    a, b, c = (outline.vertices[v] for v in (edges, middle, outline.successor[middle]))
-    folded: BoolArray = (orientation(a, b, c) == 0) & (((b - a) * (c - b)).sum(axis=1) <= 0.0)
+    a, b, c = (outline.vertices.take(v, axis=0) for v in (edges, middle, outline.successor[middle]))
+    folded: BoolArray = orientation(a, b, c) == 0
+    flat = folded.nonzero()[0]
+    folded[flat] = ((b - a)[flat] * (c - b)[flat]).sum(axis=1) <= 0.0
     return folded

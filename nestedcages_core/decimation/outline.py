@@ -49,15 +49,20 @@ class Outline:
         return np.split(self.vertices, self.begins[1:])
 
     @property
+    def ends(self) -> FloatArray:
+        """(n, 2) where the edge that starts at each vertex ends."""
+        return self.vertices.take(self.successor, axis=0)
+
+    @property
     def tree(self) -> BoxTree:
         """The edges, each by its start."""
-        return BoxTree(self.vertices, self.vertices[self.successor])
+        return BoxTree(self.vertices, self.ends)
 
     @cached_property
     def centre(self) -> FloatArray:
         """(2,) centroid of the loops as wires, independent of rotation."""
         here = self.vertices - self.vertices[0]
-        there = here[self.successor]
+        there = here.take(self.successor, axis=0)
         lengths = norm(there - here)
         centre: FloatArray = self.vertices[0] + (lengths[:, None] * (0.5 * (here + there))).sum(axis=0) / lengths.sum()
         return centre
@@ -71,7 +76,7 @@ class Outline:
     def area(self) -> float:
         """Area of the solid; clockwise loops count negative."""
         here = self.vertices - self.vertices[0]
-        there = here[self.successor]
+        there = here.take(self.successor, axis=0)
         return 0.5 * float(cross(here, there).sum())
 
     def moved(self, vertices: FloatArray) -> Outline:
