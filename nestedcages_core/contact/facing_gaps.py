@@ -14,7 +14,7 @@ from ..geometry.arrays import TINY, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.predicates.box_tree import FANOUT, children
-from ..geometry.vectors import norm, rotated_right
+from ..geometry.vectors import dot, norm, rotated_right
 
 FEW_VERTICES = 500
 """Number of vertices up to which all pairs within reach are measured (measured)."""
@@ -69,9 +69,9 @@ class _Walls:
         point, edge = point[foreign], edge[foreign]
         pair = point_edge(self.vertices[point], self.vertices[edge], self.ends[edge])
         normal, vertex_normal = self.normal[edge], self.vertex_normal[point]
-        facing = (pair.normal * normal).sum(axis=1) > 0.0
-        facing &= (pair.normal * vertex_normal).sum(axis=1) < 0.0
-        facing &= (vertex_normal * normal).sum(axis=1) < 0.0
+        facing = dot(pair.normal, normal) > 0.0
+        facing &= dot(pair.normal, vertex_normal) < 0.0
+        facing &= dot(vertex_normal, normal) < 0.0
         facing &= pair.distance < radius
         gap = np.full(len(self.vertices), np.inf)
         np.minimum.at(gap, point[facing], pair.distance[facing])

@@ -8,7 +8,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import point_edge
 from ..geometry.predicates import BoxTree, orientation, segments_intersect
-from ..geometry.vectors import cross, norm, rotated_right
+from ..geometry.vectors import cross, dot, norm, rotated_right
 from ..stages import Stage, drain
 from .outline import Outline
 
@@ -168,5 +168,5 @@ def _folds_back(outline: Outline, edges: IntArray) -> BoolArray:
     a, b, c = (outline.vertices.take(v, axis=0) for v in (edges, middle, outline.successor[middle]))
     folded: BoolArray = orientation(a, b, c) == 0
     flat = folded.nonzero()[0]
-    folded[flat] = ((b - a)[flat] * (c - b)[flat]).sum(axis=1) <= 0.0
+    folded[flat] = dot((b - a)[flat], (c - b)[flat]) <= 0.0
     return folded

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.predicates import crossing_pairs
+from ..geometry.vectors import bounds
 from .base import Obstacle
 from .loop_matching import Matching, loop_tree, windings
 
@@ -31,9 +32,8 @@ class Containment:
 
     def boxes_nested(self, vertices: FloatArray) -> bool:
         """Whether the bounding boxes allow the fine mesh with vertices (n, 2) to be inside: a cheap first test."""
-        coarse = self.matching.coarse.vertices
-        low, high = coarse.min(axis=0), coarse.max(axis=0)
-        return bool((low < vertices.min(axis=0)).all() and (vertices.max(axis=0) < high).all())
+        (low, high), (fine_low, fine_high) = bounds(self.matching.coarse.vertices), bounds(vertices)
+        return bool((low < fine_low).all() and (fine_high < high).all())
 
     def crossing_starts(self, vertices: FloatArray) -> IntArray:
         """Start vertices of the fine edges that cross or touch the coarse mesh, one per crossing."""

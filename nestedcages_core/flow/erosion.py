@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import SMALLEST_LENGTH
 from ..geometry.mesh import Mesh
-from ..geometry.vectors import cross, rotated_left
+from ..geometry.vectors import cross, dot, rotated_left
 from .containment import Containment
 from .samples import local_margins
 
@@ -52,7 +52,7 @@ def _inward_mitres(mesh: Mesh) -> FloatArray:
     normal = rotated_left(tangent)
     before = mesh.predecessor
     both = normal + normal[before]
-    squared = (both * both).sum(axis=1)
+    squared = dot(both, both)
     mitre = 2.0 * both / np.maximum(squared, SPIKE)[:, None]
     length = np.hypot(*mitre.T)
     mitre *= (np.minimum(length, EROSION_MITRE_LIMIT) / np.maximum(length, SMALLEST_LENGTH))[:, None]

@@ -70,13 +70,17 @@ def outer_loops(mesh: Mesh) -> IntArray:
 
 def boxes(mesh: Mesh) -> FloatArray:
     """(loops, 4) bounding boxes: min x, min y, max x, max y."""
-    return np.array([[*mesh.vertices[loop].min(axis=0), *mesh.vertices[loop].max(axis=0)] for loop in mesh.loops])
+    order = mesh.loop_order
+    x, y = mesh.vertices.T.take(order.vertices, axis=1)
+    sides = [np.minimum.reduceat(x, order.begins), np.minimum.reduceat(y, order.begins)]
+    sides += [np.maximum.reduceat(x, order.begins), np.maximum.reduceat(y, order.begins)]
+    return np.stack(sides, axis=1)
 
 
 def loop_tree(mesh: Mesh, vertices: FloatArray) -> tuple[BoxTree, IntArray]:
     """Tree over the edges, loop by loop, of the mesh with vertices (n, 2), and the (n,) start vertex of each."""
-    order = np.concatenate(mesh.loops)
-    return BoxTree(vertices[order], vertices[mesh.successor[order]]), order
+    order = mesh.loop_order.vertices
+    return BoxTree(vertices.take(order, axis=0), vertices.take(mesh.successor.take(order), axis=0)), order
 
 
 def windings(points: FloatArray, mesh: Mesh, vertices: FloatArray) -> IntArray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from .arrays import FloatArray, IntArray
 from .distance import SMALLEST_LENGTH, point_edge
+from .vectors import bounds
 
 STRIPS_FROM, STRIPS_LIMIT = 4000, 2_000_000
 """Numbers of pairs between which points are sorted first (measured)."""
@@ -105,8 +106,7 @@ def _distance(p: FloatArray, a: FloatArray, b: FloatArray, i: IntArray, j: IntAr
 def _near_pairs_by_cells(
     points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
 ) -> tuple[IntArray, IntArray]:
-    low = np.minimum(points.min(axis=0), np.minimum(starts.min(axis=0), ends.min(axis=0)))
-    high = np.maximum(points.max(axis=0), np.maximum(starts.max(axis=0), ends.max(axis=0)))
+    low, high = bounds(np.concatenate([points, starts, ends]))
     extent = float((high - low).max())
     lengths = np.hypot(*(ends - starts).T)
     cell = max(radius, extent / MAX_CELLS, 0.5 * min(float(np.median(lengths)), extent / 8.0))

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .arrays import BoolArray, FloatArray
+from .vectors import dot
 
 SMALLEST_LENGTH = 1e-150
 """Length in input units below which a distance or an edge counts as zero; its square is still a normal float64."""
@@ -66,7 +67,7 @@ def tangents(pairs: PointEdge, a: FloatArray, b: FloatArray) -> FloatArray:
     """(K, 2) unit tangents: along the edge in its interior, perpendicular to the normal where an end point is
     closest."""
     tangent: FloatArray = np.stack([-pairs.normal[:, 1], pairs.normal[:, 0]], axis=1)
-    backwards = ((b - a) * tangent).sum(axis=1) < 0.0
+    backwards = dot(b - a, tangent) < 0.0
     tangent[backwards] *= -1.0
     return tangent
 

@@ -1,4 +1,4 @@
-"""Cross product, length and quarter turns of vectors in the plane."""
+"""Products, lengths, bounds and quarter turns of vectors in the plane."""
 
 from __future__ import annotations
 
@@ -11,6 +11,18 @@ def cross(u: FloatArray, v: FloatArray) -> FloatArray:
     """(...,) u × v = u_x v_y - u_y v_x of vectors (..., 2): positive if v is to the left of u."""
     product: FloatArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
     return product
+
+
+def dot(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(...,) u · v of vectors (..., 2); by columns, since numpy sums rows of two in a tenth of their speed."""
+    along: FloatArray = u[..., 0] * v[..., 0]
+    return along + u[..., 1] * v[..., 1]
+
+
+def bounds(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest coordinates (2,) of points (K, 2), K > 0."""
+    x, y = points.T
+    return np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
 
 
 def norm(v: FloatArray) -> FloatArray:

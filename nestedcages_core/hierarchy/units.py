@@ -8,6 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.vectors import bounds
 from ..tightening.tightening import CLEARANCE_MARGIN
 
 ROUNDING_ULPS = 8.0
@@ -27,7 +28,7 @@ class SolverUnits:
 
     @classmethod
     def of(cls, fine: Mesh) -> SolverUnits:
-        low, high = fine.vertices.min(axis=0), fine.vertices.max(axis=0)
+        low, high = bounds(fine.vertices)
         return cls(low + 0.5 * (high - low), fine.diagonal, float(np.abs(fine.vertices).max()))
 
     def from_input(self, mesh: Mesh) -> Mesh:
