@@ -13,10 +13,11 @@ that rest next to an end of the edge.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..geometry.arrays import TINY, FloatArray, IntArray
-from ..geometry.vectors import cross
 from .pairs import Pairs
 
 HIT_DISTANCE = 0.05
@@ -31,6 +32,12 @@ REACH_MARGIN = 0.99
 DISCRIMINANT_ROUNDING = 1e-10
 """Size of a negative discriminant, relative to c1², up to which it counts as zero: the point grazes the line."""
 
+ROOT_MARGIN = 1e-6
+"""c has no root in [0, 1] where |c0| exceeds |c1| + |c2| by this fraction, rounding included."""
+
+MAX_LENGTHS = 8.0
+"""Upper bound on the lengths |x| + |y| of two differences of positions, relative to the largest coordinate."""
+
 COLLINEAR_ROUNDING = 2.0**-50
 """Rounding of positions, relative to the largest coordinate: coefficients below their share of it count as zero."""
 
@@ -44,17 +51,27 @@ def impacts(
     which a point may pass the end of an edge. Returns the (H,) indices of the pairs that meet and the (H,) times s of
     their first impact.
     """
-    speed = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1])
+    positions, velocities = np.ascontiguousarray(x.T), np.ascontiguousarray(v.T)
+    speed = np.sqrt(_dot(velocities, velocities))
     candidate = np.flatnonzero(pairs.approach(speed) >= REACH_MARGIN * distance)
     if len(candidate) == 0:
         return candidate, np.zeros(0)
-    p, a, b = pairs.point[candidate], pairs.start[candidate], pairs.end[candidate]
-    edge, edge_v = x[b] - x[a], v[b] - v[a]
-    to, to_v = x[p] - x[a], v[p] - v[a]
-    resolution = COLLINEAR_ROUNDING * max(float(np.abs(x).max()), float(speed.max()))
-    time = _first_impact(edge, edge_v, to, to_v, HIT_DISTANCE * np.minimum(distance[candidate], clearance), resolution)
-    hit = np.isfinite(time)
-    return candidate[hit], time[hit]
+    size = max(float(np.abs(positions).max()), float(speed.max()))
+    point, start, end = pairs.point.take(candidate), pairs.start.take(candidate), pairs.end.take(candidate)
+    a, a_v = positions.take(start, axis=1), velocities.take(start, axis=1)
+    edge, edge_v = positions.take(end, axis=1) - a, velocities.take(end, axis=1) - a_v
+    to, to_v = positions.take(point, axis=1) - a, velocities.take(point, axis=1) - a_v
+    motion = _Motion.of(edge, edge_v, to, to_v)
+    rounding = MAX_LENGTHS * COLLINEAR_ROUNDING * size * size
+    left = motion.may_meet(rounding)
+    candidate = candidate.take(left)
+    if len(candidate) == 0:
+        return candidate, np.zeros(0)
+    motion = _Motion(*(field.take(left, axis=-1) for field in motion))
+    near = HIT_DISTANCE * np.minimum(distance.take(candidate), clearance)
+    time = _first_impact(motion, near, COLLINEAR_ROUNDING * size, rounding)
+    hit = np.flatnonzero(np.isfinite(time))
+    return candidate.take(hit), time.take(hit)
 
 
 def largest_safe_step(
@@ -65,51 +82,82 @@ def largest_safe_step(
     return min(1.0, SAFETY * float(time.min())) if len(time) else 1.0
 
 
-def _first_impact(
-    edge: FloatArray, edge_v: FloatArray, to: FloatArray, to_v: FloatArray, near: FloatArray, resolution: float
-) -> FloatArray:
+class _Motion(NamedTuple):
+    """Linear motion of K points relative to the starts of their edges, and the coefficients c (module)."""
+
+    edge: FloatArray
+    """(2, K) from the start of the edge to its end."""
+    edge_v: FloatArray
+    """(2, K) its displacement."""
+    to: FloatArray
+    """(2, K) from the start of the edge to the point."""
+    to_v: FloatArray
+    """(2, K) its displacement."""
+    c0: FloatArray
+    """(K,)."""
+    c1: FloatArray
+    """(K,)."""
+    c2: FloatArray
+    """(K,)."""
+
+    @classmethod
+    def of(cls, edge: FloatArray, edge_v: FloatArray, to: FloatArray, to_v: FloatArray) -> _Motion:
+        c1 = _cross(edge, to_v) + _cross(edge_v, to)
+        return cls(edge, edge_v, to, to_v, _cross(edge, to), c1, _cross(edge_v, to_v))
+
+    def may_meet(self, rounding: float) -> IntArray:
+        """Indices of a superset of the pairs whose c has a root in [0, 1]; rounding: of a coefficient."""
+        bound = np.abs(self.c1) + np.abs(self.c2)
+        return np.flatnonzero((1.0 - ROOT_MARGIN) * np.abs(self.c0) <= bound + rounding)
+
+
+def _first_impact(motion: _Motion, near: FloatArray, resolution: float, rounding: float) -> FloatArray:
     """(K,) first time in (0, 1] at which the point is on the edge, infinite where it never is.
 
-    edge, to: (K, 2) from the start of the edge to its end and to the point; edge_v, to_v: their displacements; near:
-    (K,) distance that counts as on the edge; resolution: length of the rounding of positions.
+    near: (K,) distance that counts as on the edge; resolution: rounding of a position; rounding: of a coefficient.
     """
-    c0 = cross(edge, to)
-    c1 = cross(edge, to_v) + cross(edge_v, to)
-    c2 = cross(edge_v, to_v)
+    edge, edge_v, to, to_v, c0, c1, c2 = motion
     discriminant = c1 * c1 - 4.0 * c0 * c2
     real = discriminant >= -DISCRIMINANT_ROUNDING * c1 * c1
     # the numerically stable pair of roots: q / c2 and c0 / q
     q = -0.5 * (c1 + np.copysign(np.sqrt(np.maximum(discriminant, 0.0)), c1))
-    first = np.full(len(c0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        candidates = [(real, q / c2), (real, c0 / q)]
-    lengths = np.abs(edge).sum(axis=1), np.abs(to).sum(axis=1), np.abs(edge_v).sum(axis=1), np.abs(to_v).sum(axis=1)
-    collinear = (
-        (np.abs(c0) <= resolution * (lengths[0] + lengths[1]))
-        & (np.abs(c1) <= resolution * sum(lengths))
-        & (np.abs(c2) <= resolution * (lengths[2] + lengths[3]))
-    )
-    if collinear.any():
+        times, possible = [q / c2, c0 / q], [real, real]
+    if (np.abs(c0) <= rounding).any():
+        lengths = [np.abs(vector).sum(axis=0) for vector in (edge, to, edge_v, to_v)]
+        collinear = (
+            (np.abs(c0) <= resolution * (lengths[0] + lengths[1]))
+            & (np.abs(c1) <= resolution * sum(lengths))
+            & (np.abs(c2) <= resolution * (lengths[2] + lengths[3]))
+        )
         # on one line, only a point beyond the ends of the edge is apart from it
-        beyond = collinear & (((edge * to).sum(axis=1) <= 0.0) | ((edge * (to - edge)).sum(axis=1) >= 0.0))
-        candidates += [(beyond, _closest_time(to, to_v)), (beyond, _closest_time(to - edge, to_v - edge_v))]
-    for possible, time in candidates:
-        valid = np.flatnonzero(possible & (time > 0.0) & (time <= 1.0))
-        if len(valid) == 0:
-            continue
-        s = time[valid][:, None]
-        e = edge[valid] + s * edge_v[valid]
-        t = to[valid] + s * to_v[valid]
-        squared = np.maximum((e * e).sum(axis=1), TINY)
-        t = t - np.clip((e * t).sum(axis=1) / squared, 0.0, 1.0)[:, None] * e
-        touches = (t * t).sum(axis=1) < near[valid] ** 2
-        hit = valid[touches]
-        first[hit] = np.minimum(first[hit], time[hit])
+        beyond = collinear & ((_dot(edge, to) <= 0.0) | (_dot(edge, to - edge) >= 0.0))
+        times += [_closest_time(to, to_v), _closest_time(to - edge, to_v - edge_v)]
+        possible += [beyond, beyond]
+    time = np.concatenate(times).reshape(len(times), -1)
+    valid = np.concatenate(possible).reshape(time.shape) & (time > 0.0) & (time <= 1.0)
+    s = np.where(valid, time, 0.0)
+    e = edge[:, None] + s * edge_v[:, None]
+    t = to[:, None] + s * to_v[:, None]
+    t -= np.minimum(np.maximum(_dot(e, t) / np.maximum(_dot(e, e), TINY), 0.0), 1.0) * e
+    valid &= _dot(t, t) < near * near
+    first: FloatArray = np.where(valid, time, np.inf).min(axis=0)
     return first
 
 
 def _closest_time(offset: FloatArray, velocity: FloatArray) -> FloatArray:
-    """(K,) time at which offset + s velocity is shortest; 0 without motion."""
-    squared = (velocity * velocity).sum(axis=1)
-    time: FloatArray = -(offset * velocity).sum(axis=1) / np.maximum(squared, TINY)
+    """(K,) time at which offset + s velocity, both (2, K), is shortest; 0 without motion."""
+    time: FloatArray = -_dot(offset, velocity) / np.maximum(_dot(velocity, velocity), TINY)
     return time
+
+
+def _dot(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(K,) scalar products of vectors (2, K)."""
+    product: FloatArray = u[0] * v[0] + u[1] * v[1]
+    return product
+
+
+def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(K,) cross products of vectors (2, K)."""
+    product: FloatArray = u[0] * v[1] - u[1] * v[0]
+    return product
