@@ -17,7 +17,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.distance import SMALLEST_LENGTH
-from ..geometry.vectors import cross, rotated_left
+from ..geometry.vectors import rotated_left
 from ..solver.banded import Rows
 from .pairs import Bodies, Pairs
 
@@ -73,13 +73,6 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
     return Contacts(distance, parameter, normal.T, left, on_line)
 
 
-def _dot(u: FloatArray, v: FloatArray) -> FloatArray:
-    """(K,) scalar products of vectors (2, K)."""
-    products = u * v
-    product: FloatArray = products[0] + products[1]
-    return product
-
-
 def constraint_rows(pairs: Pairs, contacts: Contacts) -> tuple[Rows, Rows, Rows]:
     """Gradients of the distances with respect to the cage vertices, family by family."""
     return distance_rows(pairs, contacts.parameter, contacts.normal)
@@ -89,14 +82,14 @@ def distance_rows(pairs: Pairs, t: FloatArray, normals: FloatArray) -> tuple[Row
     """The same for points at the parameters t (K,) of their edges, with distances along ``normals`` (K, 2)."""
     normal = normals.T
     fc, cf, cc = pairs.fine_cage, pairs.cage_fine, pairs.cage_cage
+    vertex = np.concatenate([pairs.point, pairs.start, pairs.end]).reshape(3, -1)
+    weight = np.ones(vertex.shape)
+    np.subtract(t, 1.0, out=weight[1])
+    np.negative(t, out=weight[2])
     return (
-        Rows(np.stack([pairs.start[fc], pairs.end[fc]]), np.stack([t[fc] - 1.0, -t[fc]]), normal[:, fc]),
-        Rows(pairs.point[None, cf], np.ones((1, cf.stop - cf.start)), normal[:, cf]),
-        Rows(
-            np.stack([pairs.point[cc], pairs.start[cc], pairs.end[cc]]),
-            np.stack([np.ones(cc.stop - cc.start), t[cc] - 1.0, -t[cc]]),
-            normal[:, cc],
-        ),
+        Rows(vertex[1:, fc], weight[1:, fc], normal[:, fc]),
+        Rows(vertex[:1, cf], weight[:1, cf], normal[:, cf]),
+        Rows(vertex[:, cc], weight[:, cc], normal[:, cc]),
     )
 
 
@@ -126,44 +119,73 @@ def resolve_corners(
 
     least: smallest distance to the line on the correct side for it to be used.
     """
-    keep = contacts.on_line.copy()
-    keep[pairs.cage_cage] = True  # cage against cage: which side of a corner the point is on is unknown
     ends = np.flatnonzero(~contacts.on_line[: pairs.cage_cage.start])
     if len(ends) == 0:
         return pairs, contacts
+    columns = np.ascontiguousarray(x.T)
     # fine vertices are left of cage edges, cage vertices right of fine edges
-    inner = np.where(ends < pairs.cage_fine.start, 1.0, -1.0)
-    at_start = contacts.parameter[ends] <= 0.0
-    start, end, point = pairs.start[ends], pairs.end[ends], pairs.point[ends]
+    inner = np.ones(len(ends))
+    cage_edges = int(ends.searchsorted(pairs.cage_fine.start))
+    inner[cage_edges:] = -1.0
+    at_start = contacts.parameter.take(ends) <= 0.0
+    start, end, point = pairs.start.take(ends), pairs.end.take(ends), pairs.point.take(ends)
     corner = np.where(at_start, start, end)
-    edge, to = x[end] - x[start], x[point] - x[start]
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    offset = inner * cross(edge, to) / length
-    before, after = x[corner] - x[bodies.predecessor[corner]], x[bodies.successor[corner]] - x[corner]
-    line = (inner * cross(before, after) > 0.0) & (offset >= least)
-    lone = at_start & (inner > 0.0) & ~line
-    lone[lone] = _in_corner(bodies, x, corner[lone], point[lone]) & _in_corner(bodies, x, point[lone], corner[lone])
-    keep[ends] = line | lone
+    a = columns.take(start, axis=1)
+    edge, to = columns.take(end, axis=1) - a, columns.take(point, axis=1) - a
+    length = np.hypot(edge[0], edge[1])
+    offset = inner * _cross(edge, to)
+    offset /= length
+    before, after = _edges_at(bodies, columns, corner)
+    exact = (inner * _cross(before, after) > 0.0) & (offset >= least)
+    lone = np.flatnonzero(at_start[:cage_edges] & ~exact[:cage_edges])
+    one, other = corner.take(lone), point.take(lone)
+    lone = lone[_in_corner(bodies, columns, one, other) & _in_corner(bodies, columns, other, one)]
 
-    put = ends[line]
-    distance, parameter, normal = contacts.distance.copy(), contacts.parameter.copy(), contacts.normal.copy()
-    on_line = contacts.on_line.copy()
-    distance[put] = offset[line]
-    # the lever arm of a cage edge is measured on its line; a fine edge, which may be short, keeps its end
-    turning = line & (inner > 0.0)
-    parameter[ends[turning]] = (to[turning] * edge[turning]).sum(axis=1) / length[turning] ** 2
-    turned = inner[line] / length[line]
-    normal[put, 0], normal[put, 1] = -turned * edge[line, 1], turned * edge[line, 0]
-    on_line[put] = True
-    side = contacts.side.copy()
-    side[put] = inner[line]
+    line = np.flatnonzero(exact)
+    put = ends.take(line)
+    keep = contacts.on_line.copy()
+    keep[pairs.cage_cage] = True  # cage against cage: which side of a corner the point is on is unknown
+    keep[put] = True
+    keep[ends.take(lone)] = True
     kept = np.flatnonzero(keep)
-    return pairs.subset(kept), Contacts(distance, parameter, normal, side, on_line).where(kept)
+    resolved = contacts.where(kept)
+    place = kept.searchsorted(put)
+    resolved.distance[place] = offset.take(line)
+    resolved.on_line[place] = True
+    resolved.side[place] = side = inner.take(line)
+    turned = side / length.take(line)
+    edge = edge.take(line, axis=1)
+    resolved.normal[place, 0], resolved.normal[place, 1] = -turned * edge[1], turned * edge[0]
+    # the lever arm of a cage edge is measured on its line; a fine edge, which may be short, keeps its end
+    turning = line[: int(line.searchsorted(cage_edges))]
+    arm = _dot(to.take(turning, axis=1), edge[:, : len(turning)])
+    resolved.parameter[place[: len(turning)]] = arm / length.take(turning) ** 2
+    return pairs.subset(kept), resolved
 
 
-def _in_corner(bodies: Bodies, x: FloatArray, corner: IntArray, point: IntArray) -> BoolArray:
-    """Whether each corner vertex is the closest point of both its edges to ``point``."""
-    to = x[point] - x[corner]
-    before, after = x[corner] - x[bodies.predecessor[corner]], x[bodies.successor[corner]] - x[corner]
-    inside: BoolArray = ((to * before).sum(axis=1) >= 0.0) & ((to * after).sum(axis=1) <= 0.0)
+def _in_corner(bodies: Bodies, columns: FloatArray, corner: IntArray, point: IntArray) -> BoolArray:
+    """Whether each corner vertex is the closest point of both its edges to ``point``; columns: (2, m + n)."""
+    to = columns.take(point, axis=1) - columns.take(corner, axis=1)
+    before, after = _edges_at(bodies, columns, corner)
+    inside: BoolArray = (_dot(to, before) >= 0.0) & (_dot(to, after) <= 0.0)
     return inside
+
+
+def _edges_at(bodies: Bodies, columns: FloatArray, corner: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Vectors (2, K) along the edges that end and that start in the corners (K,)."""
+    at = columns.take(corner, axis=1)
+    before = at - columns.take(bodies.predecessor.take(corner), axis=1)
+    return before, columns.take(bodies.successor.take(corner), axis=1) - at
+
+
+def _dot(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(K,) scalar products of vectors (2, K)."""
+    products = u * v
+    product: FloatArray = products[0] + products[1]
+    return product
+
+
+def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
+    """(K,) cross products of vectors (2, K)."""
+    product: FloatArray = u[0] * v[1] - u[1] * v[0]
+    return product

@@ -31,13 +31,13 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: f
     inner = np.flatnonzero(contacts.on_line[pairs.fine_cage] & (contacts.side[pairs.fine_cage] > 0.0))
     if len(inner) < 3:
         return keep
-    edge = pairs.start
-    order = inner[np.lexsort((room[inner], t[inner], edge[inner]))]
-    kept = _lower_hull(edge[order], t[order], room[order])
+    order = inner.take(np.lexsort((room.take(inner), t.take(inner), pairs.start.take(inner))))
+    edge, t, room = pairs.start.take(order), t.take(order), room.take(order)
+    kept = _lower_hull(edge, t, room)
     if tolerance > 0.0:
-        kept = kept[_thin(edge[order[kept]], t[order[kept]], room[order[kept]], tolerance)]
+        kept = kept.take(_thin(edge.take(kept), t.take(kept), room.take(kept), tolerance))
     keep[inner] = False
-    keep[order[kept]] = True
+    keep[order.take(kept)] = True
     return keep
 
 
@@ -45,10 +45,12 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
     """Indices of a superset of the points (t, height) on the lower convex hulls of their edges."""
     kept = np.arange(len(edge))
     for _ in range(HULL_PASSES):
-        above = _above_neighbours(edge[kept], t[kept], height[kept], 0.0)
-        if not above.any():
+        below = np.ones(len(kept), bool)
+        np.logical_not(_above_neighbours(edge, t, height), out=below[1:-1])
+        if below.all():
             break
-        kept = kept[np.concatenate([[True], ~above, [True]])]
+        left = np.flatnonzero(below)
+        kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
     return kept
 
 
@@ -56,19 +58,23 @@ def _thin(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -
     """Indices of points of convex chains such that each pass removes points less than ``tolerance`` below a chord."""
     kept = np.arange(len(edge))
     for _ in range(THINNING_PASSES):
-        close = _above_neighbours(edge[kept], t[kept], height[kept], tolerance)
-        close[1::2] = False  # never two neighbours in one pass
-        if not close.any():
+        far = np.ones(len(kept), bool)
+        np.logical_not(_above_neighbours(edge, t, height, tolerance), out=far[1:-1])
+        far[2::2] = True  # never two neighbours in one pass
+        if far.all():
             break
-        kept = kept[np.concatenate([[True], ~close, [True]])]
+        left = np.flatnonzero(far)
+        kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
     return kept
 
 
-def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -> BoolArray:
+def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float = 0.0) -> BoolArray:
     """(K - 2,) whether each inner point, raised by the tolerance, is on or above the chord of its two neighbours."""
     if len(edge) < 3:
         return np.zeros(max(len(edge) - 2, 0), bool)
-    before, after = t[1:-1] - t[:-2], t[2:] - t[1:-1]
+    step = t[1:] - t[:-1]
+    before, after = step[:-1], step[1:]
     chord = height[:-2] * after + height[2:] * before
-    above: BoolArray = (edge[:-2] == edge[2:]) & ((height[1:-1] + tolerance) * (before + after) >= chord)
+    above: BoolArray = (height[1:-1] + tolerance) * (before + after) >= chord
+    above &= edge[:-2] == edge[2:]
     return above
