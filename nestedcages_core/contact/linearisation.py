@@ -60,8 +60,7 @@ def measure(pairs: Pairs, x: FloatArray, side: FloatArray | None = None) -> Cont
     along /= squared_length
     parameter = np.minimum(np.maximum(along, 0.0), 1.0)
     on_line = along == parameter
-    left = np.where(edge[0] * to[1] >= edge[1] * to[0], 1.0, -1.0)
-    left[~on_line] = 0.0
+    left = np.copysign(on_line, _cross(edge, to))
     edge *= parameter
     to -= edge
     distance = np.sqrt(_dot(to, to))

@@ -19,7 +19,6 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh
-from ..geometry.vectors import norm
 from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
 from ..solver.tied import Tie
@@ -203,7 +202,7 @@ class CandidateList:
         self.bodies, self.find, self.thinnest_skin = bodies, find, thinnest_skin
         self.builds = 0
         self._radius: float | FloatArray = 0.0
-        self._x = self._distance = np.zeros(0)
+        self._x = self._moved = self._distance = np.zeros(0)
         self._pairs: Pairs | None = None
 
     def within(self, x: FloatArray, reach: float | FloatArray, skin: float | FloatArray) -> Pairs:
@@ -212,12 +211,16 @@ class CandidateList:
         Both are lengths, or one per cage vertex (m,).
         """
         skin = np.maximum(skin, self.thinnest_skin)
-        if self._pairs is None or self._too_wide(reach + skin) or not self._covers(x, reach):
-            self._radius = reach + skin
-            self._x = x.copy()
-            self._pairs = self.find(self.bodies, x, self._radius)
-            self._distance = self._pairs.measure(x).distance
-            self.builds += 1
+        if self._pairs is not None and not self._too_wide(reach + skin):
+            moved = x - self._x
+            self._moved = np.sqrt(moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1])
+            if self._covers(reach):
+                return self._pairs
+        self._radius = reach + skin
+        self._x, self._moved = x.copy(), np.zeros(len(x))
+        self._pairs = self.find(self.bodies, x, self._radius)
+        self._distance = self._pairs.measure(x).distance
+        self.builds += 1
         return self._pairs
 
     def meeting(
@@ -226,21 +229,14 @@ class CandidateList:
         """The pairs of :meth:`within` that may come closer than ``distance`` when no vertex moves farther than
         ``motion`` (m + n,)."""
         pairs = self.within(x, reach, skin)
-        since = pairs.approach(norm(x - self._x) + motion)
-        return pairs.subset(np.flatnonzero(self._distance - distance <= since))
+        return pairs.subset(np.flatnonzero(self._distance - distance <= pairs.approach(self._moved + motion)))
 
     def _too_wide(self, radius: float | FloatArray) -> bool:
         assert self._pairs is not None
         return len(self._pairs) > SMALL_LIST and float(np.mean(self._radius / radius)) > MAX_EXCESS_REACH
 
-    def _covers(self, x: FloatArray, reach: float | FloatArray) -> bool:
-        return float(np.min(self._radius - reach)) >= self._approach(x)
-
-    def _approach(self, x: FloatArray) -> float:
-        """Upper bound on how much closer any pair has come since the list was built."""
-        moved = x - self._x
-        squared = moved[:, 0] * moved[:, 0] + moved[:, 1] * moved[:, 1]
+    def _covers(self, reach: float | FloatArray) -> bool:
+        """Whether the skin is wider than any pair has come closer since the list was built."""
         m = self.bodies.m
-        cage = float(np.sqrt(squared[:m].max()))
-        fine = float(np.sqrt(squared[m:].max()))
-        return cage + max(cage, fine)
+        cage, fine = float(self._moved[:m].max()), float(self._moved[m:].max())
+        return float(np.min(self._radius - reach)) >= cage + max(cage, fine)

@@ -31,7 +31,7 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: f
     inner = np.flatnonzero(contacts.on_line[pairs.fine_cage] & (contacts.side[pairs.fine_cage] > 0.0))
     if len(inner) < 3:
         return keep
-    order = inner.take(np.lexsort((room.take(inner), t.take(inner), pairs.start.take(inner))))
+    order = inner.take(np.lexsort((t.take(inner), pairs.start.take(inner))))
     edge, t, room = pairs.start.take(order), t.take(order), room.take(order)
     kept = _lower_hull(edge, t, room)
     if tolerance > 0.0:

@@ -133,14 +133,15 @@ class Straightener:
         x0, x1 = (np.concatenate([key.cage, key.fine]) for key in (begin, end))
         pairs = find_pairs(bodies, 0.5 * (x0 + x1), RESTORED_REACH * bodies.cage_edge_length)
         missing = self._missing(pairs, x0, x1)
-        missing[missing > 0.0] *= PUSH_FACTOR if begin.rounds < LATER else LATER_PUSH_FACTOR
-        share = 2.0 if begin.handed_out or end.handed_out else 1.0
+        short = np.flatnonzero(missing > 0.0)
+        push = missing.take(short) * (PUSH_FACTOR if begin.rounds < LATER else LATER_PUSH_FACTOR)
+        push *= 2.0 if begin.handed_out or end.handed_out else 1.0
         cages: list[FloatArray] = []
         for key, x in ((begin, x0), (end, x1)):
             if key.handed_out:
                 cages.append(key.cage)
                 continue
-            pushed = key.cage + outward_correction(bodies, pairs, measure(pairs, x), x, share * missing)
+            pushed = key.cage + outward_correction(bodies, pairs, measure(pairs, x), x, short, push)
             keeps = follower.encloses(pushed, key.fine, follower.clearance)  # a push may lead too close elsewhere
             cage = pushed if keeps else follower.restored(key.cage, key.fine, pushed, key.fine)
             if cage is None:

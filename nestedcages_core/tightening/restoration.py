@@ -12,7 +12,7 @@ import numpy as np
 
 from ..contact.linearisation import Contacts, measure
 from ..contact.pairs import Bodies, Pairs
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import FloatArray, IntArray
 
 MAX_PASSES = 10
 """Cap on the passes; each can violate the distances of neighbours, by much less."""
@@ -40,39 +40,38 @@ def restore(
     """
     contacts = measure(pairs, x, side)
     for number in range(MAX_PASSES):
-        missing = required - contacts.distance
-        if float(missing.max(initial=0.0)) <= 0.0:
+        short = np.flatnonzero(contacts.distance < required)
+        if len(short) == 0:
             break
+        wanted = required.take(short)
+        missing = wanted - contacts.distance.take(short)
         missing *= OVERSHOOT if number < LATE_PASS else LATE_OVERSHOOT
-        missing[missing > 0.0] += SMALLEST_OVERSHOOT * required[missing > 0.0]
+        missing += SMALLEST_OVERSHOOT * wanted
         x = x.copy()
-        x[: bodies.m] += outward_correction(bodies, pairs, contacts, x, missing)
+        x[: bodies.m] += outward_correction(bodies, pairs, contacts, x, short, missing)
         contacts = measure(pairs, x, side)
     return x, contacts
 
 
 def outward_correction(
-    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, missing: FloatArray
+    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, short: IntArray, missing: FloatArray
 ) -> FloatArray:
-    """(m, 2) motion of the cage that adds the missing distances (K,)."""
-    m = bodies.m
-    cage = x[:m]
-    family = pairs.fine_cage
-    short = np.flatnonzero(missing[family] > 0.0)
-    shift = np.zeros(m)
-    np.maximum.at(shift, pairs.start[short], missing[short])
+    """(m, 2) motion of the cage that adds the missing distances (S,) > 0 of the pairs ``short`` (S,), ascending."""
+    first, second = short.searchsorted((pairs.fine_cage.stop, pairs.cage_fine.stop))
+    shift = np.zeros(bodies.m)
+    np.maximum.at(shift, pairs.start.take(short[:first]), missing[:first])
     if bodies.tie is not None:
         shift = bodies.tie.largest_of_edges(shift)
-    correction = shift_edges(bodies, cage, shift)
-    for family, share in ((pairs.cage_fine, 1.0), (pairs.cage_cage, 0.5)):
-        short = np.flatnonzero(missing[family] > 0.0) + family.start
-        if len(short) == 0:
+    correction = shift_edges(bodies, x[: bodies.m], shift)
+    for family, share in ((slice(first, second), 1.0), (slice(second, None), 0.5)):
+        near = short[family]
+        if len(near) == 0:
             continue
-        push = contacts.normal[short] * (share * missing[short])[:, None]
-        np.add.at(correction, pairs.point[short], push)
+        push = contacts.normal[near] * (share * missing[family])[:, None]
+        np.add.at(correction, pairs.point[near], push)
         if share < 1.0:
-            np.subtract.at(correction, pairs.start[short], push)
-            np.subtract.at(correction, pairs.end[short], push)
+            np.subtract.at(correction, pairs.start[near], push)
+            np.subtract.at(correction, pairs.end[near], push)
     return correction if bodies.tie is None else bodies.tie.longest(correction)
 
 
