@@ -72,7 +72,7 @@ class SequentialQP:
     """Maximum number of steps to one target."""
     patience: int = 20
     """Consecutive steps without progress after which the way to a target counts as blocked."""
-    quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25, complementarity=0.1))
+    quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25))
     """Solves the quadratic programs."""
 
     def __post_init__(self) -> None:

@@ -25,9 +25,13 @@ from ..geometry.vectors import inner
 from ..parameters import check_count, check_positive
 from .banded import BandedSystem, BandOrder, Rows
 
-START_MULTIPLIER, START_SLACK = 1.0, 0.1
-"""First multipliers, as a fraction of their expected size, and lower bound of the first slacks, as a fraction of the
-radius (of five values each, those that need the fewest systems on typical programs)."""
+START_MULTIPLIER, LARGEST_START_MULTIPLIER = 0.5, 1.5
+"""First multipliers of slacks of the size of the radius, and upper bound on those of smaller ones, as fractions of
+their expected size."""
+
+START_SLACK = 0.01
+"""Lower bound of the first slacks, as a fraction of the radius. All three: those of five values each that need the
+fewest systems on typical programs."""
 
 STEP_TO_BOUNDARY = 0.99
 """Fraction of the step to the nearest bound that may be taken."""
@@ -104,9 +108,9 @@ class InteriorPoint:
 
     iterations: int = 40
     """Cap on the number of linear systems."""
-    complementarity: float = 0.03
-    """Stop when the complementarity is below this fraction of the predicted decrease. 1e-3 would cost two more systems
-    and change the result by less than the linearisation of its constraints."""
+    complementarity: float = 0.1
+    """Stop when the complementarity is below this fraction of the predicted decrease. 1e-3 would cost three more
+    systems and change the result by less than the linearisation of its constraints."""
     primal: float = 1e-3
     """Largest violation of a constraint at the end, relative to the mean radius."""
     dual: float = 0.1
@@ -157,8 +161,8 @@ class _Iteration:
         s, z = self.s, self.z = self.state
         np.concatenate([program.offset, radius, radius], out=s)
         np.maximum(s[:K], START_SLACK * self.length, out=s[:K])
-        z[:] = START_MULTIPLIER * self.scale
-        z[:K] *= np.minimum(1.0, self.length / s[:K])
+        z[:K] = self.scale * np.minimum(START_MULTIPLIER * self.length / s[:K], LARGEST_START_MULTIPLIER)
+        z[K:] = self.scale * START_MULTIPLIER
         self.softness: FloatArray | None = None
         self.primal = np.zeros(len(s))
         self.primal[:K] = program.offset - s[:K]
