@@ -58,14 +58,22 @@ def _thin(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -
     """Indices of points of convex chains such that each pass removes points less than ``tolerance`` below a chord."""
     kept = np.arange(len(edge))
     for _ in range(THINNING_PASSES):
-        far = np.ones(len(kept), bool)
-        np.logical_not(_above_neighbours(edge, t, height, tolerance), out=far[1:-1])
-        far[2::2] = True  # never two neighbours in one pass
-        if far.all():
+        close = np.flatnonzero(_above_neighbours(edge, t, height, tolerance))
+        if len(close) == 0:
             break
+        far = np.ones(len(kept), bool)
+        far[_every_second(close) + 1] = False  # never two neighbours in one pass
         left = np.flatnonzero(far)
         kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
     return kept
+
+
+def _every_second(index: IntArray) -> IntArray:
+    """Every second of each run of consecutive indices, beginning with its first, wherever the run is."""
+    begins = np.ones(len(index), bool)
+    np.greater(index[1:] - index[:-1], 1, out=begins[1:])
+    first = np.maximum.accumulate(np.where(begins, index, 0))
+    return index[(index - first) % 2 == 0]
 
 
 def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float = 0.0) -> BoolArray:
