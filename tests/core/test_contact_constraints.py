@@ -162,3 +162,22 @@ def test_thinning_errs_by_its_tolerance() -> None:
         order = np.argsort(contacts.parameter[kept])
         chain = np.interp(contacts.parameter[on], contacts.parameter[kept][order], contacts.distance[kept][order])
         assert np.all(contacts.distance[on] >= chain - 10.0 * tolerance)
+
+
+@pytest.mark.parametrize("count", [397, 400, 403])
+def test_thinning_leaves_no_contact_within_its_tolerance_of_a_chord(count: int) -> None:
+    fine = Mesh.from_loops([ring(count, 1.0)])
+    coarse = Mesh.from_loops([ring(6, 1.2)])
+    bodies = Bodies.of(coarse, fine)
+    x = np.concatenate([coarse.vertices, fine.vertices])
+    pairs = find_pairs(bodies, x, 0.5)
+    contacts = measure(pairs, x)
+    tolerance = 1e-3
+    kept = not_implied(pairs, contacts, contacts.distance, tolerance) & contacts.on_line
+    for edge in range(6):
+        on = np.flatnonzero(kept & (pairs.start == edge) & (pairs.point >= 6))
+        on = on[np.argsort(contacts.parameter[on])]
+        t, distance = contacts.parameter[on], contacts.distance[on]
+        assert len(on) > 3
+        for k in range(1, len(on) - 1):
+            assert distance[k] + tolerance < np.interp(t[k], t[[k - 1, k + 1]], distance[[k - 1, k + 1]])
