@@ -73,7 +73,8 @@ def _every_second(index: IntArray) -> IntArray:
     begins = np.ones(len(index), bool)
     np.greater(index[1:] - index[:-1], 1, out=begins[1:])
     first = np.maximum.accumulate(np.where(begins, index, 0))
-    return index[(index - first) % 2 == 0]
+    chosen: IntArray = index[(index - first) % 2 == 0]
+    return chosen
 
 
 def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float = 0.0) -> BoolArray:
