@@ -116,20 +116,22 @@ class _Block:
             return
         pairs = find_pairs(self.bodies, self.start, self._with_rounding(reach))
         distance = pairs.measure(self.start).distance
-        pairs = pairs.subset(distance <= self._with_rounding(pairs.approach(self.farthest)))
-        distance = pairs.measure(self.start).distance
-        corners = np.stack([pairs.point, pairs.start, pairs.end])
+        near = (distance <= self._with_rounding(pairs.approach(self.farthest))).nonzero()[0]
+        distance = distance.take(near)
+        corners = np.stack([corner.take(near) for corner in (pairs.point, pairs.start, pairs.end)])
         motion = self.positions[1:] - self.positions[:-1]
         speed = np.hypot(motion[:, 0], motion[:, 1])
         travelled = self.away[:-1] + speed
-        together = max(1, BLOCK_NUMBERS // max(1, len(pairs)))
+        count = max(1, len(near))
+        together = max(1, BLOCK_NUMBERS // count)
         for first in range(0, len(motion), together):
             point, start, end = (travelled[first : first + together].take(corner, axis=1) for corner in corners)
-            near = distance <= self._with_rounding(point + np.maximum(start, end))
-            close = near.ravel().nonzero()[0]
-            step, pair = first + close // max(1, len(pairs)), close % max(1, len(pairs))
-            found = self._open(step, corners.take(pair, axis=1), speed)
-            yield from ((int(step[k]), int(pairs.point[pair[k]])) for k in found)
+            close = distance <= self._with_rounding(point + np.maximum(start, end))
+            places = close.ravel().nonzero()[0]
+            step = places // count
+            chosen = corners.take(places - step * count, axis=1)
+            step += first
+            yield from ((int(step[k]), int(chosen[0, k])) for k in self._open(step, chosen, speed))
 
     def _open(self, step: IntArray, corners: IntArray, speed: FloatArray) -> IntArray:
         """Which of some pairs, (3, K), are not certified to stay apart from steps (K,) to the next ones."""
