@@ -1,9 +1,9 @@
-"""The moves of a progressive hull: which of them there are, what they add, and where their new vertices go."""
+"""The moves of a progressive hull: which there are, what they cost, and where their new vertices go."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from .linked_loops import LinkedLoops
 from .move_queue import Place
@@ -43,81 +43,79 @@ class Weights:
     seed: int = 0
 
 
-class Costs(NamedTuple):
-    """What moves cost."""
-
-    weights: Weights
-    factor: list[float]
-    """(n,) per vertex, and for the edge after it."""
-
-
 HullMove: TypeAlias = tuple[float, int, Place]
 """Cost, slot, and the ratio of a pivot. The moves of vertex v are in slot 2 v, those of its edge in 2 v + 1."""
 
 
-def moves_of(loops: LinkedLoops, costs: Costs, stamps: list[int], first: int, last: int = -1) -> list[HullMove]:
-    """The moves of the vertices first .. last and of the edges between them, or of all around a loop.
+class HullMoves:
+    """The moves of linked loops, and their costs."""
 
-    stamps: number of renewals per slot, increased for the slots that the result renews: what lies beyond first .. last
-    has not changed, hence neither have drops of these two.
-    """
-    weights, factor = costs
-    spike_weight, pivot_weight = weights.spike, weights.pivot or 1.0
-    X, Y, following, previous = loops.x, loops.y, loops.next, loops.previous
-    size = loops.sizes[loops.loop_of[first]]
-    pivots = size > 3 and (weights.pivot is not None or size <= PIVOT_RATIO_LOOP)
-    ratios = PIVOT_RATIOS if size <= PIVOT_RATIO_LOOP else PIVOT_RATIOS[:1]
-    found: list[HullMove] = []
-    b, a, c = first, previous[first], following[first]
-    z = previous[a]
-    ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
-    fx, fy, ux, uy, wx, wy = ax - X[z], ay - Y[z], bx - ax, by - ay, cx - bx, cy - by
-    turn_a, turn_b = fx * uy - fy * ux, ux * wy - uy * wx
-    while True:
-        d = following[c]
-        dx, dy = X[d], Y[d]
-        qx, qy = dx - cx, dy - cy
-        turn_c = wx * qy - wy * qx
+    def __init__(self, loops: LinkedLoops, weights: Weights, factor: list[float], stamps: list[int]) -> None:
+        """factor: on the costs of each vertex and of its edge. stamps: number of renewals per slot, counted here."""
+        self.loops, self.weights, self.factor, self.stamps = loops, weights, factor, stamps
 
-        # drop b, or pivot about it
-        if turn_b <= 0.0 or turn_b <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
-            if last < 0 or (b != first and b != last):
+    def of(self, first: int, last: int = -1) -> list[HullMove]:
+        """The moves of the vertices first .. last and of the edges between them, or of all around a loop.
+
+        Their slots are renewed. What lies beyond first .. last has not changed, hence neither have drops of these two.
+        """
+        loops, weights, factor, stamps = self.loops, self.weights, self.factor, self.stamps
+        spike_weight, pivot_weight = weights.spike, weights.pivot or 1.0
+        X, Y, following, previous = loops.x, loops.y, loops.next, loops.previous
+        size = loops.sizes[loops.loop_of[first]]
+        pivots = size > 3 and (weights.pivot is not None or size <= PIVOT_RATIO_LOOP)
+        ratios = PIVOT_RATIOS if size <= PIVOT_RATIO_LOOP else PIVOT_RATIOS[:1]
+        found: list[HullMove] = []
+        b, a, c = first, previous[first], following[first]
+        z = previous[a]
+        ax, ay, bx, by, cx, cy = X[a], Y[a], X[b], Y[b], X[c], Y[c]
+        fx, fy, ux, uy, wx, wy = ax - X[z], ay - Y[z], bx - ax, by - ay, cx - bx, cy - by
+        turn_a, turn_b = fx * uy - fy * ux, ux * wy - uy * wx
+        while True:
+            d = following[c]
+            dx, dy = X[d], Y[d]
+            qx, qy = dx - cx, dy - cy
+            turn_c = wx * qy - wy * qx
+
+            # drop b, or pivot about it
+            if turn_b <= 0.0 or turn_b <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
+                if last < 0 or (b != first and b != last):
+                    stamps[2 * b] += 1
+                    found.append((factor[b] * weights.drop * 0.5 * abs(turn_b), 2 * b, ()))
+            else:
                 stamps[2 * b] += 1
-                found.append((factor[b] * weights.drop * 0.5 * abs(turn_b), 2 * b, ()))
-        else:
-            stamps[2 * b] += 1
-            if pivots and turn_a >= 0.0 and turn_c >= 0.0:
-                den = fy * qx - fx * qy
-                for ratio in ratios if abs(den) >= SMALLEST_DIVISOR else ():
-                    # (a + s f) + ratio (c - t q) = (1 + ratio) b
-                    mx, my = ux - ratio * wx, uy - ratio * wy
-                    s, t = (my * qx - mx * qy) / den, (fx * my - fy * mx) / (den * ratio)
-                    if s > 0.0 and t > 0.0:
-                        area = 0.5 * (s * turn_a + t * turn_c)
-                        spike = 0.25 * (s * s * (fx * fx + fy * fy) + t * t * (qx * qx + qy * qy))
-                        found.append((factor[b] * (pivot_weight * area + spike_weight * spike), 2 * b, (ratio,)))
-        if b == last:
-            break
+                if pivots and turn_a >= 0.0 and turn_c >= 0.0:
+                    den = fy * qx - fx * qy
+                    for ratio in ratios if abs(den) >= SMALLEST_DIVISOR else ():
+                        # (a + s f) + ratio (c - t q) = (1 + ratio) b
+                        mx, my = ux - ratio * wx, uy - ratio * wy
+                        s, t = (my * qx - mx * qy) / den, (fx * my - fy * mx) / (den * ratio)
+                        if s > 0.0 and t > 0.0:
+                            area = 0.5 * (s * turn_a + t * turn_c)
+                            spike = 0.25 * (s * s * (fx * fx + fy * fy) + t * t * (qx * qx + qy * qy))
+                            found.append((factor[b] * (pivot_weight * area + spike_weight * spike), 2 * b, (ratio,)))
+            if b == last:
+                break
 
-        # replace the edge from b to c by the corner where its neighbours' lines meet
-        stamps[2 * b + 1] += 1
-        den = ux * qy - uy * qx
-        if turn_b > 0.0 and turn_c > 0.0:
-            weight, possible = weights.extend, den > 0.0
-        else:
-            # one end is convex, and the neighbour at the other is shortened, by less than its length
-            weight, possible = weights.slide, turn_b * turn_c < 0.0 and turn_b < -den and turn_c < -den
-        if possible and (squared := wx * wx + wy * wy) >= SMALLEST_DIVISOR:
-            area = 0.5 * abs(turn_c / den * turn_b)
-            spike = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
-            found.append((factor[b] * (weight * area + spike_weight * spike), 2 * b + 1, ()))
-        if c == first:
-            break
-        a, b, c = b, c, d
-        ax, ay, bx, by, cx, cy = bx, by, cx, cy, dx, dy
-        fx, fy, ux, uy, wx, wy = ux, uy, wx, wy, qx, qy
-        turn_a, turn_b = turn_b, turn_c
-    return found
+            # replace the edge from b to c by the corner where its neighbours' lines meet
+            stamps[2 * b + 1] += 1
+            den = ux * qy - uy * qx
+            if turn_b > 0.0 and turn_c > 0.0:
+                weight, possible = weights.extend, den > 0.0
+            else:
+                # one end is convex, and the neighbour at the other is shortened, by less than its length
+                weight, possible = weights.slide, turn_b * turn_c < 0.0 and turn_b < -den and turn_c < -den
+            if possible and (squared := wx * wx + wy * wy) >= SMALLEST_DIVISOR:
+                area = 0.5 * abs(turn_c / den * turn_b)
+                spike = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
+                found.append((factor[b] * (weight * area + spike_weight * spike), 2 * b + 1, ()))
+            if c == first:
+                break
+            a, b, c = b, c, d
+            ax, ay, bx, by, cx, cy = bx, by, cx, cy, dx, dy
+            fx, fy, ux, uy, wx, wy = ux, uy, wx, wy, qx, qy
+            turn_a, turn_b = turn_b, turn_c
+        return found
 
 
 def corner(loops: LinkedLoops, b: int) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TypeAlias
 
 import numpy as np
@@ -46,19 +45,10 @@ class LinkedLoops:
         """Filled from now on, where it is a list."""
 
     def outline(self) -> Outline:
-        """The current loops."""
-        ring = [vertex for entrance in self.entrance for vertex in self.walk(entrance)]
-        vertices = np.array([(self.x[v], self.y[v]) for v in ring])
-        return Outline(vertices, tuple(self.sizes), np.array([(self.first[v], self.last[v]) for v in ring]))
-
-    def walk(self, start: int) -> Iterator[int]:
-        """The vertices of a loop, starting with a given one."""
-        vertex = start
-        while True:
-            yield vertex
-            vertex = self.next[vertex]
-            if vertex == start:
-                return
+        """The current loops, each from its first vertex that is left."""
+        alive = np.array(self.alive)
+        vertices, spans = (np.stack(pair, axis=1)[alive] for pair in ((self.x, self.y), (self.first, self.last)))
+        return Outline(vertices, tuple(self.sizes), spans)
 
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
         """Remove a vertex, and move some right before it, in loop order: (vertex, x, y) each."""
@@ -106,22 +96,18 @@ class LinkedLoops:
     ) -> bool:
         """Whether a vertex other than the triangle's `own` lies in it; exact: without the margin."""
         X, Y, margin = self.x, self.y, self.margin
-        low_x, high_x, low_y, high_y = min(ax, bx, cx), max(ax, bx, cx), min(ay, by, cy), max(ay, by, cy)
-        low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
-        ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
-        u, v, w = -margin * (abs(ux) + abs(uy)), -margin * (abs(vx) + abs(vy)), -margin * (abs(wx) + abs(wy))
+        low_x, low_y, high_x, high_y = _bounds(ax, ay, bx, by, cx, cy, margin)
         for vertex in self.boxes.near(low_x, low_y, high_x, high_y):
             x, y = X[vertex], Y[vertex]
-            if (
-                low_x <= x <= high_x
-                and low_y <= y <= high_y
-                and ux * (y - ay) - uy * (x - ax) >= u
-                and vx * (y - by) - vy * (x - bx) >= v
-                and wx * (y - cy) - wy * (x - cx) >= w
-                and vertex not in own
-                and not (exact and _is_outside(x, y, ax, ay, bx, by, cx, cy))
-            ):
-                return True
+            if low_x <= x <= high_x and low_y <= y <= high_y and vertex not in own:
+                ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
+                if (
+                    ux * (y - ay) - uy * (x - ax) >= -margin * (abs(ux) + abs(uy))
+                    and vx * (y - by) - vy * (x - bx) >= -margin * (abs(vx) + abs(vy))
+                    and wx * (y - cy) - wy * (x - cx) >= -margin * (abs(wx) + abs(wy))
+                    and not (exact and _is_outside(x, y, ax, ay, bx, by, cx, cy))
+                ):
+                    return True
         return False
 
     def edge_in_triangle(
@@ -129,13 +115,12 @@ class LinkedLoops:
     ) -> bool:
         """Whether an edge other than the triangle's `own` touches it: no line separates them (separating axes)."""
         X, Y, margin, following = self.x, self.y, self.margin, self.next
-        low_x, high_x, low_y, high_y = min(ax, bx, cx), max(ax, bx, cx), min(ay, by, cy), max(ay, by, cy)
-        low_x, high_x, low_y, high_y = low_x - margin, high_x + margin, low_y - margin, high_y + margin
+        near = [edge for edge in self.boxes.near(*_bounds(ax, ay, bx, by, cx, cy, margin)) if edge not in own]
+        if not near:
+            return False
         ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
         u, v, w = -margin * (abs(ux) + abs(uy)), -margin * (abs(vx) + abs(vy)), -margin * (abs(wx) + abs(wy))
-        for edge in self.boxes.near(low_x, low_y, high_x, high_y):
-            if edge in own:
-                continue
+        for edge in near:
             end = following[edge]
             px, py, qx, qy = X[edge], Y[edge], X[end], Y[end]
             if (
@@ -154,6 +139,23 @@ class LinkedLoops:
             if min(sides) <= beside and max(sides) >= -beside:
                 return True
         return False
+
+
+def _bounds(
+    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, margin: float
+) -> tuple[float, float, float, float]:
+    """Low x, low y, high x and high y of a triangle, widened by a margin."""
+    low_x, high_x = (ax, bx) if ax < bx else (bx, ax)
+    low_y, high_y = (ay, by) if ay < by else (by, ay)
+    if cx < low_x:
+        low_x = cx
+    elif cx > high_x:
+        high_x = cx
+    if cy < low_y:
+        low_y = cy
+    elif cy > high_y:
+        high_y = cy
+    return low_x - margin, low_y - margin, high_x + margin, high_y + margin
 
 
 def _is_outside(x: float, y: float, ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> bool:

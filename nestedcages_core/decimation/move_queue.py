@@ -8,7 +8,7 @@ from math import inf
 from typing import TypeAlias
 
 Place: TypeAlias = tuple[float, ...]
-"""Coordinates of the new vertices of a move."""
+"""Parameters of a move, or the coordinates of its new vertices."""
 
 COST_SPLITTER = 2.0**27 + 1.0
 """Rounds costs to 26 bits (Dekker 1971), so that equal moves of a symmetric shape tie despite round-off."""

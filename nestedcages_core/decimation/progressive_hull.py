@@ -19,7 +19,7 @@ from math import exp, hypot, inf
 
 from ..geometry.predicates import orientation_sign
 from ..stages import Stage, drain
-from .hull_moves import PIVOT_RATIO_LOOP, Costs, Weights, corner, moves_of, pivoted
+from .hull_moves import PIVOT_RATIO_LOOP, HullMoves, Weights, corner, pivoted
 from .importance import PIN_REACH, Importance
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue, Place
@@ -60,8 +60,8 @@ class ProgressiveHull:
             factor = [f * w for f, w in zip(factor, factors, strict=True)]
             self.pinned = importance.pinned(outline).tolist()
             self._pin_reach = PIN_REACH * importance.fine.diagonal
-        self.costs = Costs(weights, factor)
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
+        self.moves = HullMoves(loops, weights, factor, self.queue.stamps)
         self._blocked: set[tuple[float, ...]] = set()
         self._reach_rounds, self._out_of_reach = 0, False
         self._consider_all()
@@ -75,6 +75,11 @@ class ProgressiveHull:
 
         Runs to ever smaller counts make the same moves as one to the smallest.
         """
+        yield from self._moving(count, max_cost)
+        return self.loops.outline()
+
+    def _moving(self, count: int, max_cost: float) -> Stage[float, None]:
+        """`steps` without the outline."""
         loops = self.loops
         first, moves = loops.total, 0
         while loops.total > count:
@@ -90,7 +95,6 @@ class ProgressiveHull:
                         make(b, *place)
             elif max_cost < inf or not self._farther():
                 break
-        return loops.outline()
 
     def _farther(self) -> bool:
         """Whether new vertices may lie farther out than before, where some were out of reach."""
@@ -106,13 +110,12 @@ class ProgressiveHull:
 
     def _consider_all(self) -> None:
         for entrance in self.loops.entrance:
-            self.queue.push(moves_of(self.loops, self.costs, self.queue.stamps, entrance))
+            self.queue.push(self.moves.of(entrance))
 
     def _consider_around(self, first: int, last: int) -> None:
         """Update the moves of the vertices first .. last and the edges between them, whose neighbours have changed."""
-        if self.loops.sizes[self.loops.loop_of[first]] <= PIVOT_RATIO_LOOP:
-            last = -1
-        self.queue.push(moves_of(self.loops, self.costs, self.queue.stamps, first, last))
+        small = self.loops.sizes[self.loops.loop_of[first]] <= PIVOT_RATIO_LOOP
+        self.queue.push(self.moves.of(first) if small else self.moves.of(first, last))
 
     # Where its new vertices go
 
@@ -230,5 +233,6 @@ class ProgressiveHull:
         self._consider_around(loops.previous[z], loops.next[d])
 
     def _discard(self, vertex: int) -> None:
-        self.queue.renew(2 * vertex)
-        self.queue.renew(2 * vertex + 1)
+        stamps = self.queue.stamps
+        stamps[2 * vertex] += 1
+        stamps[2 * vertex + 1] += 1

@@ -38,7 +38,7 @@ class RememberedHull(ProgressiveHull):
 
     def steps(self, count: int, max_cost: float = np.inf) -> Stage[float, Outline]:
         """As in `ProgressiveHull`, whatever counts were asked for before; ``max_cost`` must be infinite."""
-        run = super().steps(count, max_cost)
+        run = self._moving(count, max_cost)
         while True:
             with self._lock:
                 self.sound = False
@@ -50,6 +50,8 @@ class RememberedHull(ProgressiveHull):
 
     def _outline_at(self, count: int) -> Outline:
         """The outline when it first had as few vertices, or the last one."""
+        if count <= self.loops.total:
+            return self.loops.outline()
         start, removals = self.start, self._removals[: max(0, len(self.start.vertices) - count)]
         alive = np.ones(len(start.vertices), dtype=bool)
         alive[[vertex for vertex, _ in removals]] = False
