@@ -7,7 +7,7 @@ from .arrays import FloatArray
 TREE_COST, TREE_START = 80, 20_000
 """Cost of a tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
 
-RAY_COST = 800
+RAY_COST = 300
 """Cost of following a ray through a tree per point or edge, in pairs that could be tested in that time (measured)."""
 
 CACHED_PAIRS = 16_384

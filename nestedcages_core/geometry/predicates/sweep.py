@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 
-SWEEP_LIMIT = 4000
+SWEEP_LIMIT = 10_000
 """Number of boxes up to which sorting is tried first (measured)."""
 
 SWEPT_PER_BOX = 64

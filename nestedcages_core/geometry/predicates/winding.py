@@ -17,7 +17,7 @@ ON_BOUNDARY = int(np.iinfo(np.int64).min)
 ALL_WINDINGS_LIMIT = 100_000
 """Number of pairs of points and edges up to which `loop_windings` is faster than a tree (measured)."""
 
-TESTS_PER_MEASURE = 4
+TESTS_PER_MEASURE = 16
 """Pairs that can be tested together for each that can be measured: truth values take less memory than distances."""
 
 PAIR_BLOCK = 2**19
@@ -38,7 +38,7 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
         winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
         winding[crossings.touching] = ON_BOUNDARY
         return winding
-    parts = [_winding_among_all(part, starts, ends) for part in blocks(points, len(starts))]
+    parts = [_winding_among_all(part, starts, ends) for part in blocks(points, len(starts) // TESTS_PER_MEASURE)]
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
