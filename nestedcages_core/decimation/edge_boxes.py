@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -28,9 +29,10 @@ class EdgeBoxes:
     def _reset(self, bounds: FloatArray) -> None:
         """bounds: (n, 4) high x, high y, -low x, -low y."""
         self._bounds = np.ascontiguousarray(bounds.T)
-        self._high_x, self._high_y, self._low_x, self._low_y = self._bounds
         self._query = np.empty((4, 1))
-        self._asked = self._query[:, 0]
+        # items of memory views are set in half the time of those of arrays
+        views: list[Any] = [memoryview(row) for row in (*self._bounds, self._query[:, 0])]
+        self._high_x, self._high_y, self._low_x, self._low_y, self._asked = views
         self._blocks: EdgeBoxes | None = None
         if len(bounds) > MAX_AT_ONCE:
             self._blocks = object.__new__(EdgeBoxes)

@@ -60,7 +60,7 @@ class HullMoves:
         Their slots are renewed. What lies beyond first .. last has not changed, hence neither have drops of these two.
         """
         loops, weights, factor, stamps = self.loops, self.weights, self.factor, self.stamps
-        spike_weight, pivot_weight = weights.spike, weights.pivot or 1.0
+        drop_weight, spike_weight, pivot_weight = weights.drop, weights.spike, weights.pivot or 1.0
         X, Y, following, previous = loops.x, loops.y, loops.next, loops.previous
         size = loops.sizes[loops.loop_of[first]]
         pivots = size > 3 and (weights.pivot is not None or size <= PIVOT_RATIO_LOOP)
@@ -76,14 +76,15 @@ class HullMoves:
             dx, dy = X[d], Y[d]
             qx, qy = dx - cx, dy - cy
             turn_c = wx * qy - wy * qx
+            slot = 2 * b
 
             # drop b, or pivot about it
             if turn_b <= 0.0 or turn_b <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
                 if last < 0 or (b != first and b != last):
-                    stamps[2 * b] += 1
-                    found.append((factor[b] * weights.drop * 0.5 * abs(turn_b), 2 * b, ()))
+                    stamps[slot] += 1
+                    found.append((factor[b] * drop_weight * 0.5 * abs(turn_b), slot, ()))
             else:
-                stamps[2 * b] += 1
+                stamps[slot] += 1
                 if pivots and turn_a >= 0.0 and turn_c >= 0.0:
                     den = fy * qx - fx * qy
                     for ratio in ratios if abs(den) >= SMALLEST_DIVISOR else ():
@@ -93,12 +94,13 @@ class HullMoves:
                         if s > 0.0 and t > 0.0:
                             area = 0.5 * (s * turn_a + t * turn_c)
                             spike = 0.25 * (s * s * (fx * fx + fy * fy) + t * t * (qx * qx + qy * qy))
-                            found.append((factor[b] * (pivot_weight * area + spike_weight * spike), 2 * b, (ratio,)))
+                            found.append((factor[b] * (pivot_weight * area + spike_weight * spike), slot, (ratio,)))
             if b == last:
                 break
 
             # replace the edge from b to c by the corner where its neighbours' lines meet
-            stamps[2 * b + 1] += 1
+            slot += 1
+            stamps[slot] += 1
             den = ux * qy - uy * qx
             if turn_b > 0.0 and turn_c > 0.0:
                 weight, possible = weights.extend, den > 0.0
@@ -108,7 +110,7 @@ class HullMoves:
             if possible and (squared := wx * wx + wy * wy) >= SMALLEST_DIVISOR:
                 area = 0.5 * abs(turn_c / den * turn_b)
                 spike = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
-                found.append((factor[b] * (weight * area + spike_weight * spike), 2 * b + 1, ()))
+                found.append((factor[b] * (weight * area + spike_weight * spike), slot, ()))
             if c == first:
                 break
             a, b, c = b, c, d

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import compress
 from typing import TypeAlias
 
 import numpy as np
@@ -46,9 +47,9 @@ class LinkedLoops:
 
     def outline(self) -> Outline:
         """The current loops, each from its first vertex that is left."""
-        alive = np.array(self.alive)
-        vertices, spans = (np.stack(pair, axis=1)[alive] for pair in ((self.x, self.y), (self.first, self.last)))
-        return Outline(vertices, tuple(self.sizes), spans)
+        x, y = (np.fromiter(compress(values, self.alive), np.float64, self.total) for values in (self.x, self.y))
+        first, last = (np.fromiter(compress(end, self.alive), np.int64, self.total) for end in (self.first, self.last))
+        return Outline(np.stack((x, y), axis=1), tuple(self.sizes), np.stack((first, last), axis=1))
 
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
         """Remove a vertex, and move some right before it, in loop order: (vertex, x, y) each."""

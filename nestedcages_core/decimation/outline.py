@@ -10,6 +10,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.predicates import BoxTree
 from ..geometry.vectors import cross, norm
+from ..memory import Key, key_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +72,11 @@ class Outline:
     def diameter(self) -> float:
         """Diameter of the circle around the centre that holds the loops."""
         return 2.0 * float(norm(self.vertices - self.centre).max())
+
+    @cached_property
+    def key(self) -> Key:
+        """What tells it from other outlines, in a `Memory`."""
+        return key_of(self.vertices, self.sizes, self.spans)
 
     @property
     def area(self) -> float:

@@ -49,8 +49,10 @@ class ProgressiveHull:
         self.minimum = list(minimum)
         self.loops = loops = LinkedLoops(outline, weights.reach)
         self.reach = weights.reach * loops.diameter
-        draw = random.Random(weights.seed).gauss
-        factor = [exp(weights.noise * draw(0.0, 1.0)) if weights.noise else 1.0 for _ in range(loops.total)]
+        factor = [1.0] * loops.total
+        if weights.noise:
+            draw = random.Random(weights.seed).gauss
+            factor = [exp(weights.noise * draw(0.0, 1.0)) for _ in factor]
         if weights.loops:
             factor = [f * weights.loops[k] for f, k in zip(factor, loops.loop_of, strict=True)]
         self.pinned = [False] * loops.total

@@ -12,7 +12,7 @@ from threading import Lock
 
 import numpy as np
 
-from ..memory import Memory, key_of
+from ..memory import Memory
 from ..stages import Stage
 from .hull_moves import Weights
 from .linked_loops import Removal
@@ -73,7 +73,7 @@ def remembered_hull(outline: Outline, weights: Weights, minimum: Sequence[int]) 
     size = BYTES_PER_VERTEX * len(outline.vertices)
     if not _runs.has_room(size):
         return ProgressiveHull(outline, weights, minimum)
-    key = key_of(outline.sizes, weights, tuple(minimum), outline.vertices, outline.spans)
+    key = outline.key, weights, tuple(minimum)
     run = _runs.get(key)
     if run is None or not run.sound:
         run = RememberedHull(outline, weights, minimum)
