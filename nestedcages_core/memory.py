@@ -96,6 +96,10 @@ def forget() -> None:
         memory.clear()
 
 
+PLAIN, GROUPS = (type(None), bool, int, float, str, bytes), (tuple, frozenset)
+"""Types whose values are told apart by themselves, and by their members."""
+
+
 def key_of(*parts: object) -> Key:
     """The key of meshes, arrays, numbers, strings, method objects, and tuples of these.
 
@@ -115,9 +119,9 @@ def _digest(array: NDArray[Any]) -> tuple[str, tuple[int, ...], bytes]:
 
 def _is_value(part: object) -> bool:
     """Whether something is equal to another one, and hashed like it, if and only if they always behave the same."""
-    if part is None or isinstance(part, bool | int | float | str | bytes):
+    if isinstance(part, PLAIN):
         return True
-    if isinstance(part, tuple | frozenset):
+    if isinstance(part, GROUPS):
         return all(map(_is_value, part))
     parameters: Any = vars(type(part)).get("__dataclass_params__")  # not those of a base class
     if parameters is None or not is_dataclass(part):
