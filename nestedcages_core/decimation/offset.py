@@ -25,6 +25,10 @@ GAP_FRACTION = 0.25
 SCALE_STEP = 8.0
 """Ratio of steps that share one search radius for gaps."""
 
+ONE_SEARCH = 1000
+"""Number of vertices up to which all steps share a search if its radius is less than the mean edge length: it finds few
+pairs then, and gaps wider than a step needs do not matter."""
+
 HALVINGS = 48
 """Maximum number of halvings of steps that still touch something: a gap is then below the spacing of doubles."""
 
@@ -76,7 +80,7 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray
     edge_reach = np.maximum(reach, reach[outline.successor])
     if not edge_reach.any():
         return room
-    scale = float(edge_reach.max())
+    scale, mean_length = float(edge_reach.max()), float(norm(ends - starts).mean())
 
     def of_scale(length: FloatArray) -> BoolArray:
         return np.asarray((length <= scale) & (length * SCALE_STEP > scale))
@@ -85,8 +89,9 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray
         radius = scale / GAP_FRACTION
         everything = np.arange(len(starts))
         points, edges = np.flatnonzero(of_scale(reach)), np.flatnonzero(of_scale(edge_reach))
+        few = len(starts) <= ONE_SEARCH and radius <= mean_length
         searches = [(points, everything), (everything, edges)]
-        if len(points) == len(starts) or len(edges) == len(starts):
+        if few or len(points) == len(starts) or len(edges) == len(starts):
             searches = [(everything, everything)]
         for points, edges in searches:
             yield
@@ -103,7 +108,7 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray
             for one in (vertex, edge, end):
                 np.minimum.at(room, one, gap)
         smaller = edge_reach[(edge_reach > 0.0) & (edge_reach * SCALE_STEP <= scale)]
-        if len(smaller) == 0:
+        if few or len(smaller) == 0:
             return room
         scale = float(smaller.max())
 
