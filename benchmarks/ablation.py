@@ -86,7 +86,7 @@ to that with them, and the time:
 - IPC before sequential quadratic programs on small meshes: 0.9991, time 0.65
 
 Eight restarts, six of them with random weights, became five with weights that complement each other; these became two
-restarts that end in five ways each, and the three starts two.
+restarts that end in three ways each, and the three starts two.
 """
 """What is gone because it bought nothing."""
 

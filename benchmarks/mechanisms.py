@@ -168,7 +168,8 @@ MECHANISMS: dict[str, Mechanism] = {
     "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
     "restarts (2 to 1)": Mechanism("decimation", hulls(1)),
     "restarts (2 to 4)": Mechanism("decimation", hulls(4)),
-    "endings (5 to 1)": Mechanism("decimation", patches={"decimation.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:1]}),
+    "endings (3 to 1)": Mechanism("decimation", patches={"decimation.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:1]}),
+    "endings (3 to 5)": Mechanism("decimation", patches={"decimation.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS}),
     "further restarts for loops": Mechanism(
         "decimation",
         patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},

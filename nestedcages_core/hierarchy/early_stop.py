@@ -5,26 +5,27 @@ See docs/ablation.md: early stop of losing starts.
 
 from __future__ import annotations
 
-import numpy as np
-
 FIRST_LOOK = 2
-"""Steps before the first comparison, since the first ones only repair the start."""
+"""Steps before the first comparison."""
 
-STEPS_AHEAD = 2.0
-"""Expected further gain, in units of the last gain: gains roughly halve from step to step."""
+USUAL_RATIO, LARGEST_RATIO = 2.0 / 3.0, 0.95
+"""Ratio of a gain to the one before that is expected at least, since it usually is about a half; ratio from which on
+gains do not shrink."""
 
 
 class EarlyStop:
     """Watches the steps of one tightening."""
 
-    def __init__(self, best: float) -> None:
-        """best: the least excess so far, infinite if there is none."""
+    def __init__(self, best: float, excess: float) -> None:
+        """best: the least excess so far, infinite if there is none; excess: of the start."""
         self._best = best
-        self._steps = 0
-        self._last = np.inf
+        self._steps, self._last, self._gain = 0, excess, 0.0
 
     def cannot_improve(self, excess: float) -> bool:
         """Whether the best excess is out of reach after the next step, which has this excess."""
-        gain = max(self._last - excess, 0.0)
-        self._steps, self._last = self._steps + 1, excess
-        return self._steps >= FIRST_LOOK and excess - STEPS_AHEAD * gain > self._best
+        gain, before = max(self._last - excess, 0.0), self._gain
+        self._steps, self._last, self._gain = self._steps + 1, excess, gain
+        if self._steps < FIRST_LOOK or gain > LARGEST_RATIO * before:
+            return False
+        ratio = max(gain / before, USUAL_RATIO) if before > 0.0 else USUAL_RATIO
+        return excess - gain * ratio / (1.0 - ratio) > self._best  # the sum of all gains to come

@@ -180,8 +180,8 @@ class LevelBuilder:
     def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
         """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
         yield from self.progress.begin("tightening")
-        early_stop = EarlyStop(best)
         start = cage.untightened.cage_steps[-1]
+        early_stop = EarlyStop(best, self._rank(cage, start))
         steps: list[FloatArray] = []
         tightening = self.settings.tightening.run(
             Bodies.of(cage.unit_coarse, self.unit_fine, None if cage.alike is None else cage.alike.tie),
