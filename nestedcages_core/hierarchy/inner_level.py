@@ -146,7 +146,7 @@ class InnerLevelBuilder:
             clearance=self.units.clearance(clearance),
             energy=energy,
         )
-        early_stop = EarlyStop(best)
+        early_stop = EarlyStop(best, cost(coarse.vertices))
         steps = [coarse.vertices]
         while True:
             try:

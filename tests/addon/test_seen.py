@@ -197,14 +197,13 @@ def _request(addon):
     )
 
 
-def test_what_is_kept_is_bounded(addon, monkeypatch) -> None:
-    memory = addon.generation.memory.Memory()
-    monkeypatch.setattr(addon.generation.memory, "MOST_BYTES", 100)
+def test_what_is_kept_is_bounded(addon) -> None:
+    memory = addon.core.memory.Memory(100, largest_share=1.0)
     for key in "abc":
         memory.put(key, key, 45)
     assert [memory.get(key) for key in "abc"] == [None, "b", "c"]
     memory.put("d", "d", 1000)
-    assert memory.get("d") == "d" and memory.get("b") is None
+    assert [memory.get(key) for key in "bcd"] == ["b", "c", None]
 
 
 def eight() -> np.ndarray:
