@@ -41,18 +41,27 @@ EDGE, START, END = 0, 1, 2
 def never_meet(before: FloatArray, after: FloatArray) -> BoolArray:
     """(K,) whether pairs certainly stay apart in linear motion; positions (3, 2, K) of point, start and end."""
     first, last = _differences(before), _differences(after)
-    count = before.shape[2]
+    certified = _never_aligned(first, last, np.zeros(before.shape[2]))
+    left = (~certified).nonzero()[0]
+    if len(left):
+        certified[left] = _by_halving(first.take(left, axis=2), last.take(left, axis=2))
+    return certified
+
+
+def _by_halving(first: FloatArray, last: FloatArray) -> BoolArray:
+    """`never_meet` for differences of positions (3, 2, K) before and after."""
+    count = first.shape[2]
     pair = np.arange(count)
-    rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).max(axis=(0, 1))
+    rounding = HALVING_ROUNDING * np.abs(np.concatenate([first, last])).reshape(-1, count).max(axis=0)
     certified = np.ones(count, bool)
     for halvings in range(MAX_HALVINGS):
         margin = halvings * rounding.take(pair)
         left = (~_never_aligned(first, last, margin)).nonzero()[0]
-        if len(left) == 0:
-            break
         pair, margin = pair.take(left), margin.take(left)
         first, last = first.take(left, axis=2), last.take(left, axis=2)
         left = (~_never_beside(first, last, margin)).nonzero()[0]
+        if len(left) == 0:
+            break
         crowded = np.bincount(pair.take(left), minlength=count) > MAX_PIECES
         if crowded.any():
             certified[crowded] = False
