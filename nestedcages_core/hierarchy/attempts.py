@@ -84,9 +84,11 @@ def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tup
         may_fall_back = settings.fallback is not None
         if may_fall_back and isinstance(decimation, OnCurve) and len(fine.vertices) >= HULL_FROM:
             decimation, starts = decimation.hull, 1
+        # hulls need neither flow nor contact and lead to cages as tight: give up on these early
+        if may_fall_back and settings.contact is None:
+            contacts = (SequentialQP(patience=QUICK_PATIENCE),)
         if may_fall_back and isinstance(decimation, OnCurve):
-            # its hulls need neither flow nor contact and lead to nearly the same cages: give up on these early
-            flow, contacts = _quick(flow), contacts if settings.contact else (SequentialQP(patience=QUICK_PATIENCE),)
+            flow = _quick(flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
     yield last
     searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)

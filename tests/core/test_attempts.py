@@ -128,10 +128,15 @@ class TestFlowAndContact:
         assert quick.flow.limit < TwoSidedFlow().limit and not quick.flow.detours
         assert len(quick.contacts) == 1 and untightened.flow == quick.flow
 
-    def test_elsewhere_they_are_as_they_were_chosen(self) -> None:
-        for settings in (Settings(decimation=DouglasPeucker()), Settings(fallback=None)):
-            first = tried(settings, 12)[0]
+    def test_of_other_coarse_meshes_only_the_contact_is_given_up_early(self) -> None:
+        first = tried(Settings(decimation=DouglasPeucker()), 12)[0]
+        assert first.flow == TwoSidedFlow() and len(first.contacts) == 1
+
+    def test_without_a_fallback_or_from_own_meshes_they_are_as_they_were_chosen(self) -> None:
+        own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
+        for first in (tried(Settings(fallback=None), 12)[0], tried(Settings(), own)[0]):
             assert first.flow == TwoSidedFlow() and len(first.contacts) == 2
+            assert first.contacts[0] == SequentialQP()
 
     def test_a_chosen_flow_and_contact_are_not_changed(self) -> None:
         contacts = (SequentialQP(), IPC())
