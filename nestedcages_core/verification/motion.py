@@ -27,8 +27,8 @@ Number = TypeVar("Number", float, FloatArray)
 BLOCK_MOTION = 1.0
 """How much closer pairs may come during a block of several steps, in mean cage edge lengths (measured)."""
 
-BLOCK_NUMBERS = 2**21
-"""Positions of a block of several steps, and pairs of a step tested together; bounds the memory to about 200 MB."""
+BLOCK_NUMBERS = 2**20
+"""Positions of a block of several steps, and pairs of a step tested together; bounds the memory to about 100 MB."""
 
 
 @dataclass(frozen=True)
