@@ -171,12 +171,13 @@ class SignedDistance:
         starts, ends = self.search.starts.take(edge, axis=0), self.search.ends.take(edge, axis=0)
         away = points - (starts + parameter[:, None] * (ends - starts))
         touching = distance <= self._touching
-        around = winding_around(points, self.search.starts, self.search.ends)
-        sign = np.where(around == self.outside, 1.0, -1.0)
+        apart = (~touching).nonzero()[0]
+        around = winding_around(points.take(apart, axis=0), self.search.starts, self.search.ends)
+        sign = np.zeros(len(points))
+        sign[apart] = np.where(around == self.outside, 1.0, -1.0)
         gradient = away * (sign / np.maximum(distance, SMALLEST_LENGTH))[:, None]
-        if touching.any():
+        if len(apart) < len(points):
             gradient[touching] = self._normals_at(edge[touching], parameter[touching])
-            sign[touching] = 0.0
         return SignedSample(sign * distance, gradient, edge, parameter)
 
     def _normals_at(self, edge: IntArray, parameter: FloatArray) -> FloatArray:
