@@ -17,7 +17,6 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.distance import SMALLEST_LENGTH
-from ..geometry.vectors import rotated_left
 from ..solver.banded import Rows
 from .pairs import Bodies, Pairs
 
@@ -103,12 +102,17 @@ def distance_change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> Flo
 
 def local_axes(bodies: Bodies, x: FloatArray) -> FloatArray:
     """(m, 2, 2) unit vectors along and across the cage at each cage vertex of x (m + n, 2)."""
-    cage = x[: bodies.m]
-    along = cage[bodies.cage_successor] - cage[bodies.cage_predecessor]
-    length = np.hypot(along[:, 0], along[:, 1])
-    along = np.where(length[:, None] > SMALLEST_LENGTH, along, [1.0, 0.0])
-    along /= np.maximum(length, SMALLEST_LENGTH)[:, None]
-    return np.stack([along, rotated_left(along)], axis=1)
+    columns = x[: bodies.m].T
+    along = columns.take(bodies.cage_successor, axis=1) - columns.take(bodies.cage_predecessor, axis=1)
+    length = np.hypot(along[0], along[1])
+    short = np.flatnonzero(length <= SMALLEST_LENGTH)
+    along[0, short], along[1, short], length[short] = 1.0, 0.0, 1.0
+    along /= length
+    axes = np.empty((bodies.m, 2, 2))
+    axes[:, 0, 0] = axes[:, 1, 1] = along[0]
+    axes[:, 0, 1] = along[1]
+    np.negative(along[1], out=axes[:, 1, 0])
+    return axes
 
 
 def resolve_corners(

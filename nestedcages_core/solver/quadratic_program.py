@@ -240,7 +240,8 @@ class _Iteration:
             self.primal += (dual_step - step) * self.softness * change[1]
         spread *= step
         self.spread += spread
-        change *= [[step], [dual_step]]
+        change[0] *= step
+        change[1] *= dual_step
         self.state += change
 
     def _direction(self, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

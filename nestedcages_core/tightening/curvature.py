@@ -18,7 +18,6 @@ from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import Blocks
 from ..geometry.arrays import FloatArray
-from ..geometry.vectors import rotated_left
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,20 +53,28 @@ def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius
     radius: (m,) largest motion of each vertex. Edges count as at least that long, since the second-order term holds for
     shorter motions only.
     """
-    edge = cage[bodies.cage_successor] - cage
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    tangent = edge / length[:, None]
-    normal = rotated_left(tangent)
-    tn = tangent[:, :, None] * normal[:, None, :]
-    nt = tn.transpose(0, 2, 1)
-    length = np.maximum(length, np.maximum(radius, radius[bodies.cage_successor]))
-    at_start = ((loads.force - loads.moment) / length)[:, None, None]
-    at_end = (loads.moment / length)[:, None, None]
-    nn = normal[:, :, None] * normal[:, None, :] * (loads.gap / length**2)[:, None, None]
-    vertex = np.arange(bodies.m)
     after = bodies.cage_successor
+    columns = np.ascontiguousarray(cage.T)
+    tangent = columns.take(after, axis=1) - columns
+    length = np.hypot(tangent[0], tangent[1])
+    tangent /= length
+    normal = np.empty_like(tangent)
+    np.negative(tangent[1], out=normal[0])
+    normal[1] = tangent[0]
+    nt = normal[:, None] * tangent
+    tn = nt.transpose(1, 0, 2)
+    both = nt + tn
+    length = np.maximum(length, np.maximum(radius, radius.take(after)))
+    at_start = (loads.force - loads.moment) / length
+    at_end = loads.moment / length
+    nn = normal[:, None] * normal * (loads.gap / length**2)
+    blocks = np.empty((2, 2, 3, bodies.m))
+    np.add(at_start * both, nn, out=blocks[:, :, 0])
+    np.subtract(at_end * nt - at_start * tn, nn, out=blocks[:, :, 1])
+    np.subtract(nn, at_end * both, out=blocks[:, :, 2])
+    vertex = np.arange(bodies.m)
     return Blocks(
         np.concatenate([vertex, vertex, after]),
         np.concatenate([vertex, after, after]),
-        np.concatenate([at_start * (tn + nt) + nn, at_end * nt - at_start * tn - nn, nn - at_end * (tn + nt)]),
+        blocks.reshape(4, -1).T.reshape(-1, 2, 2),
     )

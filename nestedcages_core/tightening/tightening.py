@@ -43,7 +43,7 @@ NEGLIGIBLE_DECREASE = 1e-2
 FAST_CONVERGENCE = 0.02
 """The same as a fraction of the decrease predicted one step before, where convergence is that fast."""
 
-THINNEST_SKIN = 0.5
+THINNEST_SKIN = 0.75
 """Lower bound on the skin of the list of candidate pairs, in units of the mean coarse edge length."""
 
 COMPLEMENTARITY = 0.1
