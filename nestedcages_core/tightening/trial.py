@@ -21,7 +21,7 @@ shortened steps)."""
 STEP_REDUCTION = 0.4
 """Factor on the steps of failing vertices."""
 
-EXPECTED_MOTION = 1.5
+EXPECTED_MOTION = 2.0
 """Motion of a vertex, restoration included, up to which only nearby pairs are checked, relative to its own step or the
 steps of its neighbours."""
 
