@@ -141,8 +141,8 @@ def resolve_corners(
     before, after = _edges_at(bodies, columns, corner)
     exact = (inner * _cross(before, after) > 0.0) & (offset >= least)
     lone = np.flatnonzero(at_start[:cage_edges] & ~exact[:cage_edges])
-    one, other = corner.take(lone), point.take(lone)
-    lone = lone[_in_corner(bodies, columns, one, other) & _in_corner(bodies, columns, other, one)]
+    lone = lone[_in_corner(bodies, columns, corner.take(lone), point.take(lone))]
+    lone = lone[_in_corner(bodies, columns, point.take(lone), corner.take(lone))]
 
     line = np.flatnonzero(exact)
     put = ends.take(line)

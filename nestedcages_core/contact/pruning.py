@@ -47,9 +47,9 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
     for _ in range(HULL_PASSES):
         below = np.ones(len(kept), bool)
         np.logical_not(_above_neighbours(edge, t, height), out=below[1:-1])
-        if below.all():
-            break
         left = np.flatnonzero(below)
+        if len(left) == len(kept):
+            break
         kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
     return kept
 

@@ -37,7 +37,8 @@ class QuadraticModel:
 
     def measured_at(self, x: FloatArray) -> QuadraticModel:
         """The model with its pairs measured at x (m + n, 2), close to where it was made."""
-        return replace(self, around=replace(self.around, contacts=measure(self.around.pairs, x)))
+        contacts = measure(self.around.pairs, x)
+        return replace(self, around=replace(self.around, distance=contacts.distance, side=contacts.side))
 
     def loads(self, solution: QPSolution) -> EdgeLoads:
         """Loads of the edges in the solution of the program."""
@@ -82,4 +83,5 @@ def model_at(
         region.radius,
         local_axes(bodies, x),
     )
-    return QuadraticModel(program, Surroundings(pairs, contacts, required, farthest_motion), some, contact)
+    around = Surroundings(pairs, contacts.distance, contacts.side, required, farthest_motion)
+    return QuadraticModel(program, around, some, contact)

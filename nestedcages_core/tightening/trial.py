@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..contact.ccd import impacts
-from ..contact.linearisation import Contacts
 from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
@@ -44,7 +43,10 @@ class Surroundings:
     """The pairs that can meet in a motion of limited length."""
 
     pairs: Pairs
-    contacts: Contacts
+    distance: FloatArray
+    """(K,) their distances before it."""
+    side: FloatArray
+    """(K,) sides of the edges that the points are on."""
     required: FloatArray
     """(K,) distances to keep."""
     farthest_motion: FloatArray
@@ -53,8 +55,9 @@ class Surroundings:
     def within(self, farthest_motion: FloatArray) -> Surroundings:
         """The pairs that can meet in shorter motions."""
         pairs = self.pairs
-        near = np.flatnonzero(self.contacts.distance - self.required <= pairs.approach(farthest_motion))
-        return Surroundings(pairs.subset(near), self.contacts.where(near), self.required.take(near), farthest_motion)
+        near = np.flatnonzero(self.distance - self.required <= pairs.approach(farthest_motion))
+        distance, side, required = (field.take(near) for field in (self.distance, self.side, self.required))
+        return Surroundings(pairs.subset(near), distance, side, required, farthest_motion)
 
 
 def find_trial(
@@ -80,17 +83,17 @@ def find_trial(
     for _ in range(MAX_ATTEMPTS):
         tried = x.copy()
         tried[:m] += fraction[:, None] * step
-        restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
+        restored, after = restore(bodies, near.pairs, tried, near.required, near.side)
         moved = np.hypot(*(restored[:m] - x[:m]).T)
         if (moved > near.farthest_motion[:m]).any() and near is not around:
             near = around
-            restored, after = restore(bodies, near.pairs, tried, near.required, near.contacts.side)
+            restored, after = restore(bodies, near.pairs, tried, near.required, near.side)
             moved = np.hypot(*(restored[:m] - x[:m]).T)
         if (moved > around.farthest_motion[:m]).any():
             fraction *= STEP_REDUCTION
             continue
         np.subtract(restored[:m], x[:m], out=motion[:m])
-        hit, _ = impacts(near.pairs, x, motion, near.contacts.distance, closest)
+        hit, _ = impacts(near.pairs, x, motion, near.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
         if len(failing) == 0:
             restored_value = energy.value(restored[:m], bodies.cage_successor)
