@@ -108,9 +108,9 @@ class HullMoves:
                 # one end is convex, and the neighbour at the other is shortened, by less than its length
                 weight, possible = weights.slide, turn_b * turn_c < 0.0 and turn_b < -den and turn_c < -den
             if possible and (squared := wx * wx + wy * wy) >= SMALLEST_DIVISOR:
-                area = 0.5 * abs(turn_c / den * turn_b)
-                spike = 2.0 * area * (2.0 * area / squared)  # area² may overflow or underflow
-                found.append((factor[b] * (weight * area + spike_weight * spike), slot, ()))
+                twice = turn_c / den * turn_b  # of the area; its square may overflow or underflow
+                cost = weight * (0.5 * twice) + spike_weight * (twice * (twice / squared))
+                found.append((factor[b] * cost, slot, ()))
             if c == first:
                 break
             a, b, c = b, c, d
