@@ -65,6 +65,11 @@ MAX_RESCUE_MOVES, MIN_RESCUES = 8_000, 8
 """Moves of all rescues together, about two seconds, and the minimum number of rescues."""
 
 
+HOPELESS_RATIO = 1.1
+"""Ratio of the smallest hull of these first rescues to the wanted number above which no other follows: in 60 of 60
+drawings with many islands, all 40 rescues together reached at most 4 % less than the first 8."""
+
+
 @dataclass(frozen=True)
 class Variation:
     """Ranges of random weights: uniform in the natural logarithm; the noise itself uniform."""
@@ -197,9 +202,10 @@ def _rescues(
     runs = max(MIN_RESCUES, min(MAX_RESCUES, MAX_RESCUE_MOVES // max(1, moves)))
     rng = random.Random(seed)
     hulls: list[Outline] = []
-    for _ in range(runs):
+    while len(hulls) < runs:
         chosen = RESCUE_VARIATION.draw(rng, len(outline.sizes))
         hulls.append((yield from greedy(stage, chosen, minimum).steps(count)))
-        if len(hulls[-1].vertices) <= count:
+        least = min(len(hull.vertices) for hull in hulls)
+        if least <= count or (len(hulls) >= MIN_RESCUES and least > HOPELESS_RATIO * count):
             break
     return hulls
