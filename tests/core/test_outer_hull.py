@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -16,12 +17,14 @@ from nestedcages_core.decimation.apportion import padded, shares
 from nestedcages_core.decimation.clearing import cleared, without_gaps
 from nestedcages_core.decimation.edge_boxes import MAX_AT_ONCE, EdgeBoxes
 from nestedcages_core.decimation.hull_moves import Weights
+from nestedcages_core.decimation.hull_search import search_hulls
 from nestedcages_core.decimation.linked_loops import LinkedLoops
 from nestedcages_core.decimation.move_queue import MoveQueue
 from nestedcages_core.decimation.offset import strict_offset
 from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.request import canonical_order
+from nestedcages_core.stages import drain
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull(restarts=4)
@@ -188,6 +191,27 @@ def test_loops_in_each_others_way_are_answered_with_the_smallest_count() -> None
     coarse = QUICK.decimate(fine, smallest)
     assert len(coarse.vertices) == smallest
     assert_nested(coarse, fine)
+
+
+def test_a_hopeless_search_ends_early() -> None:
+    fine = Mesh.from_loops([1.3 * ring(60), ring(60), 0.98 * ring(60)])  # the disc and its hole need 16 vertices each
+    runs = []
+
+    def greedy(outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:
+        runs.append(weights)
+        return ProgressiveHull(outline, weights, minimum)
+
+    def smallest(count: int) -> int:
+        runs.clear()
+        hulls = drain(search_hulls(outline_of(fine), count, [3, 3, 3], restarts=5, seed=0, greedy=greedy))
+        return min(len(hull.vertices) for hull in hulls)
+
+    least, early = smallest(12), len(runs)
+    assert least > 30
+    close = least - 5
+    assert smallest(close) > close
+    assert len(runs) > 2 * early
+    assert smallest(least) <= least
 
 
 def test_candidates_are_different_and_the_smallest_comes_first() -> None:
