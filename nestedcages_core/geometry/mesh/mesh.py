@@ -73,9 +73,11 @@ class Mesh:
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
-        count = len(checked)
-        joined = as_edges(edges, count)
-        order = trace_loops(joined, count)
+        joined = as_edges(edges, len(checked))
+        self._build(checked, joined, trace_loops(joined, len(checked)))
+
+    def _build(self, checked: FloatArray, joined: IntArray, order: LoopOrder) -> None:
+        """Validate and orient loops of vertices (n, 2) joined by edges (n, 2), which are turned in place."""
         points = checked.take(order.vertices, axis=0)
         tree = check_simple(points, order)
         extreme = extreme_places(points, order)
@@ -85,7 +87,8 @@ class Mesh:
             depth, parent = np.array([0]), np.array([-1])
         signs = 1 - 2 * (depth % 2)
         reversed_ = turning_senses(points, order, extreme) != signs
-        order = order.turned(reversed_)
+        if reversed_.any():
+            order = order.turned(reversed_)
         following = order.successor()
         turned = following[joined[:, 0]] != joined[:, 1]
         joined[turned] = joined[turned, ::-1]
@@ -146,7 +149,9 @@ class Mesh:
         except TypeError as error:
             kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
             raise InvalidMeshError(f"The loops hold different kinds of values ({kinds}); give numbers.") from error
-        return cls(together, np.stack((starts, ends), axis=1))
+        mesh = object.__new__(cls)
+        mesh._build(as_vertices(together), np.stack((starts, ends), axis=1), LoopOrder(starts, sizes))
+        return mesh
 
     @classmethod
     def from_geometry(cls, geometry: Any) -> Mesh:
