@@ -7,9 +7,6 @@ from .arrays import FloatArray
 TREE_COST, TREE_START = 80, 20_000
 """Cost of a tree per point or edge, and of starting it, in pairs that could be measured in that time (measured)."""
 
-RAY_COST = 300
-"""Cost of following a ray through a tree per point or edge, in pairs that could be tested in that time (measured)."""
-
 CACHED_PAIRS = 16_384
 """Pairs measured together: their arrays stay in the processor's cache (measured)."""
 
@@ -17,11 +14,6 @@ CACHED_PAIRS = 16_384
 def few_pairs(points: int, edges: int) -> bool:
     """Whether measuring all pairs is faster than a tree."""
     return points * edges <= TREE_COST * (points + edges) + TREE_START
-
-
-def few_rays(points: int, edges: int) -> bool:
-    """Whether testing all edges against rays from all points is faster than a tree."""
-    return points * edges <= RAY_COST * (points + edges) + TREE_START
 
 
 def blocks(points: FloatArray, edges: int) -> list[FloatArray]:

@@ -342,11 +342,13 @@ def exact_winding(point: tuple[int, int], starts: list[tuple[int, int]], ends: l
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("crowded", [-1, box_tree.CROWDED])
+@pytest.mark.parametrize(
+    ("crowded", "at_height"), [(-1, -(10**6)), (box_tree.CROWDED, -(10**6)), (box_tree.CROWDED, winding.AT_HEIGHT)]
+)
 @pytest.mark.parametrize("shuffled", [False, True])
 @given(data=st.data())
 @settings(max_examples=60, deadline=None)
-def test_winding_number_on_grids(crowded: int, shuffled: bool, data: st.DataObject) -> None:
+def test_winding_number_on_grids(crowded: int, at_height: int, shuffled: bool, data: st.DataObject) -> None:
     points = st.tuples(st.integers(0, 6), st.integers(0, 6))
     loops = data.draw(st.lists(st.lists(points, min_size=1, max_size=25), min_size=1, max_size=6))
     starts = [p for loop in loops for p in loop]
@@ -355,18 +357,21 @@ def test_winding_number_on_grids(crowded: int, shuffled: bool, data: st.DataObje
         order = data.draw(st.permutations(range(len(starts))))
         starts, ends = [starts[k] for k in order], [ends[k] for k in order]
     queries = list(itertools.product(range(-1, 8), range(-1, 8)))
-    before = winding.CROWDED
-    winding.CROWDED = crowded
+    before = winding.CROWDED, winding.AT_HEIGHT
+    winding.CROWDED, winding.AT_HEIGHT = crowded, at_height
     try:
-        found = winding_number(np.array(queries, float), np.array(starts, float), np.array(ends, float))
+        given_ = np.array(queries, float), np.array(starts, float), np.array(ends, float)
+        found, around = winding_number(*given_), winding.winding_around(*given_)
     finally:
-        winding.CROWDED = before
+        winding.CROWDED, winding.AT_HEIGHT = before
     assert found.tolist() == [exact_winding(q, starts, ends) for q in queries]
+    assert (around == found)[found != ON_BOUNDARY].all()
 
 
 @pytest.mark.parametrize("crowded", [-1, box_tree.CROWDED])
 def test_winding_number_of_many_points_against_shapely(crowded: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(winding, "CROWDED", crowded)
+    monkeypatch.setattr(winding, "AT_HEIGHT", -(10**6))
     monkeypatch.setattr(winding, "PAIR_BLOCK", 1000)
     random = np.random.default_rng(15)
     outer, inner = segments_of("star", 2000, random)[0], 0.4 * segments_of("loop", 500, random)[0][::-1]

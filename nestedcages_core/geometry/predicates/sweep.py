@@ -28,8 +28,8 @@ def swept_pairs(
     total = int(count.sum() + other_count.sum())
     if total > min(most, SWEPT_PER_BOX * (len(order) + len(other_order))):
         return None
-    i, place = _expanded(first, count)
-    j, other_place = _expanded(other_first, other_count)
+    i, place = expanded(first, count)
+    j, other_place = expanded(other_first, other_count)
     i = np.concatenate([i, order.take(other_place)])
     j = np.concatenate([other_order.take(place), j])
     keep = low[1].take(i) <= other_high[1].take(j)
@@ -46,7 +46,7 @@ def swept_self_pairs(low: FloatArray, high: FloatArray, most: int) -> tuple[IntA
     count = low[0].searchsorted(high[0], "right") - first
     if int(count.sum()) > min(most, SWEPT_PER_BOX * len(order)):
         return None
-    i, j = _expanded(first, count)
+    i, j = expanded(first, count)
     keep = low[1].take(i) <= high[1].take(j)
     keep &= low[1].take(j) <= high[1].take(i)
     kept = keep.nonzero()[0]
@@ -60,7 +60,7 @@ def _range(values: FloatArray, low: FloatArray, high: FloatArray, side: str) -> 
     return first, values.searchsorted(high, "right") - first
 
 
-def _expanded(first: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
+def expanded(first: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
     """For each of `count` (N,) places from `first` on: whose it is, and the place."""
     whose = np.arange(len(first)).repeat(count)
     place = (first - np.cumsum(count) + count).take(whose)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..all_pairs import blocks, few_rays
 from ..arrays import FloatArray, IntArray
 from .box_tree import CROWDED, FANOUT, BoxTree, children
 from .orientation import Signs, orientation
+from .sweep import expanded
 
 ON_BOUNDARY = int(np.iinfo(np.int64).min)
 """Value of `winding_number` for a point that lies on an edge."""
@@ -17,8 +17,8 @@ ON_BOUNDARY = int(np.iinfo(np.int64).min)
 ALL_WINDINGS_LIMIT = 100_000
 """Number of pairs of points and edges up to which `loop_windings` is faster than a tree (measured)."""
 
-TESTS_PER_MEASURE = 16
-"""Pairs that can be tested together for each that can be measured: truth values take less memory than distances."""
+AT_HEIGHT = 8
+"""Edges at the height of a point, per point and edge, above which a tree is faster than testing them (measured)."""
 
 PAIR_BLOCK = 2**19
 """Pairs of a point and a box tested together; bounds the memory to about 100 MB."""
@@ -33,23 +33,13 @@ def winding_number(points: FloatArray, starts: FloatArray, ends: FloatArray) -> 
     Points on an edge get ON_BOUNDARY. A point inside a counter-clockwise loop gets 1.
     """
     points, starts, ends = (np.asarray(a, dtype=np.float64).reshape(-1, 2) for a in (points, starts, ends))
-    if not few_rays(len(points), len(starts)):
+    pairs = _at_height(points, starts, ends, "right", AT_HEIGHT * (len(points) + len(starts)) + FEW_PAIRS)
+    if pairs is None:
         crossings = ray_crossings(points, BoxTree(starts, ends))
         winding = np.bincount(crossings.point, crossings.value, len(points)).astype(np.int64)
         winding[crossings.touching] = ON_BOUNDARY
         return winding
-    parts = [_winding_among_all(part, starts, ends) for part in blocks(points, len(starts) // TESTS_PER_MEASURE)]
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
-    """`winding_number` by testing every pair of a point and an edge."""
-    y = points[:, 1:].copy()
-    level = np.minimum(starts[:, 1], ends[:, 1]) <= y
-    level &= y <= np.maximum(starts[:, 1], ends[:, 1])
-    pair = level.ravel().nonzero()[0]
-    point = pair // max(1, len(starts))
-    edge = pair - point * len(starts)
+    point, edge = pairs
     a, b, p = starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0)
     (ax, ay), (bx, by), (x, y) = a.T, b.T, p.T
     side = orientation(a, b, p)
@@ -62,13 +52,11 @@ def _winding_among_all(points: FloatArray, starts: FloatArray, ends: FloatArray)
 
 def winding_around(points: FloatArray, starts: FloatArray, ends: FloatArray) -> IntArray:
     """`winding_number` where points on edges may get any value, (P,)."""
-    if not few_rays(len(points), len(starts)):
+    pairs = _at_height(points, starts, ends, "left", AT_HEIGHT * (len(points) + len(starts)) + FEW_PAIRS)
+    if pairs is None:
         return winding_number(points, starts, ends)
-    parts = []
-    for part in blocks(points, len(starts) // TESTS_PER_MEASURE):
-        point, _, value = _crossed(part, starts, ends)
-        parts.append(np.bincount(point, value, len(part)))
-    return np.concatenate(parts).astype(np.int64)
+    point, _, value = _crossed(points, starts, ends, *pairs)
+    return np.bincount(point, value, len(points)).astype(np.int64)
 
 
 def loop_windings(points: FloatArray, starts: FloatArray, ends: FloatArray, loop: IntArray) -> IntArray:
@@ -76,27 +64,43 @@ def loop_windings(points: FloatArray, starts: FloatArray, ends: FloatArray, loop
 
     loop: (E,) the loop of each edge. Exact; every pair of a point and an edge is tested.
     """
-    point, edge, value = _crossed(points, starts, ends)
+    pairs = _at_height(points, starts, ends, "left", len(points) * len(starts))
+    assert pairs is not None
+    point, edge, value = _crossed(points, starts, ends, *pairs)
     count = int(loop.max()) + 1
     winding = np.bincount(point * count + loop.take(edge), value, len(points) * count)
     return winding.astype(np.int64).reshape(len(points), count)
 
 
-def _crossed(points: FloatArray, starts: FloatArray, ends: FloatArray) -> tuple[IntArray, IntArray, Signs]:
-    """Pairs (point, edge) where the ray from the point to the right crosses the edge, and 1 for upwards, -1 for down.
+def _at_height(
+    points: FloatArray, starts: FloatArray, ends: FloatArray, side: Literal["left", "right"], most: int
+) -> tuple[IntArray, IntArray] | None:
+    """Pairs (point, edge) where the point is at the height of the edge, (K,), (K,); None if more than ``most``.
 
-    A vertex on the ray counts as below it, so a ray through a vertex is counted once.
+    side: whether the upper end of an edge counts ("right") or not ("left").
     """
-    height = points[:, 1:].copy()
-    above = starts[:, 1].copy() > height
-    crossing = ends[:, 1].copy() > height
-    crossing ^= above
-    pair = crossing.ravel().nonzero()[0]
-    point = pair // len(starts)
-    edge = pair - point * len(starts)
-    rises: Signs = 1 - 2 * above.ravel().take(pair).view(np.int8)
-    side = orientation(starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0))
-    right = (side == rises).nonzero()[0]
+    height, start, end = points[:, 1], starts[:, 1], ends[:, 1]
+    order = height.argsort()
+    height = height.take(order)
+    first = height.searchsorted(np.minimum(start, end))
+    count = height.searchsorted(np.maximum(start, end), side) - first
+    if count.sum() > most:
+        return None
+    edge, place = expanded(first, count)
+    return order.take(place), edge
+
+
+def _crossed(
+    points: FloatArray, starts: FloatArray, ends: FloatArray, point: IntArray, edge: IntArray
+) -> tuple[IntArray, IntArray, Signs]:
+    """Those of some pairs where the ray from the point to the right crosses the edge, and 1 for upwards, -1 for down.
+
+    The pairs are those at one height, upper ends left out: a vertex on the ray counts as below it, so a ray through a
+    vertex is counted once.
+    """
+    start, end, place = starts.take(edge, axis=0), ends.take(edge, axis=0), points.take(point, axis=0)
+    rises: Signs = 2 * (end[:, 1] > place[:, 1]).view(np.int8) - 1
+    right = (orientation(start, end, place) == rises).nonzero()[0]
     return point.take(right), edge.take(right), rises.take(right)
 
 
