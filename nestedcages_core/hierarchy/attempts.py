@@ -69,6 +69,11 @@ class Attempt:
     tightened: bool = True
     """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
 
+    @property
+    def prefers_curve(self) -> bool:
+        """Whether it starts on the curve where it can."""
+        return isinstance(self.source, OnCurve)
+
 
 def attempts(settings: Settings, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
     """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh.

@@ -13,6 +13,7 @@ from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Decimation, SeveralStarts, Start
 from ..decimation.base import shared_anew
+from ..decimation.outer_hull import SOURCE as HULL
 from ..energies import Area, CageEnergy, signed_area
 from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
@@ -122,6 +123,8 @@ class LevelBuilder:
             source = cage.start.source
             if errors and source != tried[0]:
                 notes = (*notes, f"Started from the {source} instead of a coarse mesh {tried[0]}: {errors[0]}")
+            elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
+                notes = (*notes, f"Started from the {source}: with its vertices on the curve it would cross itself.")
             try:
                 return (yield from self._certified(attempt, cage, notes))
             except NestingError as error:

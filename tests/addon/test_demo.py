@@ -57,11 +57,15 @@ def test_the_file_holds_drawing_and_cages_alone(demo: tuple[Path, str]) -> None:
     assert not bpy.data.cameras
 
 
-def test_its_flow_is_seen(demo: tuple[Path, str]) -> None:
+def test_every_level_shows_how_it_came_about(demo: tuple[Path, str]) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(demo[0] / "letter_a.blend"))
-    first = next(item for item in bpy.data.objects if item.get("nested_cages_level") == 1)
-    assert first["nested_cages_begins_from"] == "flow"
-    assert first["nested_cages_flow_start"] < first["nested_cages_reinflation_start"]
+    cages = [item for item in bpy.data.objects if item.get("nested_cages_level", 0) > 0]
+    assert len(cages) == 2
+    for cage in cages:
+        assert cage["nested_cages_begins_from"] == "flow"
+        phases = [cage[f"nested_cages_{name}_start"] for name in ("flow", "reinflation", "tightening")]
+        assert phases == sorted(set(phases))
+        assert phases[-1] < cage["nested_cages_end"]
 
 
 def test_the_check_runs_on_the_file(demo: tuple[Path, str]) -> None:

@@ -245,3 +245,15 @@ class TestRun:
     def test_the_tightest_energy_is_that_of_the_settings(self) -> None:
         level = nested_cages(letter_a(2), [24], Settings(energy=Area(), contact=SequentialQP())).levels[0]
         assert level.report.start in ("flow", "outer hull")
+
+
+class TestNotes:
+    def test_a_hull_that_would_cross_itself_on_the_curve_says_so(self) -> None:
+        turn = np.linspace(0.0, 6.0 * np.pi, 120)
+        ray = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        middle = (0.2 + 0.8 * turn / turn[-1])[:, None] * ray
+        spiral = Mesh.from_loops([np.concatenate([middle + 0.05 * ray, (middle - 0.05 * ray)[::-1]])])
+        report = nested_cages(spiral, [20]).levels[0].report
+        assert report.start == "outer hull"
+        assert report.notes == ("Started from the outer hull: with its vertices on the curve it would cross itself.",)
+        assert nested_cages(spiral, [20], Settings(decimation=OuterHull())).levels[0].report.notes == ()
