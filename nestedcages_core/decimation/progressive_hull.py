@@ -159,18 +159,20 @@ class ProgressiveHull:
 
     def _extend(self, b: int, x: float, y: float) -> None:
         loops, X, Y = self.loops, self.loops.x, self.loops.y
-        a, c = loops.previous[b], loops.next[b]
-        d = loops.next[c]
+        following = loops.next
+        a, c = loops.previous[b], following[b]
+        d = following[c]
         ax, ay, bx, by, cx, cy, dx, dy = X[a], Y[a], X[b], Y[b], X[c], Y[c], X[d], Y[d]
         move = (b, x, y, bx, by, cx, cy)
-        u, q = hypot(bx - ax, by - ay), hypot(dx - cx, dy - cy)
         if move in self._blocked:
             return
+        ux, uy, wx, wy, qx, qy = bx - ax, by - ay, cx - bx, cy - by, dx - cx, dy - cy
+        u, q = hypot(ux, uy), hypot(qx, qy)
         if not (u and q):
             return  # a vertex was rounded onto its neighbour
-        out_x, out_y = (by - ay) / u + (dy - cy) / q, (ax - bx) / u + (cx - dx) / q
+        ulp, out_x, out_y = loops.ulp, uy / u + qy / q, -ux / u - qx / q
         for nudge in NUDGE_ULPS:
-            px, py = x + nudge * loops.ulp * out_x, y + nudge * loops.ulp * out_y
+            px, py = x + nudge * ulp * out_x, y + nudge * ulp * out_y
             if (
                 orientation_sign(ax, ay, bx, by, px, py) <= 0
                 and orientation_sign(cx, cy, dx, dy, px, py) <= 0
@@ -180,9 +182,7 @@ class ProgressiveHull:
         else:
             self._blocked.add(move)
             return
-        turn_b = (bx - ax) * (cy - by) - (by - ay) * (cx - bx)
-        turn_c = (cx - bx) * (dy - cy) - (cy - by) * (dx - cx)
-        if turn_b > 0.0 and turn_c > 0.0:
+        if ux * wy - uy * wx > 0.0 and wx * qy - wy * qx > 0.0:
             blocked = loops.edge_in_triangle(bx, by, px, py, cx, cy, own=(a, b, c))
         else:
             # two sides of the triangle are boundary, so no edge gets in without a vertex
@@ -194,7 +194,7 @@ class ProgressiveHull:
         self.pinned[b] |= self.pinned[c]
         self._discard(c)
         loops.remove(c, (b, px, py))
-        self._consider_around(loops.previous[a], loops.next[d])
+        self._consider_around(loops.previous[a], following[d])
 
     def _pivot(self, b: int, px: float, py: float, qx: float, qy: float) -> None:
         loops, X, Y = self.loops, self.loops.x, self.loops.y
