@@ -61,6 +61,11 @@ def found_something(_: Sequence[Any], result: Any) -> bool:
     return result is not None
 
 
+def holds(_: Sequence[Any], result: Any) -> bool:
+    """Used where the answer is yes."""
+    return bool(result)
+
+
 def changed(arguments: Sequence[Any], result: Any) -> bool:
     """Used where the first argument is not returned as it is."""
     return result is not arguments[0]
@@ -179,6 +184,11 @@ MECHANISMS: dict[str, Mechanism] = {
         "decimation",
         patches={"decimation.hull_search:_rescues": no_hulls},
         probes={"decimation.hull_search:_rescues": called},
+    ),
+    "early end of hopeless hull searches": Mechanism(
+        "decimation",
+        patches={"decimation.hull_search:HOPELESS_NUMBER": 10**9},
+        probes={"decimation.hull_search:_is_hopeless": holds},
     ),
     "counts shared out anew": Mechanism(
         "decimation",
