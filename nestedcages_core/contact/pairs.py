@@ -144,9 +144,10 @@ class Pairs:
 
 
 def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pairs:
-    """All pairs closer than ``radius`` at the positions x = (C; F); family F-C sorted by cage edge.
+    """All pairs closer than ``radius`` at the positions x = (C; F), family C-C up to twice that; F-C by cage edge.
 
     radius: a length, or one per cage vertex (m,) with few different values; an edge has the larger one of its ends.
+    Both sides of a pair C-C may move: with twice the radius a `CandidateList` lasts as long as for the others.
     """
     m = bodies.m
     cage, fine = x[:m], x[m:]
@@ -163,7 +164,7 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
     found = [near_pairs(cage[k], fine, fine_end, r) for r, k in groups]
     cage_vertex = np.concatenate([k[i] for (i, _), (_, k) in zip(found, groups, strict=True)])
     fine_edge = np.concatenate([j for _, j in found])
-    own_vertex, own_edge = near_pairs(cage, cage, cage_end, float(of_vertex.max()))
+    own_vertex, own_edge = near_pairs(cage, cage, cage_end, 2.0 * float(of_vertex.max()))
     foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage_successor[own_edge])
     own_vertex, own_edge = own_vertex[foreign], own_edge[foreign]
     first = len(fine_vertex)
@@ -189,8 +190,7 @@ class CandidateList:
     """The pairs closer than a reach, found with a skin so that the list stays complete for a while (a Verlet list).
 
     A pair comes closer by at most the sum of the two largest motions since the list was built. The list is rebuilt when
-    that exceeds the skin. ``find`` searches: bodies, positions and radius to pairs. No skin is thinner than
-    ``thinnest_skin``, a length.
+    that exceeds the skin. ``find`` searches like `find_pairs`. No skin is thinner than ``thinnest_skin``, a length.
     """
 
     def __init__(
@@ -236,7 +236,6 @@ class CandidateList:
         return len(self._pairs) > SMALL_LIST and float(np.mean(self._radius / radius)) > MAX_EXCESS_REACH
 
     def _covers(self, reach: float | FloatArray) -> bool:
-        """Whether the skin is wider than any pair has come closer since the list was built."""
+        """Whether the skin is wider than any pair of cage and fine mesh has come closer since the list was built."""
         m = self.bodies.m
-        cage, fine = float(self._moved[:m].max()), float(self._moved[m:].max())
-        return float(np.min(self._radius - reach)) >= cage + max(cage, fine)
+        return float(np.min(self._radius - reach)) >= float(self._moved[:m].max()) + float(self._moved[m:].max())

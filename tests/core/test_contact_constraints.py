@@ -7,7 +7,7 @@ import pytest
 
 from nestedcages_core import Mesh
 from nestedcages_core.contact.linearisation import Contacts, constraint_rows, distance_change, measure, resolve_corners
-from nestedcages_core.contact.pairs import Bodies, Pairs, find_pairs
+from nestedcages_core.contact.pairs import Bodies, CandidateList, Pairs, find_pairs
 from nestedcages_core.contact.pruning import not_implied
 from nestedcages_core.tightening.curvature import EdgeLoads, contact_curvature
 from shapes import letter_a, letter_a_coarse, ring
@@ -181,3 +181,24 @@ def test_thinning_leaves_no_contact_within_its_tolerance_of_a_chord(count: int) 
         assert len(on) > 3
         for k in range(1, len(on) - 1):
             assert distance[k] + tolerance < np.interp(t[k], t[[k - 1, k + 1]], distance[[k - 1, k + 1]])
+
+
+def test_a_kept_list_has_all_pairs_that_may_meet(around: tuple[Bodies, np.ndarray, Pairs]) -> None:
+    bodies, x, _ = around
+    rng = np.random.default_rng(7)
+    everything = find_pairs(bodies, x, np.inf)
+    candidates = CandidateList(bodies, thinnest_skin=0.1)
+    distance, longest, kept = 0.02, 0.05, 0
+    for _ in range(40):
+        step = 0.01 * rng.normal(size=(bodies.m, 2))
+        x = np.concatenate([x[: bodies.m] + step, x[bodies.m :]])
+        motion = np.concatenate([rng.uniform(0.0, longest, bodies.m), np.zeros(bodies.n)])
+        found = candidates.meeting(x, distance, motion, distance + 2.0 * longest, longest)
+        names = {tuple(corners) for corners in found.corners.tolist()}
+        for angle in rng.uniform(0.0, 2.0 * np.pi, (20, len(x))):
+            moved = x + motion[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            met = measure(everything, moved).distance < distance
+            assert names >= {tuple(corners) for corners in everything.corners[met].tolist()}
+        kept += len(names)
+    assert candidates.builds < 20
+    assert kept < 0.2 * 40 * len(everything)
