@@ -29,6 +29,7 @@ PICTURES = ROOT / "docs"
 RUNS: dict[str, list[str]] = {
     "table1": ["table1.py"],
     "shapes": ["shapes.py"],
+    "speed": ["speed.py", "--against", "6c1f498", "--cases", "48"],
     "start": ["start.py"],
     "slider": ["slider.py"],
     "ipc_iteration": ["ipc_iteration.py"],
