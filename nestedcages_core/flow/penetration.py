@@ -18,7 +18,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.signed_distance import SignedDistance
-from ..geometry.vectors import inner
+from ..geometry.vectors import inner, norm
 from .loop_matching import Matching
 from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_margins
 
@@ -28,6 +28,12 @@ COMFORTABLE_MARGIN = 1.0 / 3.0
 INPUT_ROUND_OFF = 1e-12
 """Distance, as a fraction of the largest coordinate, up to which meshes touch: rounding of inputs far from the origin
 included."""
+
+MANY_POINTS = 200
+"""Number of coarse samples from which it pays to tell parts of a loop that move from those that rest (measured)."""
+
+CALM_MOTION, KNOWN_DISTANCE = 0.1, 4.0
+"""Motion in margins of parts that count as resting; distance in margins up to which that to moving parts is known."""
 
 THIN_WALL = 2.0
 """Thickness, in sample spacings, of walls between coarse loops whose samples push the partners of both loops."""
@@ -167,12 +173,26 @@ class _CoarsePush:
         """Lower bound on the distance from the wrong side when the loop was last looked at."""
         self._loop: FloatArray = matching.fine.vertices.take(self.start, axis=0)
 
+    def _move(self, loop: FloatArray, margin: float) -> None:
+        """Lower the bounds by a motion of the loop to (k, 2), of its own parts where few of them move far."""
+        before, self._loop = self._loop, loop
+        motion = norm(loop - before)
+        motion = np.maximum(motion, np.roll(motion, -1))  # of edges
+        farthest, fast = float(motion.max()), motion > CALM_MOTION * margin
+        if len(self.points) < MANY_POINTS or 2 * np.count_nonzero(fast) > len(fast):
+            self._beyond -= farthest
+            return
+        self._beyond -= motion[~fast].max()
+        if fast.any():
+            starts, ends = before[fast], np.roll(before, -1, axis=0)[fast]
+            reached, _ = near_pairs(self.points, starts, ends, farthest + KNOWN_DISTANCE * margin)
+            np.minimum(self._beyond, KNOWN_DISTANCE * margin, out=self._beyond)
+            self._beyond[reached] = -np.inf
+
     def find(self, vertices: FloatArray, margins: FloatArray) -> _Pushed:
         loop = vertices.take(self.start, axis=0)
-        motion = loop - self._loop
-        self._beyond -= np.hypot(motion[:, 0], motion[:, 1]).max()
-        self._loop = loop
         margin = margins.take(self.coarse_edge)
+        self._move(loop, float(margin.max()))
         near = (margin > self._beyond).nonzero()[0]
         sample = _field(loop, self.sign, len(self.points)).at(self.points.take(near, axis=0))
         beyond = self.side * sample.distance

@@ -45,15 +45,24 @@ def test_penetration_acts_as_the_derivative_of_its_energy(spacing: float) -> Non
     assert np.isclose((gradient(energy.at(vertices), fine) * direction).sum(), difference, rtol=1e-4)
 
 
-def test_penetration_skips_nothing_that_matters() -> None:
-    """Distances that are known well enough are not measured again; the energy is the same as of a new start."""
+@pytest.mark.parametrize("share", [1.0, 0.15])
+@pytest.mark.parametrize("spacing", [0.05, 0.005])
+def test_penetration_skips_nothing_that_matters(spacing: float, share: float) -> None:
+    """Distances that are known well enough are not measured again; the energy is the same as of a new start.
+
+    All vertices move, or some, and one of them far and back.
+    """
     fine, coarse = letter_a(2), letter_a_coarse()
-    used = penetration_energy(fine, coarse, 0.05)
+    used = penetration_energy(fine, coarse, spacing)
     rng = np.random.default_rng(6)
     vertices = fine.vertices
-    for _ in range(6):
-        vertices = vertices + rng.normal(scale=0.1, size=vertices.shape)
-        assert used.at(vertices).energy == penetration_energy(fine, coarse, 0.05).at(vertices).energy
+    for k in range(12):
+        moving = rng.uniform(size=(len(vertices), 1)) < share
+        vertices = vertices + moving * rng.normal(scale=0.1 * 0.5**k, size=vertices.shape)
+        vertices[7] += (-1) ** k * np.array([0.3, 0.2])
+        found, fresh = used.at(vertices), penetration_energy(fine, coarse, spacing).at(vertices)
+        assert found.energy == fresh.energy
+        assert np.array_equal(found.depth, fresh.depth)
 
 
 @pytest.mark.parametrize("sizes", [(3,), (4, 5), (7, 3, 12)])
