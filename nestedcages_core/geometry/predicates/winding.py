@@ -17,7 +17,7 @@ ON_BOUNDARY = int(np.iinfo(np.int64).min)
 ALL_WINDINGS_LIMIT = 100_000
 """Number of pairs of points and edges up to which `loop_windings` is faster than a tree (measured)."""
 
-AT_HEIGHT = 8
+AT_HEIGHT = 16
 """Edges at the height of a point, per point and edge, above which a tree is faster than testing them (measured)."""
 
 PAIR_BLOCK = 2**19
