@@ -12,6 +12,10 @@ from .predicates import BoxTree
 from .predicates.box_tree import CROWDED, FANOUT, children
 
 
+FIRST_BALLS = 32
+"""Maximum number of balls of the top level: pairs of so many take less time than further levels (measured)."""
+
+
 class Balls(NamedTuple):
     """Balls around vertices of a boundary, each of which covers a stretch of it."""
 
@@ -27,7 +31,7 @@ class Stretches:
     def __init__(self, tree: BoxTree) -> None:
         self.starts, self.ends = tree.sorted_segments
         self.levels = [Balls(self.starts, np.hypot(*(self.ends - self.starts).T))]
-        while len(self.levels[-1].radii) > FANOUT:
+        while len(self.levels[-1].radii) > FIRST_BALLS:
             self.levels.append(_parents(*self.levels[-1]))
         self.counts = [len(level.radii) for level in self.levels]
 
