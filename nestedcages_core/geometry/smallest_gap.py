@@ -11,7 +11,6 @@ from .distance import point_edge
 from .predicates import BoxTree
 from .predicates.box_tree import CROWDED, FANOUT, children
 
-
 FIRST_BALLS = 32
 """Maximum number of balls of the top level: pairs of so many take less time than further levels (measured)."""
 
