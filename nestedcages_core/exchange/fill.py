@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.broad_phase import near_pairs
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.loops import enclosing_pairs, extreme_places
 from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
@@ -19,9 +21,13 @@ from .libraries import load_shapely
 from .limits import Budget
 from .touching import pulled_apart
 
-GRIDS = (0.0, 2.0**-30, 2.0**-24)
+GRIDS = (0.0, 2.0**-38, 2.0**-30, 2.0**-24)
 """Spacings, in diagonals rounded up to a power of two, of the grids that a union is rounded to, tried in turn: none,
-unless edges are too close to tell; the coarsest is a ten-thousandth of the default tolerance of curves."""
+unless edges or vertices are too close to tell; the coarsest is a ten-thousandth of the default tolerance of curves."""
+
+ROUNDING = 2.0**-40
+"""Distance, in diagonals, below which parts touch: sums of the decimals in a file differ by the rounding of doubles,
+far less than any program draws, and no cage fits between."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +55,7 @@ Area = Painted | Any
 def solid(areas: Sequence[Area], *, seam: float = 0.0, budget: Budget | None = None) -> Mesh:
     """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
 
+    Where parts are closer than the rounding of their coordinates they touch, and the whole is rounded as finely.
     seam: width below which gaps between united areas are closed; budget: for crossings, unlimited if None.
 
     Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
@@ -61,9 +68,10 @@ def solid(areas: Sequence[Area], *, seam: float = 0.0, budget: Budget | None = N
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
         raise InvalidMeshError("The shapes have no inside: every loop is shorter than three different points.")
-    try:
+    mesh = None
+    with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
-    except InvalidMeshError:
+    if mesh is None or _nearly_touches(mesh):
         shapely = load_shapely("shapes that overlap or touch")
         return mesh_of(shapely, regions(shapely, cleaned, budget), seam=seam, budget=budget)
     kept = _on_the_rim(mesh, cleaned)
@@ -112,6 +120,7 @@ def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Bu
         raise InvalidMeshError("The shapes have no inside.")
     unit = 2.0 ** np.ceil(np.log2(size))
     failed: InvalidMeshError | None = None
+    touching: Mesh | None = None
     for grid in GRIDS:
         spacing = grid * unit if grid else None
         union = shapely.union_all(parts, grid_size=spacing)
@@ -120,13 +129,28 @@ def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Bu
             union = shapely.union_all([union, *narrow], grid_size=spacing)
         rings = rings_of(shapely, union)
         if not rings:
-            raise failed or InvalidMeshError("The shapes have no inside.")
+            failed = failed or InvalidMeshError("The shapes have no inside.")
+            break
         try:
-            return Mesh.from_loops(pulled_apart(rings, size))
+            mesh = Mesh.from_loops(pulled_apart(rings, size))
         except InvalidMeshError as error:
             failed = failed or error
+            continue
+        if not _nearly_touches(mesh):
+            return mesh
+        touching = touching or mesh
+    if touching is not None:
+        return touching
     assert failed is not None
     raise failed
+
+
+def _nearly_touches(mesh: Mesh) -> bool:
+    """Whether parts of a mesh are as close as rounding, apart from short edges and sharp corners."""
+    vertices, successor = mesh.vertices, mesh.successor
+    vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, ROUNDING * mesh.diagonal)
+    end = successor[edge]
+    return bool(((edge != vertex) & (edge != successor[vertex]) & (end != vertex) & (successor[end] != vertex)).any())
 
 
 def rings_of(shapely: Any, geometry: Any) -> list[FloatArray]:

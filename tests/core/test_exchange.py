@@ -383,6 +383,20 @@ def test_shapes_that_nearly_touch_are_told_apart_or_joined(off: float) -> None:
     assert found.area == pytest.approx(9.0, abs=1e-5)
 
 
+@pytest.mark.parametrize("ulps", [-3, -1, 1, 3])
+def test_parts_that_sums_of_decimals_put_an_ulp_apart_touch(ulps: int) -> None:
+    """Or overlap by as much: as one vertex, with a neck, and there is room for a cage."""
+    corner = 8.0 + ulps * np.spacing(8.0)
+    square, ear = [(0, 0), (8, 0), (8, 8), (0, 8)], [(corner, corner), (9, 8.5), (8.5, 9)]
+    mesh = solid([Painted([np.array(square, float)]), Painted([np.array(ear)])])
+    assert len(mesh.loops) == 1
+    assert mesh.area == pytest.approx(64.375, abs=2e-4)  # with the neck
+    assert min(np.abs(mesh.vertices - place).sum(axis=1).min() for place in square[:2] + ear[1:]) < 1e-9
+    assert nested_cages(mesh, [7]).levels[0].report.strict
+    apart = solid([Painted([np.array(square, float)]), Painted([np.array(ear) + 1e-9])])
+    assert len(apart.loops) == 2
+
+
 def test_edges_in_common_vanish() -> None:
     squares = [ring(4, math.sqrt(0.5), math.pi / 4).round(12) + np.array([x, y]) for x in range(3) for y in range(3)]
     whole = solid([Painted([square]) for square in squares])
