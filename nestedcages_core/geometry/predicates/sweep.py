@@ -21,7 +21,7 @@ def swept_pairs(
     None where more than `most` pairs, or SWEPT_PER_BOX per box, overlap along x.
     """
     # one of two that overlap begins within the other, where both begin at once the second within the first
-    order, other_order = low[0].argsort(), other_low[0].argsort()
+    order, other_order = low[0].argsort(kind="stable"), other_low[0].argsort(kind="stable")
     begins, other_begins = low[0].take(order), other_low[0].take(other_order)
     first, count = _range(other_begins, low[0], high[0], "left")
     other_first, other_count = _range(begins, other_low[0], other_high[0], "right")
