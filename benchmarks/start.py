@@ -17,6 +17,8 @@ import time
 from pathlib import Path
 
 from clone import ROOT
+from data.drawn import blob
+from nestedcages_core import write_svg
 
 FIRST_CAGE = """
 from nestedcages_core import Mesh, nested_cages
@@ -27,6 +29,8 @@ nested_cages(Mesh.from_loops([np.stack([radius * np.cos(angle), radius * np.sin(
 """
 
 DRAWING = "examples/letter_a.svg"
+VERTICES = 500
+"""Of another drawing."""
 
 
 def seconds(command: list[str], environment: dict[str, str]) -> float:
@@ -45,15 +49,17 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "PYTHONPYCACHEPREFIX": folder, "OPENBLAS_NUM_THREADS": "1"}
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
+        other = Path(folder) / "blob.svg"
+        write_svg(other, blob(VERTICES))
         cases = {
             "import numpy": ["-c", "import numpy"],
             "import nestedcages_core": ["-c", "import nestedcages_core"],
             "first cage, 32 vertices around 300": ["-c", FIRST_CAGE],
-            f"nested-cages {DRAWING} --levels 32": [
-                *("-m", "nestedcages_core", DRAWING, "--levels", "32"),
-                *("--output", str(Path(folder) / "cages.svg")),
-            ],
         }
+        for name, drawing in ((DRAWING, DRAWING), (f"blob.svg, {VERTICES} vertices,", str(other))):
+            output = str(Path(folder) / "cages.svg")
+            command = ["-m", "nestedcages_core", drawing, "--levels", "32", "--output", output]
+            cases[f"nested-cages {name} --levels 32"] = command
         print("| | CPU seconds |\n|---|---|")
         for name, command in cases.items():
             seconds(command, environment)  # compiles
