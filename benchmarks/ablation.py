@@ -85,8 +85,8 @@ to that with them, and the time:
 - more than three trials of a step, with neighbours slowed down and stopped: 1.0000, time 0.98
 - IPC before sequential quadratic programs on small meshes: 0.9991, time 0.65
 
-Eight restarts, six of them with random weights, became five with weights that complement each other; these became two
-restarts that end in three ways each, and the three starts two.
+Eight restarts, six of them with random weights, became five with weights that complement each other; these became up to
+three restarts that end in five ways each, and the three starts two.
 """
 """What is gone because it bought nothing."""
 

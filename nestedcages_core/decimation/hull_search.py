@@ -34,7 +34,7 @@ RESTART_WEIGHTS = (
 """Weights that complement each other: of 44, those with the tightest cages over 124 random shapes and 52
 glyphs (docs/ablation.md: restarts)."""
 
-ENDING_WEIGHTS = RESTART_WEIGHTS[:3]
+ENDING_WEIGHTS = RESTART_WEIGHTS
 """Weights with which every restart ends, once each (docs/ablation.md: endings)."""
 
 STAGE_SHARE = 0.4
@@ -47,8 +47,9 @@ which restarts end in several ways."""
 SIZE_RATIO = 1.25
 """Ratio of sizes next to each other, to which they are rounded: close numbers of vertices share their runs."""
 
-MAX_RESTART_MOVES = 12_000
-"""Moves of all restarts together, about a third of a second: limits the number of restarts."""
+MOVES_PER_RESTART = 200
+"""Moves of a restart, some 5 ms, up to which all restarts are made. Of longer ones there are fewer, with as many moves
+in total: where many vertices are wanted, further ones gain less."""
 
 EXTRA_RESTARTS_PER_LOOP, MAX_RESTART_FACTOR = 2, 2
 """Additional restarts per loop after the second, since vertices can be distributed in many ways; maximum number of
@@ -140,7 +141,7 @@ def search_hulls(
     moves = max(1, size - middle) + len(ENDING_WEIGHTS) * max(1, min(size, middle) - count)
     further = EXTRA_RESTARTS_PER_LOOP * max(0, len(outline.sizes) - 2)
     wanted = min(restarts + further, MAX_RESTART_FACTOR * restarts)
-    runs = max(1, min(wanted, max(MIN_RESTARTS, MAX_RESTART_MOVES // moves)))
+    runs = max(1, min(wanted, max(MIN_RESTARTS, MOVES_PER_RESTART * restarts // moves)))
     rng = random.Random(seed)
     weights = list(RESTART_WEIGHTS[:runs])
     weights += [RESTART_VARIATION.draw(rng, len(outline.sizes)) for _ in range(runs - len(weights))]

@@ -52,8 +52,8 @@ MAX_LOOPS_LISTED = 8
 class OuterHull:
     """Progressive hull of a strict offset of the fine mesh, the best of several seeded runs."""
 
-    restarts: int = 2
-    """Number of runs with varied weights, at least 1, each of which ends in three ways; more for several loops, fewer
+    restarts: int = 3
+    """Number of runs with varied weights, at least 1, each of which ends in five ways; more for several loops, fewer
     for large vertex counts."""
     seed: int = 0
     """Seed of the random weights."""
