@@ -66,10 +66,10 @@ class TestOrder:
         assert first.starts == Settings().starts
 
     def test_another_hull_than_that_of_the_decimation_is_tried(self) -> None:
-        found = tried(Settings(fallback=OuterHull(restarts=3)), 12)
-        assert [attempt.source for attempt in found] == [OnCurve(), *2 * [OuterHull(restarts=3)]]
+        found = tried(Settings(fallback=OuterHull(restarts=7)), 12)
+        assert [attempt.source for attempt in found] == [OnCurve(), *2 * [OuterHull(restarts=7)]]
         assert kinds(
-            tried(Settings(decimation=OnCurve(OuterHull(restarts=3)), fallback=OuterHull(restarts=3)), 12)
+            tried(Settings(decimation=OnCurve(OuterHull(restarts=7)), fallback=OuterHull(restarts=7)), 12)
         ) == [
             ("OnCurve", False, True),
             ("OnCurve", False, False),
