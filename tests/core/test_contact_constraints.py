@@ -144,13 +144,16 @@ def test_pruning_keeps_what_implies_the_rest(around: tuple[Bodies, np.ndarray, P
     assert checked > 20
 
 
-def test_thinning_errs_by_its_tolerance() -> None:
-    fine = Mesh.from_loops([ring(400, 1.0)])
-    coarse = Mesh.from_loops([ring(6, 1.2)])
-    bodies = Bodies.of(coarse, fine)
+def ring_in_hexagon(count: int) -> tuple[Pairs, Contacts]:
+    """The pairs of a round fine mesh in a hexagon, whose edges have many contacts each, measured."""
+    fine, coarse = Mesh.from_loops([ring(count, 1.0)]), Mesh.from_loops([ring(6, 1.2)])
     x = np.concatenate([coarse.vertices, fine.vertices])
-    pairs = find_pairs(bodies, x, 0.5)
-    contacts = measure(pairs, x)
+    pairs = find_pairs(Bodies.of(coarse, fine), x, 0.5)
+    return pairs, measure(pairs, x)
+
+
+def test_thinning_errs_by_its_tolerance() -> None:
+    pairs, contacts = ring_in_hexagon(400)
     tolerance = 1e-3
     thinned = not_implied(pairs, contacts, contacts.distance, tolerance)
     whole = not_implied(pairs, contacts, contacts.distance, 0.0)
@@ -166,12 +169,7 @@ def test_thinning_errs_by_its_tolerance() -> None:
 
 @pytest.mark.parametrize("count", [397, 400, 403])
 def test_thinning_leaves_no_contact_within_its_tolerance_of_a_chord(count: int) -> None:
-    fine = Mesh.from_loops([ring(count, 1.0)])
-    coarse = Mesh.from_loops([ring(6, 1.2)])
-    bodies = Bodies.of(coarse, fine)
-    x = np.concatenate([coarse.vertices, fine.vertices])
-    pairs = find_pairs(bodies, x, 0.5)
-    contacts = measure(pairs, x)
+    pairs, contacts = ring_in_hexagon(count)
     tolerance = 1e-3
     kept = not_implied(pairs, contacts, contacts.distance, tolerance) & contacts.on_line
     for edge in range(6):
