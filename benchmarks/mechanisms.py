@@ -20,8 +20,8 @@ from nestedcages_core import (
     Tightening,
     TwoSidedFlow,
 )
-from nestedcages_core.decimation.hull_search import RESTART_WEIGHTS
-from nestedcages_core.hierarchy.attempts import MAX_IPC_PAIRS
+from nestedcages_core.decimation.hull.hull_search import RESTART_WEIGHTS
+from nestedcages_core.level.attempts import MAX_IPC_PAIRS
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ CORE = "nestedcages_core"
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = (
     "errors",
-    "stages",
-    "memory",
+    "tasks",
+    "cache",
     "parameters",
     "geometry",
     "decimation",
@@ -30,6 +30,9 @@ ROOMS = (
     "contact",
     "tightening",
     "verification",
+    "level",
+    "needs",
+    "tolerance",
     "hierarchy",
     "motion",
     "published",

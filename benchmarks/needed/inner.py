@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 
 from nestedcages_core import Mesh, NestedCagesError, inner_cages, verify
-from nestedcages_core.memory import forget
+from nestedcages_core.cache import forget
 from peers import inner_polygon_hull
 
 from .table import Table, per_cent

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh
 from ..hierarchy import Progress, Settings
-from ..stages import Run, Stage
+from ..tasks import Run, Stage
 from .level import LevelMotion
 from .poses import Pose, read_poses
 from .results import Key, MotionReport, MovingCages, MovingLevel
