@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import NestedCagesError
+from ..errors import NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
@@ -42,6 +43,16 @@ class Settings(Choices):
     about: Mesh | None = None
     """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
     drawing inside of it, or around it for inner cages, when levels are made one by one."""
+
+    @classmethod
+    def of(cls, settings: Settings | None, **options: Any) -> Settings:
+        """Settings with fields replaced; the default ones for None. Raises NestedCagesError."""
+        if not isinstance(settings, Settings | None):
+            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
+        unknown = [name for name in options if name not in cls.__dataclass_fields__]
+        if unknown:
+            raise TypeError(f"There is no setting {unknown[0]!r}; see Settings for those there are.")
+        return replace(settings, **options) if settings is not None else cls(**options)
 
     def __post_init__(self) -> None:
         super().__post_init__()
