@@ -36,6 +36,30 @@ def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> S
         yield show(yielded)
 
 
+def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:
+    """The result of a run; a listener is called with its progress. True: a bar of tqdm, if that is installed."""
+    if listener is True:
+        return _with_bar(run)
+    for step in run:
+        if callable(listener):
+            listener(step)
+    return run.result
+
+
+def _with_bar(run: Run[Any, Result]) -> Result:
+    """The result of a run whose progress has ``fraction`` and ``message``, shown as a bar."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return listened(run, None)
+    with tqdm(total=100, bar_format="{l_bar}{bar}| {elapsed}") as bar:
+        for step in run:
+            bar.set_description_str(step.message, refresh=False)
+            bar.update(round(100.0 * step.fraction) - bar.n)
+        bar.update(100 - bar.n)
+    return run.result
+
+
 class Run(Generic[Shown, Result]):
     """A stage as an iterator over its progress, with the result at the end; dropping it cancels the work."""
 

@@ -16,7 +16,7 @@ from ..animation import shape_keys, stage, timeline, visibility
 from ..animation.timeline import Span, StoredPhases, Timing
 from ..errors import UserError
 from ..rigging.rig import Rig, is_rigged
-from ..scene import display, ownership
+from ..scene import display, ownership, placement
 from ..scene.ownership import collection_of, colours_of, level_of, member, members
 from .generate import Result
 from .rollback import Rollback
@@ -224,7 +224,7 @@ def _member_with_mesh(
         rig = Rig.of(obj)
         obj.data = mesh
         rollback.lose(obj, rig.give(obj))
-    ownership.place(obj, result.drawing.source, result.drawing.frame)
+    placement.place(obj, result.drawing.source, result.drawing.frame)
     return obj
 
 

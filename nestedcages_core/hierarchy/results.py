@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import overload
 
 from ..contact.reinflation import Reinflation
 from ..flow import FlowResult
+from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.picture import Drawable
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,8 @@ class NestingReport:
         return "\n".join([", ".join(measures), *self.notes])
 
 
-@dataclass(frozen=True, eq=False)
-class Level:
+@dataclass(frozen=True, eq=False, repr=False)
+class Level(Drawable):
     """One cage, and flow and reinflation that lead to it."""
 
     fine: Mesh
@@ -79,18 +82,65 @@ class Level:
     inside: bool = False
     """Whether the cage lies inside `fine`, as those of `inner_cages` do; verify(fine, cage) is then its certificate."""
 
+    @property
+    def vertices(self) -> FloatArray:
+        """(m, 2) vertices of the cage."""
+        return self.cage.vertices
 
-@dataclass(frozen=True, eq=False)
-class Hierarchy:
-    """Nested cages: level k encloses level k - 1, and all enclose the fine mesh; inner cages the other way round."""
+    @property
+    def excess(self) -> float:
+        """area(cage) / area(fine) - 1; negative for inner cages."""
+        return self.report.excess
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """The fine mesh and the cage."""
+        return self.fine, self.cage
+
+    def __repr__(self) -> str:
+        report = self.report
+        return f"Level({_sizes(self)}, clearance {report.clearance:.3g}, start {report.start!r})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Hierarchy(Drawable, Sequence[Level]):
+    """Nested cages: level k encloses level k - 1, and all enclose the fine mesh; inner cages the other way round.
+
+    It is also the sequence of its levels.
+    """
 
     fine: Mesh
     levels: tuple[Level, ...]
+
+    def __len__(self) -> int:
+        return len(self.levels)
+
+    @overload
+    def __getitem__(self, index: int) -> Level: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Level, ...]: ...
+    def __getitem__(self, index: int | slice) -> Level | tuple[Level, ...]:
+        return self.levels[index]
+
+    def __iter__(self) -> Iterator[Level]:
+        return iter(self.levels)
+
+    def __repr__(self) -> str:
+        return f"Hierarchy({len(self.fine.vertices)} vertices; cages: {'; '.join(map(_sizes, self)) or 'none'})"
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """The fine mesh and the cages, from the finest to the coarsest."""
+        return self.fine, *self.cages
 
     @property
     def cages(self) -> tuple[Mesh, ...]:
         """The cages, from the finest to the coarsest."""
         return tuple(level.cage for level in self.levels)
+
+
+def _sizes(level: Level) -> str:
+    return f"{len(level.vertices)} vertices, excess {100.0 * level.excess:.2f} %"
 
 
 def _yes(truth: bool) -> str:

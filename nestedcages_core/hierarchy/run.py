@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
-from ..stages import Run, Stage
+from ..stages import Run, Stage, listened
 from ..verification import verify
 from .attempts import clearances_for
 from .convex_level import ConvexLevelBuilder
@@ -33,35 +33,40 @@ AnyBuilder: TypeAlias = LevelBuilder | InnerLevelBuilder | ConvexLevelBuilder
 """What makes each level."""
 
 
+Wanted: TypeAlias = int | MeshLike | Within
+"""A level as asked for: a vertex count, a coarse mesh, or the fewest vertices within a distance or an excess."""
+
+
 def nested_cages(
     fine: MeshLike,
-    levels: Sequence[int | MeshLike | Within],
+    levels: Wanted | Sequence[Wanted],
     settings: Settings | None = None,
     *,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress], None] | bool | None = None,
+    **options: Any,
 ) -> Hierarchy:
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
-    fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, lists of loops (k, 2).
+    fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, an array (k, 2), lists of loops.
     levels: for each cage its number of vertices, the user's own coarse mesh, or `Within` for the fewest vertices that
-    stay within a distance or an excess of ``fine``. ``progress`` is called between iterations and may raise to cancel.
+    stay within a distance or an excess of ``fine``; a single level needs no list.
+    progress: called between iterations; may raise to cancel. True: a progress bar, if tqdm is installed.
+    options: fields of `Settings`, such as ``clearance=0.01``, that replace those of ``settings``.
+
     Exact predicates certify every returned cage.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
-    run = NestedCagesRun(fine, levels, settings)
-    for step in run:
-        if progress is not None:
-            progress(step)
-    return run.hierarchy
+    return listened(NestedCagesRun(fine, levels, settings, **options), progress)
 
 
 def inner_cages(
     fine: MeshLike,
-    levels: Sequence[int | MeshLike | Within],
+    levels: Wanted | Sequence[Wanted],
     settings: Settings | None = None,
     *,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress], None] | bool | None = None,
+    **options: Any,
 ) -> Hierarchy:
     """Cages inside ``fine``, as large as their vertices allow, each inside the one before; see `nested_cages`.
 
@@ -72,11 +77,7 @@ def inner_cages(
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
-    run = InnerCagesRun(fine, levels, settings)
-    for step in run:
-        if progress is not None:
-            progress(step)
-    return run.hierarchy
+    return listened(InnerCagesRun(fine, levels, settings, **options), progress)
 
 
 class NestedCagesRun(Run[Progress, Hierarchy]):
@@ -92,11 +93,10 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
     """What makes each level."""
 
     def __init__(
-        self, fine: MeshLike, levels: Sequence[int | MeshLike | Within], settings: Settings | None = None
+        self, fine: MeshLike, levels: Wanted | Sequence[Wanted], settings: Settings | None = None, **options: Any
     ) -> None:
-        if not isinstance(settings, Settings | None):
-            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
-        super().__init__(_hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder))
+        chosen = Settings.of(settings, **options)
+        super().__init__(_hierarchy(fine, _listed(levels), chosen, self.builder))
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -112,7 +112,7 @@ class InnerCagesRun(NestedCagesRun):
 
 def _hierarchy(
     fine: MeshLike,
-    levels: Sequence[int | MeshLike | Within],
+    levels: Sequence[Wanted],
     settings: Settings,
     builder: type[AnyBuilder],
 ) -> Stage[Progress, Hierarchy]:
@@ -188,17 +188,24 @@ def _builder(
     return builder(fine, clearances, settings, progress, priorities)
 
 
-def _checked(
-    fine: MeshLike, levels: Sequence[int | MeshLike | Within], *, convex: bool
-) -> tuple[Mesh, list[int | Mesh | Within]]:
+def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
+    """The levels as a list; a single one needs none. Raises NestingError."""
+    single = int, np.integer, Within, Mesh, Mapping
+    is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2
+    if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
+        return [levels]  # type: ignore[list-item]
+    if isinstance(levels, str) or not isinstance(levels, Iterable):
+        raise NestingError(f"The levels must be vertex counts or meshes, for instance [64, 16], not {levels!r}.")
+    return list(levels)
+
+
+def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
     """
     if not is_mesh_like(fine):
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.")
-    if isinstance(levels, Mesh | str) or not isinstance(levels, Iterable):
-        raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
     loops = 1 if convex else len(fine.loops)  # convex cages have so many vertices around each part

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..contact import Contact
 from ..decimation import Decimation, OnCurve, OuterHull
 from ..energies import Area, Energy
-from ..errors import NestedCagesError
+from ..errors import NestedCagesError, NestingError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -78,6 +79,16 @@ class Settings:
     about: Mesh | None = None
     """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
     drawing inside of it, or around it for inner cages, when levels are made one by one."""
+
+    @classmethod
+    def of(cls, settings: Settings | None, **options: Any) -> Settings:
+        """Settings with fields replaced; the default ones for None. Raises NestedCagesError."""
+        if not isinstance(settings, Settings | None):
+            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
+        unknown = [name for name in options if name not in cls.__dataclass_fields__]
+        if unknown:
+            raise TypeError(f"There is no setting {unknown[0]!r}; see Settings for those there are.")
+        return replace(settings, **options) if settings is not None else cls(**options)
 
     def __post_init__(self) -> None:
         if self.clearance is not None and not _is_length(self.clearance):
