@@ -67,7 +67,9 @@ def solid(areas: Sequence[Area], *, seam: float = 0.0, budget: Budget | None = N
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
-        raise InvalidMeshError("The shapes have no inside: every loop is shorter than three different points.")
+        raise InvalidMeshError(
+            "The shapes have no inside: every loop is shorter than three different points.", code="file.invalid"
+        )
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
@@ -76,7 +78,7 @@ def solid(areas: Sequence[Area], *, seam: float = 0.0, budget: Budget | None = N
         return mesh_of(shapely, regions(shapely, cleaned, budget), seam=seam, budget=budget)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
-        raise InvalidMeshError("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     return mesh if kept.all() else Mesh.from_loops([loops[k] for k in np.flatnonzero(kept)])
 
 
@@ -117,7 +119,7 @@ def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Bu
     bounds = shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
-        raise InvalidMeshError("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     unit = 2.0 ** np.ceil(np.log2(size))
     failed: InvalidMeshError | None = None
     touching: Mesh | None = None
@@ -129,7 +131,7 @@ def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Bu
             union = shapely.union_all([union, *narrow], grid_size=spacing)
         rings = rings_of(shapely, union)
         if not rings:
-            failed = failed or InvalidMeshError("The shapes have no inside.")
+            failed = failed or InvalidMeshError("The shapes have no inside.", code="mesh.empty")
             break
         try:
             mesh = Mesh.from_loops(pulled_apart(rings, size))

@@ -39,7 +39,7 @@ def mesh_of(polygons: list[Polygon], budget: Budget | None = None) -> tuple[Mesh
     """
     kept, notes = _cleaned(polygons)
     if not kept:
-        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.")
+        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
     try:
         return _strict(kept), notes
     except InvalidMeshError as error:
@@ -53,14 +53,14 @@ def mesh_of(polygons: list[Polygon], budget: Budget | None = None) -> tuple[Mesh
     try:
         valid = shapely.make_valid(shape, method="structure", keep_collapsed=False)
     except shapely.errors.GEOSException as error:
-        raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).") from error
+        raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).", code="file.invalid") from error
     return united(polygons_in(valid)), [*notes, *(f"{fault}: repaired" for fault in faults)]
 
 
 def united(polygons: list[Polygon]) -> Mesh:
     """Polygons that may touch in points, each valid, as one mesh. Raises InvalidMeshError where no area is left."""
     if not polygons:
-        raise InvalidMeshError("No polygon encloses an area.")
+        raise InvalidMeshError("No polygon encloses an area.", code="file.invalid")
     try:
         return _strict(polygons)
     except InvalidMeshError:

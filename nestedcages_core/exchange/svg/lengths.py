@@ -76,11 +76,14 @@ def measure(text: str, key: str, what: str, viewport: Viewport, missing: float =
         scale = reference / 100.0 if reference is not None else None
     if found is None or scale is None:
         raise NestedCagesError(
-            f"The {what} is {quoted(text)}; use a number, or one with {', '.join(filter(None, UNITS_OF_LENGTH))}."
+            f"The {what} is {quoted(text)}; use a number, or one with {', '.join(filter(None, UNITS_OF_LENGTH))}.",
+            code="file.invalid",
         )
     value = float(found[1]) * scale
     if not math.isfinite(value):
-        raise NestedCagesError(f"The {what} is {quoted(text)}, which is not finite; correct it.")
+        raise NestedCagesError(
+            f"The {what} is {quoted(text)}, which is not finite; correct it.", code="mesh.not_finite"
+        )
     return value
 
 

@@ -117,7 +117,8 @@ class PathReader:
     def _refuse(self, wanted: str) -> None:
         rest = self.data[self.place : self.place + 20].strip() or "its end"
         raise NestedCagesError(
-            f"The path data cannot be read at character {self.place} ({rest}): {wanted} is missing; correct the path."
+            f"The path data cannot be read at character {self.place} ({rest}): {wanted} is missing; correct the path.",
+            code="file.invalid",
         )
 
 

@@ -86,7 +86,9 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     page = document.frame.page if chosen.crop and document.root.get("overflow") != "visible" else None
     tolerance = chosen.tolerance or DEFAULT_TOLERANCE * _size(root, page)
     if not tolerance > 0.0:
-        raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
+        raise NestedCagesError(
+            "All points of the drawing coincide; draw closed paths with an inside.", code="file.invalid"
+        )
     try:
         reading = Areas(chosen, tolerance, document.pixel)
         areas = reading.of(root, np.eye(3))
@@ -95,12 +97,14 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
         mesh = solid(areas, seam=SEAM * tolerance, budget=reading.budget)
         return SvgDrawing(mesh, document.frame, tuple(notes))
     except InvalidMeshError as error:
-        raise InvalidMeshError(" ".join((str(error), *notes))) from error
+        raise InvalidMeshError(" ".join((str(error), *notes)), code="file.invalid") from error
     except Exception as error:
         if type(error).__module__.partition(".")[0] != "shapely":
             raise
         problem = "The drawing's coordinates are too large or too close together to unite its shapes"
-        raise NestedCagesError(f"{problem} ({error}); scale the drawing, or simplify it.") from error
+        raise NestedCagesError(
+            f"{problem} ({error}); scale the drawing, or simplify it.", code="file.invalid"
+        ) from error
 
 
 def _what_counts(scene: Scene, notes: list[str]) -> Group:
@@ -120,7 +124,7 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
         found = _only(scene.root, _as_outline)
     if not found.children:
         problem = "The drawing has no filled or closed shapes; close its paths, or convert strokes and text to paths."
-        raise NestedCagesError(" ".join((problem, *notes)))
+        raise NestedCagesError(" ".join((problem, *notes)), code="file.invalid")
     shapes = list(found.shapes())
     page = scene.document.frame.page
     if page is not None and len(shapes) > 1 and _covers(shapes[0], page):
@@ -167,7 +171,8 @@ def _controls(shape: Shape) -> FloatArray:
     points = np.concatenate([moved(curve, shape.matrix) for path in shape.subpaths for curve in path.curves])
     if not np.abs(points).max() < MAX_COORDINATE:
         raise NestedCagesError(
-            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing."
+            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing.",
+            code="file.invalid",
         )
     return points
 

@@ -80,12 +80,16 @@ class Scene:
         element = self.options.element
         if element is not None and element not in self.document.by_id:
             known = ", ".join(sorted(filter(None, self.document.by_id))[:12]) or "none"
-            raise NestedCagesError(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
+            raise NestedCagesError(
+                f"The drawing has no element with the id {quoted(element)}; its ids: {known}.", code="file.invalid"
+            )
         labels = [name for item in self.document.root if name_of(item) == "g" for name in _layer_names(item)]
         for layer in self.options.layers:
             if layer not in labels:
                 known = ", ".join(labels[:12]) or "none"
-                raise NestedCagesError(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
+                raise NestedCagesError(
+                    f"The drawing has no layer {quoted(layer)}; its layers: {known}.", code="file.invalid"
+                )
 
     def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
         """Add the drawing of an element to a group."""
@@ -94,7 +98,9 @@ class Scene:
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
             return
         if around.depth > MAX_DEPTH:
-            raise NestedCagesError("The drawing nests its elements too deeply; simplify its groups and references.")
+            raise NestedCagesError(
+                "The drawing nests its elements too deeply; simplify its groups and references.", code="limit.exceeded"
+            )
         style = self.styles.computed(item, around.style)
         opacity = around.opacity * share(style.get("opacity"))
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
@@ -136,10 +142,13 @@ class Scene:
         target = self.document.linked(link)
         if target is None:
             raise NestedCagesError(
-                f"The drawing uses {quoted(link)}, which is not an element of it; embed it or remove it."
+                f"The drawing uses {quoted(link)}, which is not an element of it; embed it or remove it.",
+                code="file.invalid",
             )
         if any(target is user for user in context.users):
-            raise NestedCagesError(f"The element {quoted(link)} uses itself; remove one of the references.")
+            raise NestedCagesError(
+                f"The element {quoted(link)} uses itself; remove one of the references.", code="file.invalid"
+            )
         x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
         context = replace(context, users=(*context.users, target))
         if name_of(target) not in ("symbol", "svg"):
