@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from nestedcages_core import Mesh, NestedCagesError, inner_cages, verify
-from nestedcages_core.memory import forget
+from nestedcages_core.cache import forget
 from peers import inner_polygon_hull
 
 from .table import Table, per_cent
