@@ -30,8 +30,8 @@ from nestedcages_core.contact import (
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies import NoEnergy
-from nestedcages_core.energies.autodiff import points_of
-from nestedcages_core.hierarchy.units import SolverUnits
+from nestedcages_core.energies.choices.autodiff import points_of
+from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.published.gurditta_jacobson_2022 import (
     GradientDescent,
     PaperContact,
@@ -43,7 +43,7 @@ from nestedcages_core.published.gurditta_jacobson_2022.potential import PaperPot
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from nestedcages_core.published.settings import AUGMENTED_2022
 from nestedcages_core.solver import Solver
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, ring
 
 STEP = 1e-7  # of central differences

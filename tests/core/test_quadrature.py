@@ -22,7 +22,7 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.geometry.quadrature import Quadrature, at_step, vertex_samples
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, octagon_with_hole, polygon, square_with_hole, star
 
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))

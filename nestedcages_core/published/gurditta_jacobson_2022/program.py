@@ -13,7 +13,7 @@ import numpy as np
 from ...contact.pairs import Bodies
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
-from ...stages import drain
+from ...tasks import drain
 from .contact import PROGRAM_RANGE, PaperContact
 from .flow import PROGRAM_STEP, PaperFlow
 

@@ -15,7 +15,7 @@ from ...geometry.quadrature import QuadraticFallOff, Quadrature, at_step, vertex
 from ...geometry.signed_distance import SignedDistance
 from ...geometry.vectors import bounds
 from ...parameters import check_count, check_flag, check_part, check_positive
-from ...stages import Stage
+from ...tasks import Stage
 
 
 @dataclass(frozen=True)
