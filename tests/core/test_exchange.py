@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from nestedcages_core.exchange import (
     read_geojson,
     read_svg,
     solid,
+    svg_drawing,
     to_engine_json,
     to_geojson,
     to_svg,
@@ -381,6 +383,43 @@ def test_shapes_that_nearly_touch_are_told_apart_or_joined(off: float) -> None:
     data = f"M0 0h2v1h-2z M2 {off!r}h2v1h-2z M{off!r} 1h4v1h-4z M1 {2 + off!r}h1v{1 + off!r}h{-1 - off!r}z m0 {off!r}"
     found = from_svg(svg(f'<path d="{data}"/>'))
     assert found.area == pytest.approx(9.0, abs=1e-5)
+
+
+HAIRLINES = {
+    "hole": "M0 0H10V10H0zM2 2h6v{0}h-6z",
+    "triangular hole": "M0 0H10V10H0zM2 2h6l-6 {0}z",
+    "speck": "M0 0H10V10H0zM2 2h{0}v{0}h-{0}z",
+    "notch": "M0 0H10V5H3v{0}H10V10H0z",
+    "sharp notch": "M0 0H10V5H3L10 {1}V10H0z",
+    "gap": "M0 0H10V5H0zM0 {1}H10V10H0z",
+    "spike": "M0 0H10V5H12v{0}H10V10H0z",
+    "sharp spike": "M0 0H10V5H12L10 {1}V10H0z",
+}
+
+
+@pytest.mark.parametrize("name", HAIRLINES)
+@pytest.mark.parametrize("width", [1e-15, 1e-12, 1e-8, 5e-4])
+def test_hairlines_go_with_a_note(name: str, width: float) -> None:
+    drawing = svg_drawing(svg(f'<path fill-rule="evenodd" d="{HAIRLINES[name].format(width, 5.0 + width)}"/>'))
+    assert len(drawing.mesh.loops) == 1
+    assert drawing.mesh.area == pytest.approx(100.0, abs=2e-3)
+    if width > 1e-11:  # less is rounding, of which nothing needs to be said
+        what = "1 spike cut off" if "spike" in name else "1 gap closed"
+        assert re.fullmatch(rf"Narrower than 0.000\d+: {what}\.", " ".join(drawing.notes))
+    assert nested_cages(drawing.mesh, [4]).levels[0].report.excess < 1e-3
+
+
+def test_narrow_parts_and_necks_stay() -> None:
+    """So do sharp corners, and everything else to the last bit."""
+    for points in (
+        [[(0, 0), (8, 0), (8, 10), (0, 10)], [(9, 0), (9.5, 0), (9.5, 1e-4), (9, 1e-4)]],
+        [[(0, 0), (4, 0), (4, 5), (6, 5), (6, 0), (10, 0), (10, 9), (6, 9), (6, 5.0001), (4, 5.0001), (4, 9), (0, 9)]],
+        [[(0, 0), (10, 0), (0, 1)]],
+    ):
+        loops = "".join(f"M{' '.join(f'{x} {y}' for x, y in loop)}z" for loop in points)
+        drawing = svg_drawing(svg(f'<path d="{loops}"/>'))
+        assert sorted(map(tuple, drawing.mesh.vertices)) == sorted(point for loop in points for point in loop)
+        assert not drawing.notes
 
 
 @pytest.mark.parametrize("ulps", [-3, -1, 1, 3])

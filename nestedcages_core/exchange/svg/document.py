@@ -5,19 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from ...errors import NestedCagesError
 from ..limits import Limits
-from .lengths import LENGTH, UNITS_OF_LENGTH, Viewport, measure, name_of, view_box_of
+from .lengths import LENGTH, UNITS_OF_LENGTH, Viewport, fitted, measure, name_of, view_box_of
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
+
+
+Box = tuple[float, float, float, float]
+"""x, y, width and height."""
+
+SAME_PAGE = 1e-6
+"""Difference between page and view box, over the longer side, that is the rounding of their decimals."""
 
 
 @dataclass(frozen=True)
 class Frame:
     """The view of a document; with the same frame, new shapes coincide with old ones."""
 
-    view_box: tuple[float, float, float, float] | None = None
+    view_box: Box | None = None
     """x, y, width and height in user units."""
     width: str = ""
     """Width of the page with its unit, as written in the document."""
@@ -25,15 +34,21 @@ class Frame:
     preserve_aspect_ratio: str = ""
 
     @property
-    def page(self) -> tuple[float, float, float, float] | None:
-        """x, y, width and height of the view, in user units; None if the document does not specify it."""
-        if self.view_box is not None:
-            return self.view_box
+    def page(self) -> Box | None:
+        """x, y, width and height of what viewers show, in user units; None if the document does not specify it.
+
+        More than the view box where it is fitted into a page of another shape, less where it is sliced.
+        """
         sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
         found = [float(size[1]) * UNITS_OF_LENGTH.get(size[2].lower(), 0.0) for size in sizes if size]
         if len(found) != 2 or not all(0.0 < size < float("inf") for size in found):
-            return None
-        return 0.0, 0.0, found[0], found[1]
+            return self.view_box
+        if self.view_box is None:
+            return 0.0, 0.0, found[0], found[1]
+        matrix = fitted(self.view_box, 0.0, 0.0, found[0], found[1], self.preserve_aspect_ratio)
+        (x, y), size = -matrix[:2, 2] / np.diag(matrix)[:2], np.array(found) / np.diag(matrix)[:2]
+        shown = float(x), float(y), float(size[0]), float(size[1])
+        return self.view_box if np.allclose(shown, self.view_box, 0.0, SAME_PAGE * max(shown[2:])) else shown
 
 
 class Document:
@@ -61,8 +76,8 @@ class Document:
             self.root.get("height", ""),
             self.root.get("preserveAspectRatio", ""),
         )
-        page = self.frame.page
-        self.viewport = Viewport(page[2], page[3]) if page else Viewport()
+        units = self.frame.view_box or self.frame.page
+        self.viewport = Viewport(units[2], units[3]) if units else Viewport()
 
     @property
     def pixel(self) -> float:
