@@ -48,12 +48,14 @@ STAGES = {
 @dataclass(frozen=True)
 class Options:
     """`levels`: vertex counts, shares of the drawing's vertices, distances and excesses, or `OWN`, finest first.
-    `clearance`: a length of the scene, as distances are; 0 = automatic. `inside`: whether cages lie inside the drawing.
-    `rules`: what else they must be. `shrink`: whether the drawing shrinks further in the animation than it has to.
+    `clearance`: a length of the scene, as distances are; if it is 0, a share of the drawing's diagonal; if both are,
+    automatic. `inside`: whether cages lie inside the drawing. `shrink`: whether the drawing shrinks further in the
+    animation than it has to. `rules`: what else cages must be.
     """
 
     levels: tuple[Level, ...] = ()
     clearance: float = 0.0
+    clearance_share: float = 0.0
     inside: bool = False
     shrink: bool = False
     rules: Rules = field(default_factory=Rules)
@@ -131,7 +133,13 @@ class Generation:
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         plan = Plan(request, fine, wanted, settings, self._clearances(fine, scale))
-        if options.clearance > 0.0 and not own and not options.inside and not convex and options.methods.keeps_loops():
+        if (
+            len(plan.clearances) == 1
+            and not own
+            and not options.inside
+            and not convex
+            and options.methods.keeps_loops()
+        ):
             check_room(fine, plan.clearances[0], len(wanted), request.fine)
         return plan
 
@@ -182,7 +190,8 @@ class Generation:
         """The wanted clearance in the drawing's units, or the automatic ones to try in turn."""
         if self.options.clearance > 0.0:
             return (self.options.clearance / scale,)
-        return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
+        share = self.options.clearance_share
+        return tuple(part * fine.diagonal for part in ((share,) if share > 0.0 else AUTOMATIC_CLEARANCES))
 
     def _shrinks(self, plan: Plan, fine: core.Mesh) -> bool:
         """Whether a mesh shrinks further than it has to; not a cage, which would cross the drawing in it."""
