@@ -36,6 +36,7 @@ from .energies import NoEnergy as NoEnergy
 from .energies import ShapeKeeping as ShapeKeeping
 from .energies import StepDisplacement as StepDisplacement
 from .energies import WeightedSum as WeightedSum
+from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
