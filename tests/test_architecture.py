@@ -19,8 +19,8 @@ CORE = "nestedcages_core"
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = (
     "errors",
-    "stages",
-    "memory",
+    "tasks",
+    "cache",
     "parameters",
     "geometry",
     "decimation",
@@ -30,6 +30,9 @@ ROOMS = (
     "contact",
     "tightening",
     "verification",
+    "level",
+    "needs",
+    "tolerance",
     "hierarchy",
     "motion",
     "published",
@@ -64,7 +67,7 @@ DOOR = "core.py"
 
 THIRD_PARTY = {"numpy", "scipy"}
 # Optional libraries, each in its room alone, imported when needed: formats, plots, progress bars.
-OPTIONAL = {"exchange": {"shapely", "tinycss2", "cssselect2"}, "geometry": {"matplotlib"}, "stages": {"tqdm"}}
+OPTIONAL = {"exchange": {"shapely", "tinycss2", "cssselect2"}, "geometry": {"matplotlib"}, "tasks": {"tqdm"}}
 BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "gpu_extras", "blf", "aud", "addon_utils", "bl_ui"}
 BLENDER_PLACES = (
     "addon/",

@@ -47,8 +47,10 @@ def write(
     try:
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
         collections = [
-            _write_one(scene, result, timing, collection or _new_collection(home, result), rollback)
-            for result, collection in zip(results, earlier, strict=True)
+            _write_one(scene, result, when, collection or _new_collection(home, result), rollback)
+            for result, when, collection in zip(
+                results, timing.of_each([result.levels for result in results]), earlier, strict=True
+            )
         ]
         for result, collection in zip(results, collections, strict=True):
             _set_thickness(collection, result, thickness)

@@ -12,20 +12,23 @@ import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
+from ..geometry.group import Symmetry
+from ..geometry.lattice import Grid
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
-from ..stages import Run, Stage, listened
+from ..level.attempts import clearances_for
+from ..level.builder import LevelBuilder
+from ..level.inner_level import InnerLevelBuilder
+from ..level.plan import Need, Plan
+from ..level.progress import LevelProgress
+from ..level.report import Hierarchy, Level, Progress
+from ..needs.convex.need import ConvexLevelBuilder
+from ..needs.grid.need import Builder, GridLevelBuilder
+from ..needs.priorities.need import Priorities
+from ..needs.symmetry.need import Symmetric, found_for, keeping
+from ..tasks import Run, Stage, listened
+from ..tolerance.within import Within, fewest, fewest_convex
 from ..verification import verify
-from .attempts import clearances_for
-from .convex_level import ConvexLevelBuilder
-from .inner_level import InnerLevelBuilder
-from .level import LevelBuilder
-from .on_grid import Builder, GridLevelBuilder
-from .priorities import Priorities
-from .progress import LevelProgress
-from .results import Hierarchy, Level, Progress
 from .settings import Settings
-from .symmetric import with_symmetry
-from .tolerance import Within, fewest, fewest_convex
 
 logger = logging.getLogger(__name__)
 
@@ -119,10 +122,7 @@ def _hierarchy(
     """All levels."""
     fine, wanted = _checked(fine, levels, convex=settings.convex)
     about = _about(settings, fine, inside=builder is InnerLevelBuilder)
-    settings, remarks = with_symmetry(settings, about)
-    priorities = Priorities.of(settings, about)
-    if priorities is not None:
-        settings = priorities.applied(settings)
+    settings, needs, remarks = _needs(settings, about)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
@@ -130,10 +130,11 @@ def _hierarchy(
             clearances = clearances_for(settings, fine)
             chosen = _chosen(builder, settings)
             progress = LevelProgress(index, len(wanted))
-            with_clearances = partial(_builder, chosen, inner, settings, progress, priorities)
+            plan = Plan.of(inner, needs, side=-1 if builder is InnerLevelBuilder else 1)
+            with_clearances = partial(_builder, chosen, plan, settings, progress)
             work: Builder = with_clearances(clearances)
             if settings.grid is not None:
-                work = GridLevelBuilder(work, with_clearances, priorities)
+                work = GridLevelBuilder(work, with_clearances, Grid(settings.grid), convex=settings.convex)
             if isinstance(level, Within):
                 if builder is InnerLevelBuilder:
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
@@ -176,16 +177,33 @@ def _chosen(builder: type[AnyBuilder], settings: Settings) -> type[AnyBuilder]:
 
 def _builder(
     builder: type[AnyBuilder],
-    fine: Mesh,
+    plan: Plan,
     settings: Settings,
     progress: LevelProgress,
-    priorities: Priorities | None,
     clearances: tuple[float, ...],
 ) -> Builder:
     """What makes a level with certain clearances."""
-    if issubclass(builder, ConvexLevelBuilder):
-        return builder(fine, clearances, settings, progress)
-    return builder(fine, clearances, settings, progress, priorities)
+    return builder(plan, clearances, settings, progress)
+
+
+def _needs(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[str, ...]]:
+    """The needs of a run, methods that serve them, and notes. Raises NestingError for methods that cannot."""
+    needs: list[Need] = []
+    group: Symmetry | None = None
+    remarks: tuple[str, ...] = ()
+    if settings.symmetry is not None:
+        group, remarks = found_for(settings.symmetry, about)
+    if group is not None:
+        settings = keeping(settings, group)
+    if settings.has_priorities:
+        priorities = Priorities.of(
+            about, group, settings.weights, (settings.pins, settings.joints), (settings.min_edge, settings.min_angle)
+        )
+        settings = priorities.applied(settings)
+        needs.append(priorities)
+    if group is not None:
+        needs.append(Symmetric(group))
+    return settings, needs, remarks
 
 
 def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:

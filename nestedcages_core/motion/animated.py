@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
 from ..hierarchy import Progress, Settings
-from ..stages import Run, Stage, listened
+from ..tasks import Run, Stage, listened
 from .level import LevelMotion
 from .poses import Pose, read_poses
 from .results import Key, MotionReport, MovingCages, MovingLevel

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
+from ..loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
 from ..picture import Drawable
 from ..predicates import BoxTree
 from ..vectors import norm
 from .geo_interface import HasGeoInterface, rings_of, to_geo_interface
-from .loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
