@@ -18,7 +18,7 @@ from .. import keys
 from ..animation import stage, visibility
 from ..animation.shape_keys import remove_mesh
 from ..core import core
-from ..errors import UserError
+from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
@@ -30,6 +30,8 @@ from . import field, legacy, node_groups
 STAGE = "binding"
 # Largest error of a vertex at rest, as a fraction of the size: some roundings of float32.
 REST_ERROR = 1e-5
+# More drawings than this are counted, not named.
+MAX_NAMES = 3
 
 
 @dataclass(frozen=True)
@@ -276,8 +278,9 @@ def _take_along(
             problems.append(f"'{fine.name}' follows in place of '{original.name}': {error}")
     if not problems:
         fine.hide_set(True)
-    followers = [original.name for original in originals if field.followed(original) == made]
-    return " ".join([*(f"'{name}' follows." for name in followers), *problems])
+    followers = [f"'{original.name}'" for original in originals if field.followed(original) == made]
+    names = ", ".join(followers) if len(followers) <= MAX_NAMES else counted(len(followers), "drawing")
+    return "; ".join([*([f"{names} bound"] if followers else []), *problems])
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:

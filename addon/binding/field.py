@@ -27,7 +27,7 @@ MAX_WEIGHTS = 1_000_000
 FIELD_BYTES = 20_000
 # The modifier of all that follows a field.
 FOLLOW = "Nested Cages Follow"
-# Edges of a mesh with faces are halved until they are shorter than this fraction of its size, to bend as pictures do;
+# Edges of a picture are halved until those of its outline are shorter than this fraction of its size, so that it bends;
 # at most this often.
 BENDING_PART, MAX_HALVINGS = 1.0 / 32.0, 5
 # Largest difference of a layer's matrix from none that is round-off.
@@ -135,12 +135,12 @@ def _in(space: bpy.types.Object, cage: bpy.types.Object, points: NDArray[np.floa
 
 
 def _halvings(obj: bpy.types.Object) -> int:
-    """How often the edges of a mesh with faces are halved, so that a picture on few faces bends."""
+    """How often the edges of a mesh are halved, so that a picture on few faces bends."""
     mesh = obj.data
-    if not isinstance(mesh, bpy.types.Mesh) or not mesh.uv_layers or not mesh.edges:
+    if not isinstance(mesh, bpy.types.Mesh) or not mesh.uv_layers or not len(filling.loop_edges(mesh)):
         return 0
     points = filling.points_of(mesh)
-    ends = np.array([edge.vertices for edge in mesh.edges])
+    ends = filling.loop_edges(mesh)
     typical = float(np.median(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)))
     wanted = BENDING_PART * size(points)
     return int(np.clip(np.ceil(np.log2(typical / wanted)), 0, MAX_HALVINGS)) if typical > wanted > 0.0 else 0

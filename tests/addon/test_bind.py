@@ -8,6 +8,7 @@ import sys
 import bpy
 import numpy as np
 import pytest
+import shapely
 from mathutils import Matrix
 
 from drawings import (
@@ -21,6 +22,7 @@ from drawings import (
     poly_curve,
     snapshot,
     star,
+    text,
     wire,
 )
 
@@ -427,3 +429,88 @@ def test_a_saved_file_moves_without_the_add_on(draw, method, tmp_path) -> None:
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("True") == 3, done.stdout
+
+
+def displayed(obj):
+    """The displayed edges of an object in its own space, by shapely."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    lines = [[mesh.vertices[v].co[:2] for v in edge.vertices] for edge in mesh.edges]
+    return shapely.multilinestrings([np.array(line) for line in lines])
+
+
+def shown(obj):
+    """Corners (2, 2) of the displayed bounding box in the object's own space, and the number of vertices."""
+    points = evaluated(obj)[:, :2]
+    return np.array([points.min(axis=0), points.max(axis=0)]), len(points)
+
+
+def shape_key(source):
+    source.shape_key_add(name="Basis")
+    key = source.shape_key_add(name="Wide")
+    key.points.foreach_set("co", (base(source) * (1.02, 0.9, 1.0)).ravel())
+    key.value = 1.0
+
+
+def simple_deform(source):
+    modifier = source.modifiers.new("Bend", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis, modifier.factor = "TAPER", "X", 0.5
+    source.modifiers.move(1, 0)
+
+
+def doubled_vertex(source):
+    put(source, np.where(np.arange(len(source.data.vertices))[:, None] == 0, 2.0, 1.0) * base(source))
+
+
+def size(source):
+    source.data.size *= 0.5
+
+
+def body(source):
+    source.data.body = "Hello"
+
+
+@pytest.mark.parametrize("edit", [shape_key, simple_deform, doubled_vertex, size, body])
+def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
+    source = text("Drawing", "Hi") if edit in (size, body) else wire("Drawing", [star()])
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    cage = bpy.context.object
+    put(cage, base(cage) * (1.0, 2.0, 1.0))
+    before, _ = shown(source)
+    edit(source)
+    bpy.context.view_layer.update()
+    source.modifiers["Nested Cages Follow"].show_viewport = False
+    own, count = shown(source)
+    source.modifiers["Nested Cages Follow"].show_viewport = True
+    after, bent = shown(source)
+    np.testing.assert_allclose(after, own * (1.0, 2.0), atol=2e-4)
+    assert np.abs(after - before).max() > 0.01
+    assert bent == count
+    bpy.context.view_layer.objects.active = cage
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    finest = bpy.data.objects["Drawing Cage 1"]
+    drawn, around = (shapely.polygonize(shapely.get_parts(shapely.node(displayed(o)))) for o in (source, finest))
+    inside = shapely.contains_properly(shapely.unary_union(around), shapely.unary_union(drawn))
+    assert finest["nested_cages_check"].startswith("Holds" if inside else "Broken"), finest["nested_cages_finding"]
+
+
+def test_what_an_earlier_version_bound_is_unbound() -> None:
+    source, collection, fine, (cage,) = bound(wire, levels="12")
+    bpy.ops.object.nested_cages_unbind()
+    before = {obj.name: [m.name for m in obj.modifiers] for obj in (source, fine, cage)}
+    count = len(bpy.data.objects)
+    collection["nested_cages_bound"] = "SURFACE_DEFORM"
+    source["nested_cages_follows"] = collection
+    for name in ("Remember Edits", "Surface Deform", "Add Edits"):
+        kind = "SURFACE_DEFORM" if "Deform" in name else "NODES"
+        fine.modifiers.new(f"Nested Cages {name}", kind)
+    source.modifiers.new("Nested Cages Follow", "SURFACE_DEFORM")
+    source.data.attributes.new("nested_cages_weight_0", "FLOAT_VECTOR", "POINT")
+    helper = bpy.data.objects.new("Surface", bpy.data.meshes.new("Surface"))
+    helper["nested_cages_helper"] = True
+    collection.objects.link(helper)
+    bpy.context.view_layer.objects.active = cage
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert {obj.name: [m.name for m in obj.modifiers] for obj in (source, fine, cage)} == before
+    assert len(bpy.data.objects) == count
+    assert "nested_cages_follows" not in source and not source.data.attributes.get("nested_cages_weight_0")
