@@ -37,6 +37,7 @@ ROOMS = (
     "motion",
     "published",
     "coordinates",
+    "character",
     "exchange",
     "batch",
     "command",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .character_json import character_from_engine_json, character_to_engine_json
 from .engine_json import (
     frames_from_engine_json,
     frames_to_engine_json,
@@ -53,6 +54,8 @@ __all__ = [
     "SvgDrawing",
     "SvgOptions",
     "SvgShapes",
+    "character_from_engine_json",
+    "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
     "frames_from_engine_json",

@@ -121,16 +121,20 @@ class _Reading:
             page = None
         tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _size(root, page)
         if not tolerance > 0.0:
-            raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
+            raise NestedCagesError(
+                "All points of the drawing coincide; draw closed paths with an inside.", code="file.invalid"
+            )
         try:
             return work(root, Areas(self.options, tolerance, self.document.pixel), page)
         except InvalidMeshError as error:
-            raise InvalidMeshError(" ".join((str(error), *self.said()))) from error
+            raise InvalidMeshError(error.fault.said(" ".join((str(error), *self.said())))) from error
         except Exception as error:
             if type(error).__module__.partition(".")[0] != "shapely":
                 raise
             problem = "The drawing's coordinates are too large or too close together to unite its shapes"
-            raise NestedCagesError(f"{problem} ({error}); scale the drawing, or simplify it.") from error
+            raise NestedCagesError(
+                f"{problem} ({error}); scale the drawing, or simplify it.", code="file.invalid"
+            ) from error
 
     def whole(self, root: Group, reading: Areas, page: Box | None) -> Mesh:
         """Everything as one."""
@@ -139,7 +143,7 @@ class _Reading:
     def each(self, root: Group, reading: Areas, page: Box | None) -> list[tuple[str, Mesh]]:
         """Every shape that has an inside on the page, by its id or its number. Raises InvalidMeshError for none."""
         found: list[tuple[str, Mesh]] = []
-        failed = InvalidMeshError("The shapes have no inside.")
+        failed = InvalidMeshError("The shapes have no inside.", code="mesh.empty")
         for number, (shape, areas) in enumerate(reading.parts(root, np.eye(3)), 1):
             try:
                 found.append(
@@ -227,7 +231,8 @@ def _controls(shape: Shape) -> FloatArray:
     points = np.concatenate([moved(curve, shape.matrix) for path in shape.subpaths for curve in path.curves])
     if not np.abs(points).max() < MAX_COORDINATE:
         raise NestedCagesError(
-            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing."
+            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing.",
+            code="file.invalid",
         )
     return points
 
