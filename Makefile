@@ -69,7 +69,7 @@ extension: $(TEST_ENV)/ready
 
 # Blender as a Python module comes for one Python each; those of a Python that is not here are left out. A Python that
 # pyenv has installed counts, even if it is not the one in use. IF_POSSIBLE=1: so are those that cannot be downloaded.
-BLENDERS_3.11 ?= 4.2.23 4.3.0 4.4.0 4.5.15 5.0.1
+BLENDERS_3.11 ?= 4.2.0 4.2.23 4.3.0 4.4.0 4.5.15 5.0.1
 BLENDERS_3.13 ?= 5.2.3
 SCIPY_3.11 := 1.15.3
 SCIPY_3.13 := 1.17.1

@@ -9,6 +9,8 @@ import pkgutil
 import re
 import subprocess
 import sys
+from collections import Counter
+from html.parser import HTMLParser
 from pathlib import Path
 from types import ModuleType
 
@@ -19,7 +21,7 @@ import nestedcages_core
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
     path
-    for folder in (".", "docs", "docs/guide", "docs/comparison", "benchmarks", "examples")
+    for folder in (".", "docs", "docs/guide", "docs/comparison", "docs/needs", "benchmarks", "examples")
     for path in sorted((ROOT / folder).glob("*.md"))
 ]
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -42,11 +44,50 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert not place or place in anchors(target), address
 
 
+class Elements(HTMLParser):
+    """Counts the elements that a reader sees."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.counted: Counter[str] = Counter()
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        if tag in {"h1", "h2", "h3", "img", "kbd", "li", "ol", "pre", "table", "tr", "ul"}:
+            self.counted[tag] += 1
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_nested_blocks_of_lists_are_indented_by_four(page: Path) -> None:
-    # three spaces nest on code hosts, but not on the site
-    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
-    assert re.findall(r"^ {1,3}(?:[-*] |!\[|\d+\. )", text, flags=re.MULTILINE) == []
+def test_pages_look_alike_on_code_hosts_and_on_the_site(page: Path) -> None:
+    markdown, markdown_it = pytest.importorskip("markdown"), pytest.importorskip("markdown_it")
+    pytest.importorskip("pymdownx")
+    text = page.read_text(encoding="utf-8")
+    host = markdown_it.MarkdownIt("gfm-like", {"linkify": False}).render(text)
+    named = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("markdown_extensions:")[2].partition("\n\n")[0]
+    extensions = re.findall(r"^  - ([\w.]+)", named, flags=re.MULTILINE)
+    assert "tables" in extensions
+    site = markdown.Markdown(extensions=extensions).convert(text)
+    assert Elements(site).counted == Elements(host).counted
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_pictures_have_a_text(page: Path) -> None:
+    assert re.findall(r"!\[\s*\]\([^)]*\)", page.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_numbers_are_those_that_were_measured(page: Path) -> None:
+    """What a page shows of a benchmark stands in the file that has all of it, with the same commit and date."""
+    text = page.read_text(encoding="utf-8")
+    for name, shown in re.findall(r"<!-- table (\w+) -->\n(.*?)<!-- end of table \1 -->", text, flags=re.DOTALL):
+        lines = [line.strip() for line in shown.splitlines() if line.strip() and not line.startswith("```")]
+        stamp = re.fullmatch(r"`(.*)`, (commit \S+, [\d-]+): \[all that it printed\]\((.*)\)\.", lines[-1])
+        if name == "machine":
+            continue
+        assert stamp is not None, f"{name} does not say when and of which commit it was measured"
+        whole = (page.parent / stamp[3]).read_text(encoding="utf-8")
+        assert whole.startswith(f"{stamp[1]}\n{stamp[2]}\n"), name
+        assert [line for line in lines[:-1] if line not in whole] == [], name
 
 
 def test_the_architecture_names_files_that_are_there() -> None:
@@ -86,12 +127,11 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     blocks = PYTHON.findall(page.read_text(encoding="utf-8"))
     if not blocks:
         return
-    source = "\n".join(blocks)
+    source = "\n".join(blocks).replace("/tmp/", f"{tmp_path.as_posix()}/")
     if "bpy" in source:
         pytest.importorskip("bpy")
         enable = 'bpy.ops.preferences.addon_enable(module="bl_ext.user_default.nested_cages")'
         assert enable in source
-        source = source.replace("/tmp/", f"{tmp_path.as_posix()}/")
         # the installed extension is tried by packaging/try_extension.py; here it is the one of this clone
         source = source.replace(enable, REGISTER).replace("bl_ext.user_default.nested_cages", "extension") + UNREGISTER
     script = tmp_path / "page.py"
@@ -99,7 +139,7 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(script)],
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
         capture_output=True,
         text=True,
         timeout=120,

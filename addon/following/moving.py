@@ -112,7 +112,8 @@ def _known_or_made(
 ) -> Iterator[Progress | MovingCage]:
     """As `_level`, but a cage that is remembered is not made again."""
     key = memory.key_of(
-        "moving level", inner, frames, points, wanted, options.methods, options.clearance, cyclic
+        "moving level", inner, frames, points, wanted, options.methods,
+        options.clearance, options.clearance_share, cyclic,
     )  # fmt: skip
     found = known().get(key)
     if found is not None:
@@ -137,7 +138,8 @@ def _level(
     problem = ""
     margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(points).max())
     settings = options.methods.settings()
-    automatic = [part * inner.diagonal for part in AUTOMATIC_CLEARANCES]
+    shares = [options.clearance_share] if options.clearance_share > 0.0 else AUTOMATIC_CLEARANCES
+    automatic = [part * inner.diagonal for part in shares]
     for clearance in [options.clearance] if options.clearance > 0.0 else automatic:
         for margins in MARGINS:
             asked = replace(settings, clearance=clearance + margins * margin)

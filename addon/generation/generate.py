@@ -48,13 +48,16 @@ STAGES = {
 @dataclass(frozen=True)
 class Options:
     """`levels`: vertex counts, shares of the drawing's vertices, distances and excesses, or `OWN`, finest first.
-    `clearance`: a length of the scene, as distances are; 0 = automatic. `inside`: whether cages lie inside the drawing.
-    `rules`: what else they must be.
+    `clearance`: a length of the scene, as distances are; if it is 0, a share of the drawing's diagonal; if both are,
+    automatic. `inside`: whether cages lie inside the drawing. `shrink`: whether the drawing shrinks further in the
+    animation than it has to. `rules`: what else cages must be.
     """
 
     levels: tuple[Level, ...] = ()
     clearance: float = 0.0
+    clearance_share: float = 0.0
     inside: bool = False
+    shrink: bool = False
     rules: Rules = field(default_factory=Rules)
     methods: Methods = field(default_factory=Methods)
 
@@ -130,7 +133,13 @@ class Generation:
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         plan = Plan(request, fine, wanted, settings, self._clearances(fine, scale))
-        if options.clearance > 0.0 and not own and not options.inside and not convex and options.methods.keeps_loops():
+        if (
+            len(plan.clearances) == 1
+            and not own
+            and not options.inside
+            and not convex
+            and options.methods.keeps_loops()
+        ):
             check_room(fine, plan.clearances[0], len(wanted), request.fine)
         return plan
 
@@ -180,7 +189,12 @@ class Generation:
         """The wanted clearance in the drawing's units, or the automatic ones to try in turn."""
         if self.options.clearance > 0.0:
             return (self.options.clearance / scale,)
-        return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
+        share = self.options.clearance_share
+        return tuple(part * fine.diagonal for part in ((share,) if share > 0.0 else AUTOMATIC_CLEARANCES))
+
+    def _shrinks(self, plan: Plan, fine: core.Mesh) -> bool:
+        """Whether a mesh shrinks further than it has to; not a cage, which would cross the drawing in it."""
+        return self.options.shrink and fine is plan.fine
 
     def _known_or_made(
         self, plan: Plan, name: str, fine: core.Mesh, wanted: int | core.Mesh | core.Within
@@ -190,7 +204,7 @@ class Generation:
         about = plan.fine if isinstance(wanted, core.Within) or options.rules.kinds(places) else None
         key = memory.key_of(
             "level", fine, wanted, plan.clearances, options.methods, options.rules, options.inside,
-            replace(places, notes=()), plan.request.fine.frame.scale, about,
+            replace(places, notes=()), plan.request.fine.frame.scale, about, self._shrinks(plan, fine),
         )  # fmt: skip
         found = known().get(key)
         if found is not None:
@@ -214,7 +228,8 @@ class Generation:
                 run = cages_run(fine, [needs.stricter(wanted, plan.fine, slack * margin)], asked)
                 try:
                     yield from run
-                    level = stored(fine, run.hierarchy.levels[0], clearance)
+                    made = run.hierarchy.levels[0]
+                    level = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
                 except core.NestedCagesError as error:
                     least = smallest_found(str(error))
                     if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):

@@ -132,7 +132,7 @@ class GenerationProperties:
     )
     clearance: FloatProperty(
         name="Clearance",
-        description="Smallest distance between a cage and what it encloses; 0 uses 1e-5 of the drawing's size",
+        description="Smallest distance between a cage and what it encloses; 0 uses the share of the size below",
         default=0.0,
         min=0.0,
         soft_max=1.0,
@@ -140,6 +140,16 @@ class GenerationProperties:
         step=1,
         subtype="DISTANCE",
         unit="LENGTH",
+    )
+    clearance_share: FloatProperty(
+        name="Of the Size",
+        description="Smallest distance in percent of the drawing's diagonal; 0 uses the smallest that is safe, 0.001 %",
+        default=0.0,
+        min=0.0,
+        max=100.0,
+        soft_max=10.0,
+        precision=3,
+        subtype="PERCENTAGE",
     )
     decimation: _choice("decimation")
     energy: _choice("energy")
@@ -174,6 +184,11 @@ class GenerationProperties:
         description="Start with the drawing shrinking into the coarse mesh",
         default=True,
     )
+    shrink: BoolProperty(
+        name="Shrink Further",
+        description="Let the drawing shrink further than the method needs, so that its way back shows",
+        default=True,
+    )
     ease: BoolProperty(
         name="Ease",
         description="Ease in and out of each phase",
@@ -182,6 +197,11 @@ class GenerationProperties:
     loop_back: BoolProperty(
         name="Loop Back",
         description="Play the animation backwards after the result, so that it ends as it began",
+        default=False,
+    )
+    in_turn: BoolProperty(
+        name="One after Another",
+        description="Play several drawings one after the other instead of together",
         default=False,
     )
     show_result: BoolProperty(

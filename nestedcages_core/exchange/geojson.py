@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
 from ..geometry.mesh import Mesh
+from ..geometry.picture import Drawable
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole
@@ -71,12 +72,13 @@ class Map:
         return [f"{feature.name}: {repair}." for feature in self.features for repair in feature.repairs]
 
 
-def read_map(source: Any, limits: Limits | None = None) -> Map:
+def read_map(source: Any, limits: Limits | None = None, tolerance: float | None = None) -> Map:
     """All features of a GeoJSON document with polygons; faults of single features are reported, not raised.
 
     source: GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a reader of shapefiles or
     a GeoDataFrame. Repeated points, spikes, rings of zero area, touching and crossing rings are repaired as GEOS does,
-    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else is read exactly.
+    polygons across the 180th meridian are shifted beyond it, gaps and spikes narrower than a tenth of the tolerance
+    (default: 1e-5 of the diagonal) are closed and cut off, and each repair is named; all else is read exactly.
 
     Raises NestedCagesError for input that is not GeoJSON or exceeds the limits.
     """
@@ -103,7 +105,7 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = mesh_of(polygons, budget)
+            mesh, repairs = mesh_of(polygons, budget, tolerance)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
         except LimitError:
             raise
@@ -112,37 +114,39 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
     return Map(tuple(features), tuple(refused), without, document.get("crs"))
 
 
-def features_from_geojson(source: Any, *, limits: Limits | None = None) -> list[Feature]:
+def features_from_geojson(
+    source: Any, *, limits: Limits | None = None, tolerance: float | None = None
+) -> list[Feature]:
     """One mesh for each feature of a GeoJSON document, with its properties; features without polygons are left out.
 
     source and repairs: as in `read_map`. A NestedCagesWarning names all repairs, and the features that cannot be read.
     Raises NestedCagesError for input that is not GeoJSON, and if no feature with polygons can be read.
     """
-    return list(_said(read_map(source, limits)).features)
+    return list(_said(read_map(source, limits, tolerance)).features)
 
 
-def from_geojson(source: Any, *, limits: Limits | None = None) -> Mesh:
+def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
     """All polygons of a GeoJSON document as one mesh, properties left out; features that touch or overlap are united.
 
     Repairs and warnings: as in `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
     """
-    features = _said(read_map(source, limits)).features
+    features = _said(read_map(source, limits, tolerance)).features
     if not features:
         raise NestedCagesError("The document has no polygons; give Polygon or MultiPolygon geometries.")
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return mesh_of(polygons, Budget(limits or Limits()))[0]
+    return mesh_of(polygons, Budget(limits or Limits()), tolerance)[0]
 
 
-def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None) -> Mesh:
+def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
     """All polygons of a GeoJSON file as one mesh; see `from_geojson`."""
     limits = limits or Limits()
-    return from_geojson(read_whole(path, limits), limits=limits)
+    return from_geojson(read_whole(path, limits), limits=limits, tolerance=tolerance)
 
 
 def to_geojson(
-    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature],
+    shapes: Drawable | Feature | Map | Sequence[Mesh | Feature],
     *,
     indent: int | None = None,
     crs: Any = None,
@@ -150,6 +154,7 @@ def to_geojson(
 ) -> str:
     """A FeatureCollection with one feature per shape; coordinates are written exactly.
 
+    shapes: meshes, features or a map; of a level or a hierarchy the drawing and its cages.
     crs: a `crs` member to write along, as `Map.crs` has it. decimals: the most that a coordinate may have; nothing is
     rounded, since that would undo certificates: ask for cages with as many, as by Settings(grid=1e-6) for 6.
 
@@ -158,7 +163,7 @@ def to_geojson(
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
         return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
-    given: Any = [shapes] if isinstance(shapes, Mesh | Feature) else shapes
+    given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
         raise NestedCagesError("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
@@ -180,7 +185,7 @@ def to_geojson(
 
 def write_geojson(
     path: str | os.PathLike[str],
-    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature],
+    shapes: Drawable | Feature | Map | Sequence[Mesh | Feature],
     *,
     crs: Any = None,
     decimals: int | None = None,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import ast
 from dataclasses import replace
 
 import bpy
 import pytest
 
-from conftest import ROOT
 from drawings import at_frame, lines, poly_curve, solid, star
 
 # What each choice is in the core, told apart from the add-on's own table.
@@ -60,7 +58,6 @@ WITH = {
     "solver": {"contact": "IPC"},
     "expansion_energy": {"contact": "IPC"},
 }
-PRESETS = list((ROOT / "addon" / "presets").glob("*/*.py"))
 
 
 def choices(addon):
@@ -232,38 +229,21 @@ def test_presets_keep_the_methods(addon, tmp_path, monkeypatch) -> None:
 @pytest.mark.parametrize(
     ("preset", "definition"),
     [
-        ("Nested_Cages_2015", "NESTED_CAGES_2015"),
-        ("IPC_2022_Repaired", "AUGMENTED_2022_REPAIRED"),
-        ("Simple_Cages_2022", "SIMPLE_2022"),
+        ("Nested Cages 2015", "NESTED_CAGES_2015"),
+        ("IPC 2022 Repaired", "AUGMENTED_2022_REPAIRED"),
+        ("Simple Cages 2022", "SIMPLE_2022"),
     ],
 )
 def test_presets_of_published_methods_are_the_core_s_definitions(addon, core, preset, definition) -> None:
     """What benchmarks compare is what the preset of that name makes."""
     from nestedcages_core.published import settings as published
 
-    (path,) = (path for path in PRESETS if path.stem == preset)
-    bpy.ops.script.execute_preset(filepath=str(path), menu_idname="NESTEDCAGES_PT_method_presets")
+    bpy.ops.scene.nested_cages_use_preset(name=preset)
     made = addon.properties.conversion.methods(bpy.context.scene.nested_cages).settings()
     defined = getattr(published, definition)
     assert made.tightening.iterations == defined.tightening.iterations == 0
     names = ["decimation", "starts", "fallback", "energy", "contact", "flow"]
-    if preset == "Simple_Cages_2022":
+    if preset == "Simple Cages 2022":
         names = names[:4]  # its coarse mesh encloses the drawing: nothing flows, nothing collides
     for name in names:
         assert repr(getattr(made, name)) == repr(getattr(defined, name)), name
-
-
-@pytest.mark.parametrize("path", sorted(PRESETS), ids=lambda path: path.stem)
-def test_presets_that_come_along_set_all_that_makes_a_cage(addon, path) -> None:
-    """Whatever was chosen before, a preset gives the same cages."""
-    assigned = {
-        target.attr
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Assign)
-        for target in node.targets
-        if isinstance(target, ast.Attribute)
-    }
-    expected = {"levels", "use_selected_as_levels", "together", "clearance", "show_flow"} | set(
-        addon.generation.methods.Methods.__dataclass_fields__
-    )
-    assert assigned == expected

@@ -284,6 +284,26 @@ def test_what_lies_outside_the_page_is_cut_off() -> None:
     assert from_svg(page, crop=False).area == 40.0
 
 
+@pytest.mark.parametrize(
+    ("page", "expected"),
+    [
+        ('width="20" height="10"', 200.0),  # 5 units on either side of the view box are seen
+        ('width="10mm" height="20mm"', 200.0),
+        ('width="20" height="10" preserveAspectRatio="xMinYMid"', 200.0),
+        ('width="20" height="10" preserveAspectRatio="xMaxYMid slice"', 50.0),
+        ('width="20" height="10" preserveAspectRatio="none"', 100.0),
+        ('width="20"', 100.0),
+        ('width="100%" height="50"', 100.0),
+    ],
+)
+def test_what_is_seen_next_to_the_view_box_stays(page: str, expected: float) -> None:
+    drawn = svg('<rect x="-30" y="-30" width="70" height="70"/><path d="M0 0h1"/>', f'viewBox="0 0 10 10" {page}')
+    found = svg_drawing(drawn)
+    assert found.mesh.area == pytest.approx(expected)
+    again = from_svg(to_svg(found.mesh, frame=found.frame))  # in the same frame
+    assert again.area == pytest.approx(expected)
+
+
 def test_a_switch_draws_its_first_usable_child() -> None:
     body = (
         f'<switch><foreignObject/><g requiredExtensions="x">{SQUARE}</g><rect width="2" height="1"/>{SQUARE}</switch>'

@@ -19,7 +19,7 @@ from ..libraries import load_shapely
 from ..limits import Budget
 from .areas import Areas
 from .curves import flattened
-from .document import Document, Frame
+from .document import Box, Document, Frame
 from .nodes import Group, Shape
 from .options import SvgOptions
 from .paints import Paint
@@ -29,15 +29,11 @@ from .transforms import moved
 DEFAULT_TOLERANCE = 5e-4
 """Default for the largest distance of chords from curves, as a fraction of the drawing's diagonal."""
 
-SEAM = 0.1
-"""Width, in tolerances, of gaps that are closed: seams between shapes that abut up to rounding."""
+HAIRLINE = 0.1
+"""Width, in tolerances, below which gaps, holes and notches are closed, and spikes cut off."""
 
 PAGE_COVERED = 0.95
 """Smallest fraction of the page that a background covers; rounded corners count as covered."""
-
-
-Box = tuple[float, float, float, float]
-"""x, y, width and height."""
 
 
 @dataclass(frozen=True)
@@ -92,10 +88,13 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
         areas = reading.of(root, np.eye(3))
         if page is not None:
             areas = _on_page(areas, page, notes, reading.budget)
-        mesh = solid(areas, seam=SEAM * tolerance, budget=reading.budget)
-        return SvgDrawing(mesh, document.frame, tuple(notes))
+        width = HAIRLINE * tolerance
+        narrow: list[str] = []
+        mesh = solid(areas, seam=width, spike=width, budget=reading.budget, notes=narrow)
+        notes += [f"{note.capitalize()}." for note in narrow]
+        return SvgDrawing(mesh, document.frame, (*document.faults.notes(), *notes))
     except InvalidMeshError as error:
-        raise InvalidMeshError(" ".join((str(error), *notes))) from error
+        raise InvalidMeshError(" ".join((str(error), *document.faults.notes(), *notes))) from error
     except Exception as error:
         if type(error).__module__.partition(".")[0] != "shapely":
             raise
@@ -120,9 +119,9 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
         found = _only(scene.root, _as_outline)
     if not found.children:
         problem = "The drawing has no filled or closed shapes; close its paths, or convert strokes and text to paths."
-        raise NestedCagesError(" ".join((problem, *notes)))
+        raise NestedCagesError(" ".join((problem, *scene.document.faults.notes(), *notes)))
     shapes = list(found.shapes())
-    page = scene.document.frame.page
+    page = scene.document.frame.view_box or scene.document.frame.page
     if page is not None and len(shapes) > 1 and _covers(shapes[0], page):
         if options.background:
             notes.append(f"The {shapes[0].name} covers the whole page; background=False leaves it out.")
