@@ -69,6 +69,8 @@ if TYPE_CHECKING:
     from .batch import Outcome as Outcome
     from .batch import OutcomeFolder as OutcomeFolder
     from .batch import nested_cages_many
+    from .checker import Verdict as Verdict
+    from .checker import check
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
@@ -142,6 +144,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "verify_motion",
     "Certificate",
     "MotionCertificate",
+    "check",
     # cages that follow a moving drawing
     "animated_cages",
     "swept",
@@ -172,6 +175,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 
 _LATER = {
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
+    "checker": ("Verdict", "check"),
     "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
     "exchange": (
         "Cut",

@@ -229,7 +229,7 @@ def faults_of_cage(cage: Any, fine: Any, clearance: float = 0.0, alike: bool = T
         both, _ = Loops(cage, fine), Fraction(clearance)
     except (ValueError, KeyError, TypeError, IndexError, OverflowError) as error:
         return [str(error)]
-    return both.contacts() or both.misplaced(alike) + (both.too_near(clearance) if clearance else [])
+    return both.contacts() or both.misplaced(alike) + (both.too_near(clearance) if clearance > 0 else [])
 
 
 def faults_of_needs(cage: Any, grid: float | None, symmetry: Any) -> list[str]:
