@@ -39,6 +39,7 @@ ROOMS = (
     "motion",
     "published",
     "coordinates",
+    "character",
     "exchange",
     "batch",
     "command",

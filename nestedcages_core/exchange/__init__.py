@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .character_json import character_from_engine_json, character_to_engine_json
 from .engine_json import (
     frames_from_engine_json,
     frames_to_engine_json,
@@ -50,6 +51,8 @@ __all__ = [
     "Painted",
     "SvgDrawing",
     "SvgOptions",
+    "character_from_engine_json",
+    "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
     "frames_from_engine_json",

@@ -60,7 +60,9 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
             return int(number)
     known = ("a whole number of at least 1", "a percentage such as 8%", f"a distance such as 2{next(iter(units))}")
     *kinds, last = (*known, "an excess such as +25%", *([others] if others else []))
-    raise NestedCagesError(f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.")
+    raise NestedCagesError(
+        f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.", code="level.invalid"
+    )
 
 
 def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:

@@ -81,7 +81,9 @@ class Areas:
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
         curves = [moved(curve, matrix) for curve in path.curves]
         if not np.abs(np.concatenate(curves)).max() < MAX_COORDINATE:
-            raise NestedCagesError("The drawing has coordinates that are not finite, or too large; correct them.")
+            raise NestedCagesError(
+                "The drawing has coordinates that are not finite, or too large; correct them.", code="file.invalid"
+            )
         points = flattened(curves, tolerance)
         self.budget.spend("points", len(points))
         return points

@@ -82,7 +82,9 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     page = document.frame.page if chosen.crop and document.root.get("overflow") != "visible" else None
     tolerance = chosen.tolerance or DEFAULT_TOLERANCE * _size(root, page)
     if not tolerance > 0.0:
-        raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
+        raise NestedCagesError(
+            "All points of the drawing coincide; draw closed paths with an inside.", code="file.invalid"
+        )
     try:
         reading = Areas(chosen, tolerance, document.pixel)
         areas = reading.of(root, np.eye(3))
@@ -99,7 +101,9 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
         if type(error).__module__.partition(".")[0] != "shapely":
             raise
         problem = "The drawing's coordinates are too large or too close together to unite its shapes"
-        raise NestedCagesError(f"{problem} ({error}); scale the drawing, or simplify it.") from error
+        raise NestedCagesError(
+            f"{problem} ({error}); scale the drawing, or simplify it.", code="file.invalid"
+        ) from error
 
 
 def _what_counts(scene: Scene, notes: list[str]) -> Group:
@@ -166,7 +170,8 @@ def _controls(shape: Shape) -> FloatArray:
     points = np.concatenate([moved(curve, shape.matrix) for path in shape.subpaths for curve in path.curves])
     if not np.abs(points).max() < MAX_COORDINATE:
         raise NestedCagesError(
-            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing."
+            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing.",
+            code="file.invalid",
         )
     return points
 

@@ -52,10 +52,12 @@ def to_svg(
     """
     named = _named(shapes)
     if not named:
-        raise NestedCagesError("There is nothing to write; give at least one mesh.")
+        raise NestedCagesError("There is nothing to write; give at least one mesh.", code="file.invalid")
     level_of = list(range(len(named)) if levels is None else levels)
     if len(level_of) != len(named):
-        raise NestedCagesError(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
+        raise NestedCagesError(
+            f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.", code="file.invalid"
+        )
     cages = [mesh for level, mesh in zip(level_of, named.values(), strict=True) if level > 0]
     check_decimals(cages or named.values(), decimals)
     points = np.concatenate([mesh.vertices for mesh in named.values()]) * (1.0, -1.0 if y_up else 1.0)
