@@ -181,7 +181,7 @@ def _stored(inner: core.Mesh, level: core.MovingLevel, clearance: float) -> Work
         certificates.append(core.verify(cage.moved(cages[key]), inner.moved(fines[key]), clearance))
         problems = certificates[-1].problems
         if key and not problems and not core.verify_motion(cage, inner, *_pair(cages, fines, key)).free:
-            problems = ("it touches the drawing on the way to this frame",)
+            problems = (core.Fault("it touches the drawing on the way to this frame", "motion.collides"),)
         if problems:
             return (
                 f"frame {frame:g}: the cage does not hold in Blender's single precision ({'; '.join(problems)}); move "
