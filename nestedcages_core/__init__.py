@@ -77,6 +77,8 @@ if TYPE_CHECKING:
     from .character import bone_weights as bone_weights
     from .character import joints_of as joints_of
     from .character import suggest_bones as suggest_bones
+    from .checker import Verdict as Verdict
+    from .checker import check
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
@@ -156,6 +158,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "verify_motion",
     "Certificate",
     "MotionCertificate",
+    "check",
     # cages that follow a moving drawing
     "animated_cages",
     "swept",
@@ -187,6 +190,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 _LATER = {
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
     "character": ("Bone", "Character", "Skeleton", "bone_weights", "joints_of", "suggest_bones"),
+    "checker": ("Verdict", "check"),
     "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
     "exchange": (
         "Cut",
