@@ -95,16 +95,6 @@ def with_contacts(*contacts: Any) -> Callable[[], Settings]:
     return lambda: Settings(contact=contacts)
 
 
-def uniform_radius(update: Callable[..., None]) -> Callable[..., None]:
-    """One radius for all vertices, the smallest of all."""
-
-    def updated(self: Any, *arguments: Any, **options: Any) -> None:
-        update(self, *arguments, **options)
-        self.radius = np.full_like(self.radius, float(np.median(self.radius)))
-
-    return updated
-
-
 MECHANISMS: dict[str, Mechanism] = {
     # where cages begin
     "second start": Mechanism("hierarchy", partial(Settings, starts=1)),
@@ -204,9 +194,6 @@ MECHANISMS: dict[str, Mechanism] = {
     "escapes from saddles": Mechanism(
         "tightening",
         patches={"tightening.tightening:MAX_ESCAPES": 0},
-    ),
-    "radius per vertex": Mechanism(
-        "tightening", patches={"tightening.trust_region:TrustRegion.update": Around(uniform_radius)}
     ),
     "widening in small steps": Mechanism(
         "tightening",
