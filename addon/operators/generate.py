@@ -20,7 +20,7 @@ from ..properties.settings import GenerationProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
 from ..scene.selection import scene_of
-from .base import JobOperator, Outcome, remember_fault
+from .base import JobOperator, Outcome
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
@@ -66,16 +66,8 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if scene is None:
             raise UserError("The scene of the drawing is gone, so its cages were discarded")
         done = self._write(scene, generation.results)
-        self._tell_skipped(problems)
+        self.tell_skipped(problems)
         return done
-
-    def _tell_skipped(self, problems: Sequence[UserError]) -> None:
-        """Lists the drawings that could not be caged; the others were."""
-        remember_fault(next((problem.fault for problem in problems if problem.fault is not None), None))
-        for problem in problems:
-            self.report({"WARNING"}, f"Skipped: {problem}")
-        if problems:
-            self.report({"WARNING"}, f"{counted(len(problems), 'drawing')} skipped, see the Info editor")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
