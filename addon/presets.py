@@ -41,12 +41,12 @@ PRESETS: Mapping[str, Mapping[str, tuple[str, Mapping[str, Any]]]] = {
         ),
         "Nested Cages 2015": (
             "For comparisons, after Sacht, Vouga & Jacobson (2015): edge collapse, signed distance flow, El Topo",
-            {"levels": "20%", "decimation": "EDGE_COLLAPSE", "contact": "EL_TOPO", "flow": "SIGNED_DISTANCE"}
-            | {"quadrature": "MIDPOINT", "starts": 1, "tighten": False, "fall_back": False},
+            {"levels": "20%", "decimation": "EDGE_COLLAPSE", "contact": "EL_TOPO"}
+            | {"flow": "SIGNED_DISTANCE_2015", "starts": 1, "tighten": False, "fall_back": False},
         ),
         "Simple Cages 2022": (
             "For comparisons, after Sellán et al. (2022): a level set, decimated, and nothing else",
-            {"levels": "20%", "decimation": "LEVEL_SET", "starts": 1, "tighten": False, "fall_back": False}
+            {"levels": "20%", "decimation": "LEVEL_SET_MERGING", "starts": 1, "tighten": False, "fall_back": False}
             | {"show_flow": False, "shrink": False},
         ),
     },

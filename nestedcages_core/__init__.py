@@ -44,6 +44,7 @@ from .geometry.quadrature import EvenSamples as EvenSamples
 from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
+from .geometry.quadrature import RandomSamples as RandomSamples
 from .geometry.triangulation import convex_pieces as convex_pieces
 from .hierarchy import Found as Found
 from .hierarchy import (
@@ -117,6 +118,10 @@ if TYPE_CHECKING:
     from .published.sacht_2015 import ElTopo as ElTopo
     from .published.sacht_2015 import VelocityFilter as VelocityFilter
     from .published.sellan_2022 import LevelSet as LevelSet
+    from .published.settings import AUGMENTED_2022 as AUGMENTED_2022
+    from .published.settings import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
+    from .published.settings import NESTED_CAGES_2015 as NESTED_CAGES_2015
+    from .published.settings import SIMPLE_2022 as SIMPLE_2022
 
 __version__ = "0.1.0"
 
@@ -216,6 +221,7 @@ _LATER = {
     "published.li_2020": ("OriginalIPC",),
     "published.sacht_2015": ("ElTopo", "VelocityFilter"),
     "published.sellan_2022": ("LevelSet",),
+    "published.settings": ("AUGMENTED_2022", "AUGMENTED_2022_REPAIRED", "NESTED_CAGES_2015", "SIMPLE_2022"),
 }
 """Rooms that making a cage does not need, and what the face passes on from them: imported when asked for."""
 

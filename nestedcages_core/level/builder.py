@@ -148,7 +148,8 @@ class LevelBuilder:
                 flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             else:
                 flow = yield from self.progress.follow(
-                    flow_inside(attempt.flow, self.unit_fine, unit_coarse), lambda done: (done, "flow")
+                    flow_inside(self.units.method(attempt.flow), self.unit_fine, unit_coarse),
+                    lambda done: (done, "flow"),
                 )
         except FlowError as error:
             partial = error.partial
@@ -161,7 +162,7 @@ class LevelBuilder:
             self.unit_fine,
             unit_coarse,
             flow.steps,
-            contacts=attempt.contacts,
+            contacts=[self.units.method(contact) for contact in attempt.contacts],
             clearance=self.units.clearance(attempt.clearances[0]),
             tie=None if alike is None else alike.tie,
         )

@@ -35,12 +35,14 @@ EXPECTED = {
     ("contact", "PAPER"): "PaperContact",
     ("flow", "TWO_SIDED"): "TwoSidedFlow",
     ("flow", "SIGNED_DISTANCE"): "SignedDistanceFlow",
+    ("flow", "SIGNED_DISTANCE_2015"): "SignedDistanceFlow(step=0.001, limit=1000, quadrature=Midpoint()",
     ("flow", "PAPER"): "PaperFlow",
     ("quadrature", "QUADRATIC_FALL_OFF"): "QuadraticFallOff(samples=4)",
     ("quadrature", "MIDPOINT"): "Midpoint()",
     ("quadrature", "GAUSS_1"): "GaussLegendre(points=1)",
     ("quadrature", "GAUSS_2"): "GaussLegendre(points=2)",
     ("quadrature", "GAUSS_3"): "GaussLegendre(points=3)",
+    ("quadrature", "RANDOM"): "RandomSamples(samples=4, seed=0, step=0)",
     ("quadrature", "EVEN"): "EvenSamples(samples=4)",
     ("solver", "PROJECTED_NEWTON"): "ProjectedNewton",
     ("solver", "GRADIENT_DESCENT"): "GradientDescent(steps=100",
@@ -97,8 +99,8 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
         decimation=core.OnCurve(),
         fallback=None,
         starts=1,
-        flow=core.PaperFlow(),
-        contact=core.PaperContact(),
+        flow=core.AUGMENTED_2022.flow,
+        contact=core.AUGMENTED_2022.contact,
         tightening=core.Tightening(iterations=0),
     )
 
@@ -109,13 +111,14 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
     assert without_tightening(paper.settings()) == plain
     exact = replace(paper, repairs=frozenset({"PARITY"})).settings()
     assert exact.flow.exact_parity and exact.contact.repairs == core.Repairs(parity=True)
-    finite = replace(paper, repairs=frozenset({"FINITE"})).settings()
+    finite = replace(paper, repairs=frozenset({"FINITE", "LENGTHS"})).settings()
+    assert finite.flow == core.PaperFlow()
     assert finite.contact == core.PaperContact(solver=core.GradientDescent(refuse_infinite=True))
     home = replace(paper, repairs=frozenset({"HOME"})).settings()
     assert home.contact.repairs == core.Repairs(exact_home=True)
     # One improvement at a time: a partner that is set stays.
     others = {"solver": "PROJECTED_NEWTON", "step_filter": "TIME_OF_IMPACT", "broad_phase": "CELLS"}
-    newton = replace(paper, **others, flow="TWO_SIDED")
+    newton = replace(paper, **others, flow="TWO_SIDED", repairs=frozenset({"LENGTHS"}))
     settings = newton.settings()
     assert settings.flow == core.TwoSidedFlow()
     assert settings.contact == core.PaperContact(

@@ -34,8 +34,9 @@ from nestedcages_core.exchange import (
     write_geojson,
     write_svg,
 )
+from nestedcages_core.exchange.limits import Budget, Limits
 from nestedcages_core.exchange.svg.curves import flattened
-from nestedcages_core.exchange.svg.path_data import read_path
+from nestedcages_core.exchange.svg.path_data import PathReader, Subpath
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -73,6 +74,10 @@ def same(one: Mesh, other: Mesh) -> bool:
 
 
 # Path data
+
+
+def read_path(data: str) -> list[Subpath]:
+    return PathReader(data, Budget(Limits())).read()
 
 
 def on_path(data: str, count: int = 40) -> np.ndarray:
@@ -159,8 +164,9 @@ def test_chords_stay_within_the_tolerance(data: str, tolerance: float) -> None:
     ],
 )
 def test_path_data_that_go_wrong_are_located(data: str, sentence: str) -> None:
-    with pytest.raises(NestedCagesError, match=sentence):
-        from_svg(svg(f'<path d="{data}"/>'))
+    found = svg_drawing(svg(f'{RECT}<path d="{data}"/>'))
+    assert found.mesh.area == 2.0
+    assert re.search(sentence, found.notes[0])
 
 
 # Elements
@@ -270,14 +276,9 @@ def test_one_element_can_be_read_alone() -> None:
         ("<html/>", "its root element is 'html'"),
         (svg(""), "no filled or closed shapes"),
         (svg('<text x="0">A</text>'), "convert strokes and text to paths"),
-        (svg('<use href="#nothing"/>'), "uses '#nothing'"),
-        (svg('<use href="other.svg#a"/>'), "embed it"),
-        (svg('<g id="a"><use href="#a"/></g>'), "uses itself"),
         ('<svg><rect width="50%" height="1"/></svg>', "width of the rect is '50%'"),
-        (svg('<rect width="5em" height="1"/>'), "width of the rect is '5em'"),
+        (svg('<rect width="5furlongs" height="1"/>'), "width of the rect is '5furlongs'"),
         (svg('<path d="M0 0 L1e300 1 L2 1e300 Z"/>'), "too large"),
-        (svg('<rect width="1" height="1" transform="spin(5)"/>'), r"transform 'spin\(5\)' cannot be read"),
-        (svg('<rect width="1" height="1" transform="scale(1,2,3)"/>'), "cannot be read"),
         (svg('<path d="M0 0 L1 1 L2 2 Z"/>'), "inside"),
         (svg('<path d="M0 0 L1e999 1 L2 5 Z"/>'), "not finite"),
         (svg('<path d="M0 0 L0 0 Z"/>'), "inside|coincide"),
@@ -288,6 +289,70 @@ def test_bad_documents_get_a_sentence(text: str, sentence: str) -> None:
         from_svg(text)
     with pytest.raises(NestedCagesError, match="tolerance"):
         from_svg(text, tolerance=0.0)
+
+
+RECT = '<rect x="-9" width="2" height="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "expected", "sentence"),
+    [
+        ('<path id="p" d="M0 0H4V3H0zL9"/>', 12.0, r"path 'p' go wrong at character 13 \(its end\): argument 2 of L"),
+        ('<polygon points="0 0 4 0 4 3 0 3 no 9 9"/>', 12.0, "points of the polygon without an id go wrong at 'no"),
+        ('<rect width="4" height="3" transform="rotate(NaN)"/>', 12.0, "'rotate\\(NaN\\)', which cannot be read"),
+        ('<rect width="4" height="3" transform="translate(1 NaN)"/>', 12.0, "cannot be read: it is left out"),
+        ('<rect width="4" height="3" transform="scale(1,2,3)"/>', 12.0, "cannot be read"),
+        ('<use href="#nothing"/>', 0.0, "Left out: the use of '#nothing', which is not an element"),
+        ('<use href="other.svg#a"/>', 0.0, "other.svg#a"),
+        ('<g id="a"><use href="#a"/><rect width="4" height="3"/></g>', 12.0, "'#a', which is used by itself"),
+        ('<rect width="4" height="3" rx="wide"/>', 12.0, "rx of the rect is 'wide', which is not a length: 0 is used"),
+        ('<path d="M0 0H4" stroke="red" stroke-width="fat"/>', 4.0, "stroke-width is 'fat', .*: 1 is used"),
+        ('<path d="M0 0H4" stroke="red" stroke-dasharray="1 x"/>', 4.0, "stroke-dasharray is '1 x'"),
+        (
+            '<rect width="4" height="3"/><rect width="1e200" height="1" y="9"/>',
+            12.0,
+            "Left out: the rect without an id",
+        ),
+        ('<rect width="1e-3em" height="3"/>' * 9 + '<rect width="4" height="3"/>', 12.0, ""),
+    ],
+)
+def test_one_bad_attribute_loses_nothing_else(body: str, expected: float, sentence: str) -> None:
+    found = svg_drawing(svg(RECT + body))
+    assert found.mesh.area == pytest.approx(2.0 + expected)
+    assert len(found.notes) == (1 if sentence else 0)
+    assert re.search(sentence, " ".join(found.notes))
+
+
+def test_of_many_bad_attributes_some_are_named() -> None:
+    found = svg_drawing(svg(RECT + "".join(f'<use href="#{k}"/>' * 2 for k in range(20))))
+    assert "'#0', which is not an element of the drawing (2 times)." in found.notes[0]
+    assert found.notes[-1] == "14 more attributes cannot be read."
+
+
+@pytest.mark.parametrize(
+    ("length", "expected"),
+    [
+        ("2em", 40.0),
+        ("1.5rem", 24.0),
+        ("2ex", 20.0),
+        ("10vw", 20.0),
+        ("10vh", 10.0),
+        ("10%", 20.0),
+        ("calc(1em + 10px)", 30.0),
+        ("calc((10% - 4px) * 2 / 4)", 8.0),
+        ("calc(-1 * -3px)", 3.0),
+        ("calc(2em - 1.5in + calc(110px))", 6.0),
+    ],
+)
+def test_lengths_by_font_and_view(length: str, expected: float) -> None:
+    body = f'<g font-size="10px"><g font-size="2em"><rect width="{length}" height="1"/></g></g>'
+    assert area_of(f'<svg viewBox="0 0 200 100" width="200" height="100">{body}</svg>') == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("length", ["calc(1px", "calc()", "calc(1px 2px)", "calc(1/0)", "calc(" + "(" * 150, "calc(a)"])
+def test_calculations_that_make_no_sense(length: str) -> None:
+    found = svg_drawing(svg(f'{RECT}<rect width="{length}" height="1"/>'))
+    assert "which is not a length: 0 is used" in found.notes[0]
 
 
 # Fill rules and overlaps

@@ -8,8 +8,10 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
 from ..limits import Limits
-from .lengths import LENGTH, UNITS_OF_LENGTH, Viewport, fitted, measure, name_of, view_box_of
+from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, name_of, quoted, view_box_of
+from .transforms import read_transform
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
@@ -77,7 +79,8 @@ class Document:
             self.root.get("preserveAspectRatio", ""),
         )
         units = self.frame.view_box or self.frame.page
-        self.viewport = Viewport(units[2], units[3]) if units else Viewport()
+        self.faults = Faults()
+        self.viewport = Viewport(faults=self.faults).sized(*(units[2:] if units else (None, None)))
 
     @property
     def pixel(self) -> float:
@@ -85,13 +88,17 @@ class Document:
         box, size = self.frame.view_box, Viewport()
         if box is None:
             return 1.0
-        try:
-            width = measure(self.frame.width, "width", "width", size)
-            height = measure(self.frame.height, "height", "height", size)
-        except NestedCagesError:  # per cent: as large as the view box
-            return 1.0
+        width, height = (size.length(text, "r") or 0.0 for text in (self.frame.width, self.frame.height))
         scales = [given / whole for given, whole in ((width, box[2]), (height, box[3])) if given > 0.0]
         return 1.0 / min(scales) if scales else 1.0
+
+    def transform(self, text: str, what: str) -> FloatArray:
+        """The matrix of a list of transforms; of one that cannot be read the identity, which the faults say."""
+        try:
+            return read_transform(text)
+        except NestedCagesError:
+            self.faults.add(f"The transform of the {what} is {quoted(text)}, which cannot be read: it is left out")
+            return np.eye(3)
 
     def linked(self, link: str) -> ET.Element | None:
         """The element that `#id` names."""

@@ -92,9 +92,9 @@ def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
         narrow: list[str] = []
         mesh = solid(areas, seam=width, spike=width, budget=reading.budget, notes=narrow)
         notes += [f"{note.capitalize()}." for note in narrow]
-        return SvgDrawing(mesh, document.frame, tuple(notes))
+        return SvgDrawing(mesh, document.frame, (*document.faults.notes(), *notes))
     except InvalidMeshError as error:
-        raise InvalidMeshError(" ".join((str(error), *notes))) from error
+        raise InvalidMeshError(" ".join((str(error), *document.faults.notes(), *notes))) from error
     except Exception as error:
         if type(error).__module__.partition(".")[0] != "shapely":
             raise
@@ -119,7 +119,7 @@ def _what_counts(scene: Scene, notes: list[str]) -> Group:
         found = _only(scene.root, _as_outline)
     if not found.children:
         problem = "The drawing has no filled or closed shapes; close its paths, or convert strokes and text to paths."
-        raise NestedCagesError(" ".join((problem, *notes)))
+        raise NestedCagesError(" ".join((problem, *scene.document.faults.notes(), *notes)))
     shapes = list(found.shapes())
     page = scene.document.frame.view_box or scene.document.frame.page
     if page is not None and len(shapes) > 1 and _covers(shapes[0], page):

@@ -17,7 +17,7 @@ INHERITED = frozenset(
     (
         *("fill", "fill-rule", "fill-opacity", "stroke", "stroke-width", "stroke-opacity", "stroke-linecap"),
         *("stroke-linejoin", "stroke-miterlimit", "stroke-dasharray", "stroke-dashoffset", "visibility", "color"),
-        *("clip-rule", "marker-start", "marker-mid", "marker-end"),
+        *("font-size", "clip-rule", "marker-start", "marker-mid", "marker-end"),
     )
 )
 """Inherited properties."""
