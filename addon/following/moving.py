@@ -162,7 +162,10 @@ def _level(
 
 
 def _with_frames(sentence: str, frames: NDArray[np.float64]) -> str:
-    """A message of the core with pose numbers replaced by frames."""
+    """A message of the core with frames instead of poses, and advice that Blender has: a smaller Step."""
+    advice = "lower Step" if (np.diff(frames) > 1.0).any() else "slow the motion down there"
+    for place in ("between them", "before it"):
+        sentence = sentence.replace(f"give more poses {place}", advice)
 
     def frame(match: re.Match[str]) -> str:
         word = "Frame" if match[1] == "P" else "frame"

@@ -11,6 +11,7 @@ from .. import keys
 from ..binding import binding, originals
 from ..errors import UserError, counted
 from ..generation import output
+from ..generation.advice import part
 from ..generation.generate import Generation, Request, Result
 from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
@@ -102,9 +103,13 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
             self.report({"WARNING"}, note)
         for need in filter(None, (level.need for level in cages)):
             self.report({"INFO"}, need)
-        sizes = ", ".join(f"{100.0 * abs(level.excess):.2f} %" for level in cages)
+        sizes = [abs(level.excess) for level in cages]
+        around, shown = "", ", ".join(map(part, sizes))
+        if len(results) > 1:
+            around = f" for {len(results)} drawings"
+            shown = f"{part(min(sizes))} to {part(max(sizes))}"
         kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
-        self.report({"INFO"}, f"{counted(len(cages), kind)}; {measure} {sizes}")
+        self.report({"INFO"}, f"{counted(len(cages), kind)}{around}; {measure} {shown}")
         return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:
