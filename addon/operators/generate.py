@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from .. import keys
-from ..binding import binding, originals
+from ..binding import binding, field
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.advice import part
@@ -58,7 +58,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         options, name = conversion.options(self, scene_of(context)), context.scene.name
-        with originals.unposed(sources(context)):
+        with field.unposed(sources(context)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
         yield from generation
