@@ -53,7 +53,7 @@ def to_engine_json(
     document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
     turn = 1 if flip_y is None else -1
     if triangles or pieces is not None:
-        document["points"] = _flipped(mesh.vertices, flip_y).tolist()
+        document["points"] = flipped(mesh.vertices, flip_y).tolist()
     if triangles:
         document["triangles"] = triangulate(mesh).triangles[:, ::turn].tolist()
     if pieces is not None:
@@ -95,7 +95,7 @@ def frames_from_engine_json(
     Raises NestedCagesError like `from_engine_json`, with the number of the frame.
     """
     limits = limits or Limits()
-    frames = _checked(text, FRAMES, "an animation of outlines", limits).get("frames")
+    frames = checked_document(text, FRAMES, "an animation of outlines", limits).get("frames")
     if not isinstance(frames, list):
         raise NestedCagesError(
             f"The animation of outlines has {shown(frames)} where its list of frames belongs.", code="file.invalid"
@@ -148,7 +148,7 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     if loops cross or touch, or a hole is not inside its polygon.
     """
     limits = limits or Limits()
-    return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, Budget(limits))
+    return _mesh_of(checked_document(text, FORMAT, "a collision outline", limits), flip_y, Budget(limits))
 
 
 def pieces_from_engine_json(
@@ -159,7 +159,7 @@ def pieces_from_engine_json(
     Raises NestedCagesError like `from_engine_json`, and where there are no pieces.
     """
     limits = limits or Limits()
-    document = _checked(text, FORMAT, "a collision outline", limits)
+    document = checked_document(text, FORMAT, "a collision outline", limits)
     points, pieces = document.get("points"), document.get("pieces")
     if not isinstance(points, list) or not isinstance(pieces, list):
         raise NestedCagesError("The collision outline has no convex pieces; export it with them.", code="file.invalid")
@@ -177,11 +177,11 @@ def pieces_from_engine_json(
                 code="file.invalid",
             )
         budget.spend("points", len(piece))
-        found.append(_flipped(places[piece], flip_y)[::turn])
+        found.append(flipped(places[piece], flip_y)[::turn])
     return found
 
 
-def _checked(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
+def checked_document(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
     """The document, checked for format and version."""
     document, _ = loaded_json(text, what, limits)
     if not isinstance(document, Mapping) or document.get("format") != kind:
@@ -200,7 +200,7 @@ def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
     """Outer loop and holes of each component."""
     polygons: list[dict[str, Any]] = [{"outer": [], "holes": []} for _ in range(int(mesh.component_of_loop.max()) + 1)]
     for k, loop in enumerate(mesh.loops):
-        points = _flipped(mesh.vertices[loop], flip_y)
+        points = flipped(mesh.vertices[loop], flip_y)
         rows = (points if flip_y is None else points[::-1]).tolist()
         polygon = polygons[mesh.component_of_loop[k]]
         if mesh.loop_signs[k] > 0:
@@ -227,11 +227,11 @@ def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) 
         rings.append([part["outer"], *part.get("holes", [])])
     polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
     budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
-    flipped = [[_flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
-    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": flipped})
+    turned = [[flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
+    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": turned})
 
 
-def _flipped(points: FloatArray, flip_y: float | None) -> FloatArray:
+def flipped(points: FloatArray, flip_y: float | None) -> FloatArray:
     """Points (n, 2) with y turned over at half of `flip_y`, in decimals; turned twice they are the same again."""
     if flip_y is None:
         return points

@@ -233,6 +233,7 @@ class Scene:
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
+                item.get("id") or "",
             )
         )
         marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)
