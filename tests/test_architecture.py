@@ -49,6 +49,7 @@ ADDON_ROOMS = (
     "errors",
     "core",
     "keys",
+    "record",
     "scene",
     "animation",
     "rigging",

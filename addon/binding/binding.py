@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
+from .. import keys, record
 from ..animation import stage, visibility
 from ..animation.shape_keys import remove_mesh
 from ..core import core
@@ -79,7 +79,7 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
     levels = ownership.members(collection)
     _disconnect(collection, levels)
     lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in _unpark(obj)]
-    keys.remove(collection, [keys.BOUND])
+    record.bind(collection, "")
     stage.enter(collection)
     return lost
 
@@ -100,8 +100,8 @@ def forget(collection: bpy.types.Collection) -> str:
             remove_mesh(mesh)
         if action is not None and action.users == 0:
             bpy.data.actions.remove(action)
-    method = keys.text(collection, keys.BOUND)
-    keys.remove(collection, [keys.BOUND])
+    method = str(record.of(collection).bound)
+    record.bind(collection, "")
     return method
 
 
@@ -212,7 +212,7 @@ def _connect(
     method: str,
 ) -> Work[Binding]:
     """Links the levels from the inside out: each link is measured before its cage follows another one."""
-    collection[keys.BOUND] = method
+    record.bind(collection, method)
     context.view_layer.update()
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage)

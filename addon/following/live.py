@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import bake
 from ..core import core
 from ..errors import UserError
@@ -135,9 +135,8 @@ class Live:
         for obj, mesh in zip(objects, moved, strict=True):
             _move(obj, drawing.frame.points(mesh.vertices))
         scale = writing.scale_of(objects[0])
-        for number, (obj, certificate) in enumerate(zip(objects[1:], certificates, strict=True), 1):
-            keys.remove(obj, [keys.CHECK, keys.FINDING])
-            keys.store(obj, writing.still_facts(certificate, number, scale))
+        for obj, certificate in zip(objects[1:], certificates, strict=True):
+            writing.describe_still(obj, certificate, scale)
         return True
 
     def _clearance(self, drawing: Drawing, fine: core.Mesh) -> float:
@@ -184,12 +183,14 @@ def why_not(collection: bpy.types.Collection) -> str:
     """Why the cages of an output cannot follow edits; empty if they can."""
     if ownership.is_inside(collection):
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
-    kinds = keys.text(collection, keys.KINDS)
+    if not record.of(collection).known:
+        return "An earlier version made these cages and did not keep their settings: make them again with Generate"
+    kinds = record.of(collection).kinds
     if kinds:
         return f"These cages are {kinds}, which following edits would undo: make them again with Generate"
     if ownership.is_bound(collection):
         return "Unbind the drawing from its cages first"
-    if keys.flag(collection, keys.MOVING):
+    if record.of(collection).moving:
         return "The cages follow an animation: remove that first"
     return ""
 

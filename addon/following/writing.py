@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import bake, shape_keys, stage, timeline, visibility
 from ..animation.timeline import Timing
 from ..core import core
@@ -84,8 +83,11 @@ def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Movi
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1")
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
         shape_keys.add_steps(obj, cage.steps, cage.frames, f"Level {number}")
-        keys.store(obj, _facts(poses.frames, cage, number, poses.scale))
-    keys.store(collection, {keys.MOVING: True, keys.END: round(float(poses.frames[-1]))})
+        _describe(obj, poses.frames, cage, poses.scale)
+    found = record.written(collection)
+    first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
+    found.moving, found.frames = True, (first, last, last)
+    record.keep(collection)
 
 
 def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
@@ -94,7 +96,7 @@ def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> 
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
         visibility.always_show(obj)
-        keys.remove(obj, (*bake.TIMES, keys.PHASES))
+        bake.forget_times(obj)
 
 
 def write_still(scene: bpy.types.Scene, result: Result) -> None:
@@ -112,6 +114,7 @@ def write_still(scene: bpy.types.Scene, result: Result) -> None:
     _end_animation(scene, collection)
     for obj in ownership.members(collection):
         shape_keys.remove_steps(obj)
+    record.keep(collection)
 
 
 def scale_of(obj: bpy.types.Object) -> float:
@@ -119,29 +122,17 @@ def scale_of(obj: bpy.types.Object) -> float:
     return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
 
 
-def still_facts(certificate: core.Certificate, number: int, scale: float) -> dict[str, Any]:
-    """Custom properties of a cage that was moved by a step; lengths in scene units."""
-    clearance, excess = float(certificate.clearance) * scale, float(certificate.excess)
-    sentence = (
-        f"Certified as stored: simple, strictly encloses level {number - 1}; clearance {clearance:.3g}, "
-        f"excess {100.0 * excess:.2f} %"
-    )
-    return {keys.CLEARANCE: clearance, keys.EXCESS: excess, keys.CERTIFICATE: sentence}
+def describe_still(obj: bpy.types.Object, certificate: core.Certificate, scale: float) -> None:
+    """Describes a cage that was moved by a step; scale: the scene's length of its unit."""
+    found = record.described(obj)
+    found.clearance, found.excess = float(certificate.clearance) * scale, float(certificate.excess)
+    found.check, found.finding, found.need, found.stamp = "NONE", "", "", record.stamp(obj)
+    record.publish(obj)
 
 
-def _facts(frames: NDArray[np.float64], cage: MovingCage, number: int, scale: float) -> dict[str, Any]:
-    """Custom properties of a cage, for the panel and other programs; lengths in scene units."""
-    first, last = round(float(frames[0])), round(float(frames[-1]))
-    clearance, excess = cage.clearance * scale, cage.excess
-    sentence = (
-        f"Certified as stored from frame {first} to {last} and at all instants between: simple, strictly encloses "
-        f"level {number - 1}; clearance {clearance:.3g} at least, excess {100.0 * np.median(excess):.2f} % in the "
-        f"median, {100.0 * excess.max():.2f} % at most"
-    )
-    return {
-        keys.CLEARANCE: clearance,
-        keys.EXCESS: float(np.median(excess)),
-        keys.FLOW_START: first,
-        keys.END: last,
-        keys.CERTIFICATE: sentence,
-    }
+def _describe(obj: bpy.types.Object, frames: NDArray[np.float64], cage: MovingCage, scale: float) -> None:
+    """Describes a cage that follows; scale: the scene's length of its unit."""
+    found, excess = record.described(obj), cage.excess
+    found.clearance, found.certified = cage.clearance * scale, {"MOTION"}
+    found.excess, found.most = float(np.median(excess)), float(excess.max())
+    found.frames = (round(float(frames[0])), -1, -1, round(float(frames[-1])))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
+from .. import keys, record
 from ..animation import visibility
 from ..core import core, triangulation
 from ..errors import UserError
@@ -62,7 +63,7 @@ def make(
         name = f"{obj.name} {shape.replace('_', ' ').title()}"
         points = frame.points(mesh.vertices)
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
-        new.color = display.colour(obj.get(keys.LEVEL, 0))
+        new.color = display.colour(ownership.level_of(obj) or 0)
         if shape == "GREASE_PENCIL":
             strokes.set_colour(new, tuple(obj.color))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
@@ -102,7 +103,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
             visibility.always_show(new)
         display.set_thickness(new, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
-        keys.remove(new, keys.ours(new))
+        record.remove(new)
         (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
         made.append(new)
     return made
@@ -183,10 +184,20 @@ def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tup
 
 
 def _engine(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
-    """The last mesh only, the outermost."""
-    outermost = list(shapes.values())[-1]
+    """All outlines in one document."""
     flip, pieces = 0.0 if flip_y else None, extras.pieces or None
-    return core.exchange.to_engine_json(outermost, flip_y=flip, triangles=extras.triangles, pieces=pieces), 1
+    texts = [
+        core.exchange.to_engine_json(mesh, flip_y=flip, triangles=extras.triangles, pieces=pieces)
+        for mesh in shapes.values()
+    ]
+    whole, *others = (json.loads(text) for text in texts)
+    for other in others:
+        before = len(whole.get("points", ()))
+        for name in ("polygons", "points"):
+            whole[name] = whole.get(name, []) + other.get(name, [])
+        for name in {"triangles", "pieces"} & set(other):
+            whole[name] += [[before + index for index in corners] for corners in other[name]]
+    return (json.dumps({key: value for key, value in whole.items() if value != []}) if others else texts[0]), len(texts)
 
 
 WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, Extras], tuple[str, int]]] = {

@@ -5,13 +5,14 @@ from __future__ import annotations
 import bpy
 
 from ..animation import bake
+from ..binding.adoption import adopt
 from ..errors import UserError
 from ..following import live
 from ..generation.generate import Options
 from ..properties import conversion
 from ..properties.settings import settings_of
 from ..scene import ownership
-from ..scene.selection import collection_of_active, output_of_active, scene_of
+from ..scene.selection import chosen, collection_of_active, scene_of
 from .base import Outcome, Reporting, redraw
 
 
@@ -41,9 +42,11 @@ class OBJECT_OT_nested_cages_live(Reporting, bpy.types.Operator):
         if live.current() is not None:
             live.stop()
             return {"FINISHED"}
-        scene, collection, settings = scene_of(context), output_of_active(context), settings_of(context)
-        source = ownership.source_of(collection)
-        assert source is not None
+        scene, settings = scene_of(context), settings_of(context)
+        adopt(scene, chosen(context)[:1])
+        collection = collection_of_active(context)
+        source = ownership.source_of(collection) if collection is not None else None
+        assert collection is not None and source is not None
         try:
             options = Options(clearance=settings.clearance, methods=conversion.methods(settings))
             if bake.is_animated(collection):
