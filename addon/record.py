@@ -51,14 +51,14 @@ def described(obj: bpy.types.Object) -> Any:
 
 
 def keep(collection: bpy.types.Collection) -> None:
-    """Keeps the record on the fine mesh too: it goes with copies, and is there if the collection is removed."""
+    """Keeps the record on each object too: it goes with copies, and is there if the collection is removed."""
     found = of(collection)
     if isinstance(found, SimpleNamespace):
         return
     objects = [part.object for part in found.levels if part.object is not None and part.object.is_editable]
-    for fine in objects[:1]:
-        assign(described(fine).kept, values(found))
+    given = values(found)
     for obj in objects:
+        assign(described(obj).kept, given)
         publish(obj)
     facts = {
         keys.SOURCE: found.sources[0].object if len(found.sources) else None,

@@ -112,7 +112,8 @@ def _known_or_made(
 ) -> Iterator[Progress | MovingCage]:
     """As `_level`, but a cage that is remembered is not made again."""
     key = memory.key_of(
-        "moving level", inner, frames, points, wanted, options.methods, options.clearance, cyclic
+        "moving level", inner, frames, points, wanted, options.methods,
+        options.clearance, options.clearance_share, cyclic,
     )  # fmt: skip
     found = known().get(key)
     if found is not None:
@@ -137,7 +138,8 @@ def _level(
     problem = ""
     margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(points).max())
     settings = options.methods.settings()
-    automatic = [part * inner.diagonal for part in AUTOMATIC_CLEARANCES]
+    shares = [options.clearance_share] if options.clearance_share > 0.0 else AUTOMATIC_CLEARANCES
+    automatic = [part * inner.diagonal for part in shares]
     for clearance in [options.clearance] if options.clearance > 0.0 else automatic:
         for margins in MARGINS:
             asked = replace(settings, clearance=clearance + margins * margin)
@@ -179,7 +181,7 @@ def _stored(inner: core.Mesh, level: core.MovingLevel, clearance: float) -> Work
         certificates.append(core.verify(cage.moved(cages[key]), inner.moved(fines[key]), clearance))
         problems = certificates[-1].problems
         if key and not problems and not core.verify_motion(cage, inner, *_pair(cages, fines, key)).free:
-            problems = ("it touches the drawing on the way to this frame",)
+            problems = (core.Fault("it touches the drawing on the way to this frame", "motion.collides"),)
         if problems:
             return (
                 f"frame {frame:g}: the cage does not hold in Blender's single precision ({'; '.join(problems)}); move "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from math import ceil
 
 from ..core import core
@@ -35,10 +34,10 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     )
 
 
-def smallest_found(message: str) -> int | None:
-    """The smallest possible number of vertices according to an error message of the core."""
-    found = re.search(r"ask for at least (\d+)", message)
-    return int(found[1]) if found else None
+def smallest_found(error: core.NestedCagesError) -> int | None:
+    """The smallest possible number of vertices according to an error of the core."""
+    least: int | None = error.data.get("least")
+    return least
 
 
 def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[str, ...]:

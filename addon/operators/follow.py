@@ -60,7 +60,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "levels")
-        groups.draw(layout.column(), self, ("clearance", "energy"))
+        groups.draw(layout.column(), self, ("clearance", "clearance_share", "energy"))
         frames = layout.column(align=True)
         frames.prop(self, "frame_start")
         frames.prop(self, "frame_end")

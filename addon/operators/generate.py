@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from .. import keys, record
-from ..binding import binding, originals
+from ..binding import binding, field
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.generate import Generation, Request, Result
@@ -58,7 +58,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         options, name = conversion.options(self, scene_of(context)), context.scene.name
-        with originals.unposed(sources(context)):
+        with field.unposed(sources(context)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
         yield from generation

@@ -31,6 +31,7 @@ def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
     return Options(
         levels=levels,
         clearance=values.clearance,
+        clearance_share=0.01 * values.clearance_share,
         inside=values.inside,
         shrink=values.shrink,
         rules=rules(values),

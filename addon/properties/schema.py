@@ -50,7 +50,7 @@ class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
 
 
 class NestedCagesRecord(bpy.types.PropertyGroup):
-    """Of a collection of cages, and kept on its fine mesh too, for copies and for a collection that is gone."""
+    """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
 
     version: IntProperty(name="Version", description="Version of the record; 0 for none", default=0)
     sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesPart)
@@ -76,7 +76,7 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     level: IntProperty(name="Level", description="Its level, 0 for the fine mesh", default=-1)
     of: PointerProperty(name="Drawing", description="The drawing that it belongs to", type=bpy.types.Object)
     home: PointerProperty(name="Home", description="The collection with the record", type=bpy.types.Collection)
-    kept: PointerProperty(name="Kept", description="The record, on the fine mesh", type=NestedCagesRecord)
+    kept: PointerProperty(name="Kept", description="The record, for copies", type=NestedCagesRecord)
     inside: BoolProperty(name="Inside", description="Whether it lies inside the drawing")
     vertices: IntProperty(name="Vertices", description="Number of vertices", default=-1)
     certified: EnumProperty(

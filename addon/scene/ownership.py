@@ -40,10 +40,20 @@ def _went_along(obj: bpy.types.Object) -> bool:
 
 
 def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The hidden helper objects of an output."""
-    own, shown = set(members(collection)), (keys.SURFACE_OF, keys.PRISM_OF, keys.LINES_OF)
-    marked = [obj for obj in bpy.data.objects if keys.flag(obj, keys.HELPER)]
-    return [obj for obj in marked if any(keys.block(obj, key, bpy.types.Object) in own for key in shown)]
+    """The hidden helper objects of an output; those of earlier versions are in its collection."""
+    own = set(members(collection))
+    return [
+        obj
+        for obj in bpy.data.objects
+        if keys.flag(obj, keys.HELPER)
+        and level_of(obj) is None
+        and (_shown(obj) in own or (_shown(obj) is None and collection in obj.users_collection))
+    ]
+
+
+def _shown(helper: bpy.types.Object) -> bpy.types.Object | None:
+    """What a helper shows."""
+    return keys.block(helper, keys.FIELD_OF, bpy.types.Object) or keys.block(helper, keys.LINES_OF, bpy.types.Object)
 
 
 def is_output(collection: bpy.types.Collection) -> bool:

@@ -53,6 +53,7 @@ PAGES = (
     ("bpy.types.nestedcageslevel*", "levels"),
     ("bpy.ops.scene.nested_cages_level*", "levels"),
     ("bpy.ops.scene.nested_cages_preset*", "levels"),
+    ("bpy.ops.scene.nested_cages_use_preset*", "levels"),
     ("bpy.ops.scene.nested_cages_method_preset*", "methods"),
     ("bpy.types.nestedcagespreferences*", "install"),
     ("bpy.ops.scene.nested_cages_store_defaults*", "install"),

@@ -173,8 +173,9 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how) -> None:
         choose(instance)
         bpy.ops.object.duplicates_make_real(use_base_parent=True, use_hierarchy=True)
         bpy.context.scene.collection.children.link(home)
-    copy = next(obj for obj in set(bpy.data.objects) - before if obj.type == source.type and obj.name[:8] == "Drawing."
-                and addon.record.member(obj).role == "NONE" and "Surface" not in obj.name)  # fmt: skip
+    members = [addon.record.member(obj) for obj in set(bpy.data.objects) - before]
+    (copy,) = {member.of for member in members if member.role == "CAGE"}
+    assert copy not in before
     choose(copy)
     assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
     (own,) = ownership.outputs_of(bpy.context.scene, copy)
