@@ -10,7 +10,7 @@ from bpy.props import BoolProperty
 
 from .. import record
 from ..binding.adoption import adopt, waiting
-from ..errors import Fault, UserError
+from ..errors import Fault, UserError, counted
 from ..generation.job import TICK, Job, Work, completed, part, running
 from ..scene import ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of
@@ -60,6 +60,14 @@ class Reporting(Mixin):
         remember_fault(error.fault)
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
+
+    def tell_skipped(self, problems: Sequence[UserError], noun: str = "drawing") -> None:
+        """Lists what could not be worked on; the rest was."""
+        remember_fault(next((problem.fault for problem in problems if problem.fault is not None), None))
+        for problem in problems:
+            self.report({"WARNING"}, f"Skipped: {problem}")
+        if problems:
+            self.report({"WARNING"}, f"{counted(len(problems), noun)} skipped, see the Info editor")
 
 
 class JobOperator(Reporting):
@@ -196,11 +204,10 @@ class OutputOperator(JobOperator):
                 problems.append(error)
         if not done:
             raise problems[0]
-        for problem in problems:
-            self.report({"WARNING"}, f"Skipped: {problem}")
         for collection, _ in done:
             record.keep(collection)
         self.finish(context, done)
+        self.tell_skipped(problems)
         return {"FINISHED"}
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Any]:

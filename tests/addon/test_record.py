@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, evaluated, grid_face, poly_curve, star, text
+from drawings import circle, evaluated, grid_face, of_before, poly_curve, star, text
 
 MAKE = {
     "curve": lambda: poly_curve("Drawing", [star()]),
@@ -50,29 +50,6 @@ def moved_by(source, cage) -> float:
     before = evaluated(source).copy()
     stretch(cage)
     return float(np.abs(evaluated(source) - before).max())
-
-
-def of_before(addon, collection) -> None:
-    """Stores a set as the version before records did."""
-    record, keys = addon.record, addon.keys
-    found = record.of(collection)
-    objects = [part.object for part in found.levels]
-    collection[keys.LEVELS] = len(objects) - 1
-    collection[keys.MARKERS] = json.dumps([[marker.name, marker.frame] for marker in found.markers])
-    if found.playing:
-        collection[keys.HIDES] = [part.hidden for part in found.sources]
-    if len(found.sources) > 1:
-        collection[keys.OTHERS] = {str(k): part.object for k, part in enumerate(list(found.sources)[1:])}
-    for obj in objects:
-        member = record.member(obj)
-        if member.role == record.CAGE:
-            obj[keys.PHASES] = list(member.phases)
-        for name in [prop.identifier for prop in member.bl_rna.properties]:
-            if name not in {"rna_type", "kept"}:
-                member.property_unset(name)
-    for name in [prop.identifier for prop in found.bl_rna.properties]:
-        if name not in {"rna_type", "settings"}:
-            found.property_unset(name)
 
 
 @pytest.mark.parametrize("bound", [False, True], ids=["free", "bound"])
