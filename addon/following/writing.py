@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import bpy
 import numpy as np
@@ -23,7 +24,9 @@ from ..scene.plane import Frame
 from .moving import Moving, MovingCage
 
 
-def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0) -> list[str]:
+def write(
+    scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0, used: dict[str, Any] | None = None
+) -> list[str]:
     """Writes the output of each drawing in place of earlier output; returns sentences about the artist's work on that
     which could not be transferred. Raises: UserError, before anything is changed.
     """
@@ -36,7 +39,9 @@ def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 
             raise UserError(f"'{earlier.name}' is bound to its cages, which move it: unbind it first")
     start = round(float(results[0].poses.frames[0]))
     timing = Timing(start_frame=start, frames_per_step=1, show_flow=False)
-    collections, lost = output.write(scene, [_standing(result) for result in results], timing, thickness)
+    collections, lost = output.write(
+        scene, [replace(_standing(result), used=used) for result in results], timing, thickness
+    )
     for collection, result in zip(collections, results, strict=True):
         _play(scene, collection, result)
     return lost
@@ -99,8 +104,11 @@ def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> 
         bake.forget_times(obj)
 
 
-def write_still(scene: bpy.types.Scene, result: Result) -> None:
-    """Writes the finished cages of a drawing in its object's space, without animation. Raises: UserError."""
+def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) -> None:
+    """Writes the finished cages of a drawing in its object's space, without animation. Raises: UserError.
+
+    used: the settings that they were made with.
+    """
     source = result.drawing.source
     if source is None:
         raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
@@ -110,7 +118,7 @@ def write_still(scene: bpy.types.Scene, result: Result) -> None:
     ]
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))
-    (collection,), _ = output.write(scene, [Result(drawing, tuple(levels))], timing)
+    (collection,), _ = output.write(scene, [Result(drawing, tuple(levels), result.kinds, used)], timing)
     _end_animation(scene, collection)
     for obj in ownership.members(collection):
         shape_keys.remove_steps(obj)
@@ -122,11 +130,11 @@ def scale_of(obj: bpy.types.Object) -> float:
     return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
 
 
-def describe_still(obj: bpy.types.Object, certificate: core.Certificate, scale: float) -> None:
-    """Describes a cage that was moved by a step; scale: the scene's length of its unit."""
+def describe_still(obj: bpy.types.Object, certificate: core.Certificate, scale: float, need: str = "") -> None:
+    """Describes a cage that was moved by a step, or edited; scale: the scene's length of its unit."""
     found = record.described(obj)
     found.clearance, found.excess = float(certificate.clearance) * scale, float(certificate.excess)
-    found.check, found.finding, found.need, found.stamp = "NONE", "", "", record.stamp(obj)
+    found.check, found.finding, found.need, found.stamp = "NONE", "", need, record.stamp(obj)
     record.publish(obj)
 
 

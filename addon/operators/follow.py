@@ -103,7 +103,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
         after = bpy.data.scenes.get(name)
         if after is None:
             raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        for sentence in writing.write(after, results, self.thickness):
+        for sentence in writing.write(after, results, self.thickness, conversion.used(self)):
             self.report({"WARNING"}, sentence)
         self._tell(results)
         return {"FINISHED"}
