@@ -1,0 +1,233 @@
+"""Line cycles: the lines around the loops that enclose them with the least area.
+
+A cage is a cycle of directed lines with the solid on their left. The area between it and the outline is a sum over
+pairs of consecutive lines: of the region between the path from the contact of one line, by their vertex, to the contact
+of the next, and the outline between these contacts. So dynamic programming finds the best cycles of 3, 4, … lines among
+candidates, and the best number of lines for each loop. Where edges that are not neighbours cross, one of them gives way,
+and the search is repeated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import InvalidMeshError, NestingError
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.mesh import Mesh
+from ...stages import Stage, drain, mapped
+from ..base import Count, Start
+from ..clearing import CLEARANCE_RESERVE, without_gaps
+from ..offset import offsetting
+from ..on_curve import OnCurve, closest_on_curve
+from ..outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
+from ..outline import Outline
+from ..request import Request
+from .candidates import candidates
+from .chain import Chain, Lines, without_doubles
+from .crossings import Choice, give_way
+from .frame import Frame
+from .free_rays import Obstacles
+from .loop_search import LoopSearch, shares
+from .places import places, weights
+from .turns import SLACK
+
+SOURCE = "line cycles"
+"""Name of its meshes in reports."""
+
+REACH = 1.5
+"""Longest part of an edge on either side of its contact, in diameters."""
+
+EXACT_SHIFT = 1e-7
+"""Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
+
+PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
+"""Places: per vertex of the cage; at least, in all; at least, for each loop."""
+
+MORE_PLACES = 5
+"""Factor on the number of places where no cycle is found."""
+
+LONGEST_STRETCH = 3.0
+"""Length of the longest stretches that have tangents, in mean edges of the cage."""
+
+FULL_WIDTH = 12
+"""Number of edges of a loop up to which a line may be followed by any other."""
+
+FOLLOWING, SPARE_FOLLOWING = 3.0, 8
+"""Otherwise it is followed by a line within so many mean edges of the cage, and so many lines."""
+
+USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
+"""Lines of a loop: likely ones per deserved one; largest number per likely one, and beyond that."""
+
+BIASES = (1.0, 1e9, 0.3)
+"""Ways to decide which of two crossing edges gives way; the best result is kept."""
+
+MAX_ROUNDS = 12
+"""Number of times that crossings are cleared."""
+
+
+class NoCyclesError(NestingError):
+    """No cycles of lines were found."""
+
+
+@dataclass(frozen=True)
+class LineCycles:
+    """The lines of least area around each loop, their vertices distributed in the best way; put on the curve."""
+
+    hull: OuterHull = field(default_factory=OuterHull)
+    """What takes over where no cycles are found."""
+    on_curve: bool = True
+    """Whether starts come with a mesh on the fine one, from which the flow leads to a cage."""
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """The strictly enclosing mesh of least area; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+        """One mesh that strictly encloses the fine one; up to `most` hulls where there are no cycles.
+
+        A generator: yields the fraction done and returns the list. Raises NestingError as `OuterHull` does.
+        """
+        request = Request.of(fine, count)
+        try:
+            mesh = yield from cycles_around(request, clearance)
+        except NoCyclesError:
+            instead = OnCurve(self.hull) if self.on_curve else self.hull
+            return (yield from instead.starts(fine, count, clearance=clearance, most=most))
+        return [Start(mesh, SOURCE, closest_on_curve(mesh, fine) if self.on_curve else None)]
+
+
+def cycles_around(request: Request, clearance: float) -> Stage[float, Mesh]:
+    """The mesh of the best cycles. Raises NoCyclesError."""
+    outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+    distance = max(HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance)
+    offset: Outline | None = None
+    error = NoCyclesError("No cycles were found.")
+    for factor in (1, MORE_PLACES):
+        yield 0.0
+        try:  # lines beside the outline itself, all shifted by the same distance
+            return _best(request, outline, distance / outline.diameter, factor)
+        except NoCyclesError as failure:
+            error = failure
+        if offset is None:
+            offset, stuck = yield from mapped(
+                offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0
+            )
+            if len(stuck):
+                raise error
+        try:  # where gaps are too narrow for that: beside its strict offset
+            return _best(request, offset, EXACT_SHIFT, factor)
+        except NoCyclesError as failure:
+            error = failure
+    raise error
+
+
+def _best(request: Request, outline: Outline, shift: float, factor: int) -> Mesh:
+    """The mesh of least area of several ways to clear crossings. Raises NoCyclesError."""
+    best: tuple[float, Mesh] | None = None
+    error: NoCyclesError | None = None
+    for bias in BIASES:
+        around = _Around(request, outline, shift, factor)
+        try:
+            area, mesh = around.run(bias)
+        except NoCyclesError as failure:
+            error = failure
+        else:
+            if best is None or area < best[0]:
+                best = area, mesh
+        if around.rounds == 0 or (best is not None and factor > 1):
+            break
+    if best is None:
+        assert error is not None
+        raise error
+    return best[1]
+
+
+class _Around:
+    """A search for cycles around all loops of an outline."""
+
+    def __init__(self, request: Request, outline: Outline, shift: float, factor: int) -> None:
+        self.request, self.factor, self.shift = request, factor, shift
+        self.frame = Frame.of(outline)
+        self.outline = outline.moved(self.frame.into(outline.vertices))
+        self.rounds = 0
+
+    def run(self, bias: float) -> tuple[float, Mesh]:
+        """Area and mesh. Raises NoCyclesError."""
+        searches = list(self._searches())
+        numbers = self._shares(searches)
+        for _ in range(MAX_ROUNDS):
+            for search, number in zip(searches, numbers, strict=True):
+                search.refine(number)
+            numbers = self._shares(searches)
+            choice = Choice.of(searches, numbers)
+            i, j = choice.crossings()
+            if len(i) == 0:
+                break
+            self.rounds += 1
+            for k in give_way(searches, choice, i, j, bias):
+                searches[k].solve(int(searches[k].cycle(numbers[k])[0]))
+            numbers = self._shares(searches)
+        return self._mesh(choice)
+
+    def _shares(self, searches: list[LoopSearch]) -> list[int]:
+        numbers = shares([search.totals for search in searches], self.request.target)
+        if numbers is None:
+            raise NoCyclesError("There are no such cycles.")
+        return numbers
+
+    def _searches(self) -> Iterator[LoopSearch]:
+        """The search around each loop. Raises NoCyclesError."""
+        target, minimum = self.request.target, self.request.minimum
+        chains = [Chain(loop) for loop in self.outline.loops]
+        deserved = weights(chains, target)
+        whole = sum(float(weight.sum()) for weight in deserved)
+        shift = self.shift
+        found: list[tuple[Lines, float, int]] = []
+        for chain, weight in zip(chains, deserved, strict=True):
+            share = float(weight.sum()) / whole
+            count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
+            at = places(chain, weight, min(self.factor * count, max(chain.size, 6)))
+            expected = max(3.0, min(len(at) / PLACES_PER_VERTEX, USUAL_SHARE * target * share))
+            found.append((candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift).shifted(shift), expected, 0))
+        everything = Lines.joined([lines for lines, _, _ in found])
+        free = Obstacles(self.outline.loops).free(everything, REACH) + SLACK
+        usable = (free > SLACK).all(axis=0)
+        begin = 0
+        for k, (chain, (lines, expected, _)) in enumerate(zip(chains, found, strict=True)):
+            own = slice(begin, begin + len(lines))
+            begin += len(lines)
+            some = usable[own]
+            lines, own_free = lines.take(some), free[:, own][:, some]
+            count = len(lines)
+            if count < 3:
+                raise NoCyclesError("No lines are free.")
+            width = count - 1 if expected <= FULL_WIDTH else min(count - 1, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
+            most = self._most(k, expected, count)
+            yield LoopSearch(chain, lines, own_free, width=width, sizes=range(minimum[k], most + 1), expected=expected)
+
+    def _most(self, loop: int, expected: float, lines: int) -> int:
+        """The largest number of lines for a loop."""
+        minimum, target = self.request.minimum, self.request.target
+        if self.request.per_loop is not None:
+            return minimum[loop]
+        most = min(lines, target - sum(minimum) + minimum[loop])
+        if len(minimum) > 1:
+            most = max(minimum[loop], min(most, int(MAX_SHARE * expected) + SPARE_SHARE))
+        return most
+
+    def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
+        """Area and mesh of cycles that do not cross. Raises NoCyclesError."""
+        rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
+        if min(map(len, rings)) < 3:
+            raise NoCyclesError("A cycle is flat.")
+        outline = Outline(np.concatenate(rings), tuple(map(len, rings)), np.zeros((0, 2), np.int64))
+        try:
+            mesh = self.request.coarse(outline)
+        except InvalidMeshError as error:
+            raise NoCyclesError(str(error)) from error
+        if not self.request.nests(mesh):
+            raise NoCyclesError("The cycles do not enclose the loops.")
+        return outline.area, mesh
