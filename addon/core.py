@@ -12,7 +12,8 @@ from .errors import UserError
 
 if TYPE_CHECKING:
     import nestedcages_core as core
-    from nestedcages_core import memory
+    from nestedcages_core import cache as memory
+    from nestedcages_core import tolerance
     from nestedcages_core.geometry import predicates, triangulation
 else:
 
@@ -37,8 +38,9 @@ else:
             return attrgetter(f"{self.__name__}.{name}".removeprefix("core."))(nestedcages_core)
 
     core = _LazyModule("core")
-    memory = _LazyModule("memory")
+    memory = _LazyModule("cache")
     predicates = _LazyModule("geometry.predicates")
+    tolerance = _LazyModule("tolerance")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "memory", "predicates", "triangulation"]
+__all__ = ["core", "memory", "predicates", "tolerance", "triangulation"]

@@ -45,10 +45,10 @@ from nestedcages_core import (
     nested_cages,
     verify,
 )
-from nestedcages_core.hierarchy.settings import DEFAULT_CLEARANCE
-from nestedcages_core.hierarchy.units import SolverUnits
-from nestedcages_core.memory import forget
-from nestedcages_core.stages import drain
+from nestedcages_core.cache import forget
+from nestedcages_core.level.choices import DEFAULT_CLEARANCE
+from nestedcages_core.level.units import SolverUnits
+from nestedcages_core.tasks import drain
 from random_shapes import KINDS, random_shape
 from stress import SMALLEST_POSSIBLE
 

@@ -20,8 +20,8 @@ from nestedcages_core import (
     Tightening,
     TwoSidedFlow,
 )
-from nestedcages_core.decimation.hull_search import RESTART_WEIGHTS
-from nestedcages_core.hierarchy.attempts import MAX_IPC_PAIRS
+from nestedcages_core.decimation.hull.hull_search import RESTART_WEIGHTS
+from nestedcages_core.level.attempts import MAX_IPC_PAIRS
 
 
 @dataclass(frozen=True)
@@ -162,63 +162,67 @@ MECHANISMS: dict[str, Mechanism] = {
     # where cages begin
     "second start": Mechanism("hierarchy", partial(Settings, starts=1)),
     "second start (2 to 3)": Mechanism("hierarchy", partial(Settings, starts=3)),
-    "early stop of losing starts": Mechanism("hierarchy", patches={"hierarchy.early_stop:FIRST_LOOK": 10**9}),
+    "early stop of losing starts": Mechanism("hierarchy", patches={"level.early_stop:FIRST_LOOK": 10**9}),
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
         "hierarchy",
-        patches={"hierarchy.level:LevelBuilder._untightened": no_level},
-        probes={"hierarchy.level:LevelBuilder._untightened": found_something},
+        patches={"level.builder:LevelBuilder._untightened": no_level},
+        probes={"level.builder:LevelBuilder._untightened": found_something},
     ),
     "places on the curve by the hull": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
     "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
     "restarts (3 to 1)": Mechanism("decimation", hulls(1)),
     "restarts (3 to 6)": Mechanism("decimation", hulls(6)),
-    "endings (5 to 1)": Mechanism("decimation", patches={"decimation.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:1]}),
-    "endings (5 to 3)": Mechanism("decimation", patches={"decimation.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:3]}),
+    "endings (5 to 1)": Mechanism(
+        "decimation", patches={"decimation.hull.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:1]}
+    ),
+    "endings (5 to 3)": Mechanism(
+        "decimation", patches={"decimation.hull.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:3]}
+    ),
     "further restarts for loops": Mechanism(
         "decimation",
-        patches={"decimation.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},
-        probes={"decimation.outer_hull:search_hulls": several_loops},
+        patches={"decimation.hull.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},
+        probes={"decimation.hull.outer_hull:search_hulls": several_loops},
     ),
     "rescues": Mechanism(
         "decimation",
-        patches={"decimation.hull_search:_rescues": no_hulls},
-        probes={"decimation.hull_search:_rescues": called},
+        patches={"decimation.hull.hull_search:_rescues": no_hulls},
+        probes={"decimation.hull.hull_search:_rescues": called},
     ),
     "early end of hopeless hull searches": Mechanism(
         "decimation",
-        patches={"decimation.hull_search:HOPELESS_NUMBER": 10**9},
-        probes={"decimation.hull_search:_is_hopeless": holds},
+        patches={"decimation.hull.hull_search:HOPELESS_NUMBER": 10**9},
+        probes={"decimation.hull.hull_search:_is_hopeless": holds},
     ),
     "counts shared out anew": Mechanism(
         "decimation",
-        patches={"decimation.outer_hull:OuterHull.hulls": Around(counts_kept)},
-        probes={"decimation.outer_hull:OuterHull.hulls": per_loop},
+        patches={"decimation.hull.outer_hull:OuterHull.hulls": Around(counts_kept)},
+        probes={"decimation.hull.outer_hull:OuterHull.hulls": per_loop},
     ),
     "clearing": Mechanism(
         "decimation",
-        patches={"decimation.outer_hull:cleared": first},
-        probes={"decimation.outer_hull:cleared": changed},
+        patches={"decimation.hull.outer_hull:cleared": first},
+        probes={"decimation.hull.outer_hull:cleared": changed},
     ),
     "clearing: small details built over": Mechanism(
         "decimation",
-        patches={"decimation.clearing:without_small_details": first},
-        probes={"decimation.clearing:without_small_details": fewer_vertices},
+        patches={"decimation.hull.clearing:without_small_details": first},
+        probes={"decimation.hull.clearing:without_small_details": fewer_vertices},
     ),
     "clearing: narrow gaps filled": Mechanism(
         "decimation",
-        patches={"decimation.clearing:_without": first},
-        probes={"decimation.clearing:_without": fewer_vertices},
+        patches={"decimation.hull.clearing:_without": first},
+        probes={"decimation.hull.clearing:_without": fewer_vertices},
     ),
     "filling of gaps like round-off": Mechanism(
         "decimation",
-        patches={"decimation.outer_hull:without_gaps": first},
-        probes={"decimation.outer_hull:without_gaps": changed},
+        patches={"decimation.hull.outer_hull:without_gaps": first},
+        probes={"decimation.hull.outer_hull:without_gaps": changed},
     ),
     "details like round-off built over": Mechanism(
         "decimation",
-        patches={"decimation.outer_hull:without_small_details": first},
-        probes={"decimation.outer_hull:without_small_details": fewer_vertices},
+        patches={"decimation.hull.outer_hull:without_small_details": first},
+        probes={"decimation.hull.outer_hull:without_small_details": fewer_vertices},
     ),
     "room in small holes": Mechanism(
         "decimation",
@@ -246,7 +250,7 @@ MECHANISMS: dict[str, Mechanism] = {
     "sequential QPs (IPC only)": Mechanism("contact", with_contacts(IPC())),
     "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
     "IPC gives way in crowds": Mechanism(
-        "contact", patches={"hierarchy.attempts:MAX_IPC_PAIRS": np.inf}, probes={"contact.ipc:IPC.reinflate": crowded}
+        "contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}, probes={"contact.ipc:IPC.reinflate": crowded}
     ),
     "IPC: stiffening": Mechanism(
         "contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}, probes={"contact.ipc:IPC.reinflate": called}
@@ -279,12 +283,13 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "widening in small steps": Mechanism(
         "tightening",
-        patches={"tightening.widening:MAX_STEPS": 0},
+        patches={"tightening.reach_clearance:MAX_STEPS": 0},
         probes={"tightening.tightening:widen": several_steps},
     ),
     "trials of shortened steps (3 to 1)": Mechanism("tightening", patches={"tightening.trial:MAX_ATTEMPTS": 1}),
     "overshoot of restoration": Mechanism(
-        "tightening", patches={"tightening.restoration:OVERSHOOT": 1.0, "tightening.restoration:LATE_OVERSHOOT": 1.0}
+        "tightening",
+        patches={"tightening.restore_feasibility:OVERSHOOT": 1.0, "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0},
     ),
     "patience (3 quiet steps to 1)": Mechanism("tightening", partial(Settings, tightening=Tightening(patience=1))),
 }

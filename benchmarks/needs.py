@@ -1,10 +1,10 @@
-"""What cages are needed for, measured on the drawn shapes: the tables of docs/needs.md.
+"""What cages are needed for, measured on the drawn shapes: the numbers of the pages in docs/needs.
 
     python benchmarks/needs.py                                  # all tables
     python benchmarks/needs.py grids --shapes glyph_g koch_4    # one table, some shapes
-    python benchmarks/needs.py --output docs/needs.md           # puts the tables where the page has a place for them
+    python benchmarks/needs.py --write                          # puts tables into docs/measured, conclusions into pages
 
-A table goes between the two comments of the page that name it. Exit status 1 if a cage is not certified.
+Exit status 1 if a cage is not certified.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
+from clone import ROOT
 from data import shape, shape_names
 from needed import convex, grids, inner, pieces, symmetry, within
 from needed.table import Table
 from nestedcages_core import Mesh
-from page import placed
+from page import measured
 
 TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
     "within": within.table,
@@ -30,12 +30,22 @@ TABLES: dict[str, Callable[[Mapping[str, Mesh]], Table]] = {
 }
 """Each makes a table of shapes by their names."""
 
+PAGES = {
+    "within": "tolerance",
+    "inner": "inner",
+    "grids": "grid",
+    "convex": "convex",
+    "pieces": "convex",
+    "symmetry": "symmetry",
+}
+"""Page of each table in docs/needs."""
+
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"only these: {', '.join(TABLES)}")
     parser.add_argument("--shapes", nargs="*", help="only these shapes")
-    parser.add_argument("--output", type=Path, help="page with places for the tables")
+    parser.add_argument("--write", action="store_true", help="put them into the documentation")
     options = parser.parse_args()
     unknown = [name for name in options.tables if name not in TABLES]
     if unknown:
@@ -46,9 +56,9 @@ def main() -> int:
         made = TABLES[name](shapes)
         good = good and made.good
         print(f"{name}\n{made}\n", flush=True)
-        if options.output is not None:
-            page = options.output.read_text(encoding="utf-8")
-            options.output.write_text(placed(page, name, str(made)), encoding="utf-8")
+        if options.write:
+            page = ROOT / "docs" / "needs" / f"{PAGES[name]}.md"
+            measured(page, name, f"python benchmarks/needs.py {name}", str(made), made.after)
     return 0 if good else 1
 
 

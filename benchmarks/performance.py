@@ -1,4 +1,4 @@
-"""Renews the numbers of docs/performance.md: runs the benchmarks one after the other and puts what they print there.
+"""Renews the numbers of docs/performance.md: runs the benchmarks one after the other; all they print is kept too.
 
     python benchmarks/performance.py                  # all of it: some ten minutes on a machine without other work
     python benchmarks/performance.py table1 growth    # only these
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import platform
+import re
 import subprocess
 import sys
 import time
@@ -21,24 +22,23 @@ from pathlib import Path
 import numpy as np
 
 from clone import ROOT
-from page import placed
+from page import measured, put
 
 PAGE = ROOT / "docs" / "performance.md"
-PICTURES = ROOT / "docs"
 
-RUNS: dict[str, list[str]] = {
-    "table1": ["table1.py"],
-    "shapes": ["shapes.py"],
-    "speed": ["speed.py", "--against", "6c1f498", "--cases", "48"],
-    "start": ["start.py"],
-    "slider": ["slider.py"],
-    "ipc_iteration": ["ipc_iteration.py"],
-    "iterations": ["iterations.py", "--plot", str(PICTURES / "iterations.png")],
-    "growth": ["growth.py", "--plot", str(PICTURES / "growth.png")],
-    "million": ["growth.py", "--sizes", "1000000", "--cage", "1000", "--kinds", "smooth"],
-    "many": ["many_shapes.py", "--dask"],
+RUNS: dict[str, tuple[str, str]] = {
+    "table1": ("table1.py", r".*"),
+    "shapes": ("shapes.py", r"ratio|hull before"),
+    "speed": ("speed.py --against bb3b310 --cases 48", r"time |excess "),
+    "start": ("start.py", r".*"),
+    "slider": ("slider.py", r".*"),
+    "ipc_iteration": ("ipc_iteration.py", r".*"),
+    "iterations": ("iterations.py --plot docs/iterations.png", r"$"),
+    "growth": ("growth.py --plot docs/growth.png", r"kind|.* 100000 |.*: time"),
+    "million": ("growth.py --sizes 1000000 --cage 1000 --kinds smooth", r"kind|smooth +1"),
+    "many": ("many_shapes.py --dask", r".*: \d|.*times as fast"),
 }
-"""Place in the page -> program and its arguments."""
+"""Place in the page: program with its arguments, and which of the lines that it prints the page shows."""
 
 LOOPS, MATRIX, PRODUCTS = 2_000_000, 300, 20
 """Of the speed of the machine: rounds of a loop in Python; size and number of products of matrices."""
@@ -56,28 +56,38 @@ def main() -> int:
     put(options.page, "machine", machine())
     failed = []
     for name in options.runs or RUNS:
-        program, *arguments = RUNS[name]
+        command, shown = RUNS[name]
         if name == "table1" and options.program_times is not None:
-            arguments += ["--data", str(options.program_times)]
+            command += f" --data {options.program_times}"
         began = time.perf_counter()
-        printed = run(program, arguments)
+        printed = run(command)
         print(f"{name}: {time.perf_counter() - began:.0f} s{'' if printed else ', failed'}", flush=True)
         if printed:
-            put(options.page, name, printed)
+            command = f"python benchmarks/{command}"
+            measured(options.page, name, command, printed, as_markdown(printed, shown))
         else:
             failed.append(name)
     return 1 if failed else 0
 
 
-def run(program: str, arguments: list[str]) -> str:
-    """What a benchmark prints, as Markdown; empty if it fails."""
-    command = [sys.executable, str(ROOT / "benchmarks" / program), *arguments]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
+def run(command: str) -> str:
+    """What a benchmark prints; empty if it fails."""
+    program, *arguments = command.split()
+    words = [sys.executable, str(ROOT / "benchmarks" / program), *arguments]
+    done = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
     printed = done.stdout.replace(str(ROOT) + "/", "").strip("\n")
     if done.returncode or not printed:
         print(printed, file=sys.stderr)
         return ""
-    return printed if "\n|---" in printed else f"```text\n{printed}\n```"
+    return printed
+
+
+def as_markdown(printed: str, shown: str) -> str:
+    """The lines that begin with a pattern, as they are if they have a table in Markdown, else as a block."""
+    if "\n|---" in printed:
+        return printed
+    lines = [line for line in printed.splitlines() if re.match(shown, line)]
+    return "\n".join(["```text", *lines, "```"]) if any(lines) else ""
 
 
 def machine() -> str:
@@ -107,11 +117,6 @@ def processor() -> str:
         lines = []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return names[0] if names else platform.processor() or platform.machine()
-
-
-def put(page: Path, name: str, text: str) -> None:
-    """Replaces a part of the page."""
-    page.write_text(placed(page.read_text(encoding="utf-8"), name, text), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -24,9 +24,9 @@ import numpy as np
 import clone  # noqa: F401
 from data import Record, read_records, shape, shape_names
 from nestedcages_core import ArcLength, Level, Mesh, NestedCagesError, OuterHull, Settings, nested_cages, verify
+from nestedcages_core.cache import forget
 from nestedcages_core.geometry.broad_phase import near_pairs
 from nestedcages_core.geometry.distance import point_edge
-from nestedcages_core.memory import forget
 from peers import buffer_and_simplify, polygon_hull
 
 COUNTS = (16, 32, 64)

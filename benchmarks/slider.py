@@ -20,7 +20,7 @@ import numpy as np
 import clone  # noqa: F401 - puts the core of this clone on the path
 from data.drawn import blob
 from nestedcages_core import Mesh, Settings, ShapeKeeping, nested_cages
-from nestedcages_core.memory import forget
+from nestedcages_core.cache import forget
 
 COUNTS = 16, 64
 CLEARANCES = 1e-5, 1e-2

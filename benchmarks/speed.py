@@ -136,7 +136,7 @@ def work() -> None:
 
     from nestedcages_core import Mesh, NestedCagesError, nested_cages
 
-    memory = ("memory", "decimation.remembered")  # of this commit and of earlier ones; others remember nothing
+    memory = ("cache", "memory", "decimation.remembered")  # of this commit and of earlier ones; others remember nothing
     found = [name for name in memory if importlib.util.find_spec(f"nestedcages_core.{name}")]
     forget = getattr(importlib.import_module(f"nestedcages_core.{found[0]}"), "forget", None) if found else None
     while True:

@@ -19,7 +19,7 @@ for library in ("OMP", "OPENBLAS", "MKL", "VECLIB"):
 import clone  # noqa: E402, F401
 from data import COARSE_RING_VERTICES, TABLE_1, Table1Row, annulus, read_table1  # noqa: E402
 from nestedcages_core import Mesh, NestedCagesError, Progress, nested_cages, verify  # noqa: E402
-from nestedcages_core.memory import forget  # noqa: E402
+from nestedcages_core.cache import forget  # noqa: E402
 
 REPEATS = 5  # the median of so many runs is printed, after one that is not counted
 

@@ -53,7 +53,6 @@ from .hierarchy import (
     NestingReport,
     Progress,
     Settings,
-    Within,
     inner_cages,
     nested_cages,
 )
@@ -62,6 +61,7 @@ from .hierarchy import Mirror as Mirror
 from .hierarchy import Rotation as Rotation
 from .solver import ProjectedNewton as ProjectedNewton
 from .tightening import Tightening as Tightening
+from .tolerance import Within
 from .verification import Certificate, MotionCertificate, verify, verify_motion
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -146,18 +147,27 @@ def test_the_fewest_convex_pieces_of_small_shapes(monkeypatch: pytest.MonkeyPatc
     assert fewest(round_one, 3) == 18
 
 
-def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType) -> None:
+def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType, tmp_path, monkeypatch) -> None:
+    import page
     import performance
-    from page import placed
 
-    text = performance.PAGE.read_text(encoding="utf-8")
-    for name, (program, *_) in {**performance.RUNS, "machine": ["performance.py"]}.items():
-        assert (BENCHMARKS / program).is_file()
-        renewed = placed(text, name, "NEW")
-        assert renewed.count("NEW") == 1
-        assert placed(renewed, name, "NEW") == renewed
+    monkeypatch.setattr(page, "ROOT", tmp_path)
+    monkeypatch.setattr(page, "MEASURED", tmp_path / "docs" / "measured")
+    copy = tmp_path / "docs" / "page.md"
+    copy.parent.mkdir()
+    shutil.copy(performance.PAGE, copy)
+    page.put(copy, "machine", "NEW")
+    for name, (command, _) in performance.RUNS.items():
+        assert (BENCHMARKS / command.split()[0]).is_file()
+        page.measured(copy, name, "the command", f"all of {name}\nthe end", f"a part of {name}")
+        assert (page.MEASURED / f"{name}.txt").read_text().endswith(f"\n\nall of {name}\nthe end\n")
+        assert f"a part of {name}\n\n`the command`, commit " in copy.read_text(encoding="utf-8")
+        assert f"(measured/{name}.txt)" in copy.read_text(encoding="utf-8")
     with pytest.raises(SystemExit, match="no place"):
-        placed(text, "nothing", "NEW")
+        page.put(copy, "nothing", "NEW")
+    printed = "one\nratio 1\ntwo"
+    assert performance.as_markdown(printed, "ratio") == "```text\nratio 1\n```"
+    assert performance.as_markdown("| a |\n|---|\nx", "ratio") == "| a |\n|---|\nx"
 
 
 PRETENDED = """#!{python}

@@ -19,7 +19,7 @@ import nestedcages_core
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
     path
-    for folder in (".", "docs", "docs/guide", "docs/comparison", "benchmarks", "examples")
+    for folder in (".", "docs", "docs/guide", "docs/comparison", "docs/needs", "benchmarks", "examples")
     for path in sorted((ROOT / folder).glob("*.md"))
 ]
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -47,6 +47,21 @@ def test_nested_blocks_of_lists_are_indented_by_four(page: Path) -> None:
     # three spaces nest on code hosts, but not on the site
     text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
     assert re.findall(r"^ {1,3}(?:[-*] |!\[|\d+\. )", text, flags=re.MULTILINE) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_numbers_are_those_that_were_measured(page: Path) -> None:
+    """What a page shows of a benchmark stands in the file that has all of it, with the same commit and date."""
+    text = page.read_text(encoding="utf-8")
+    for name, shown in re.findall(r"<!-- table (\w+) -->\n(.*?)<!-- end of table \1 -->", text, flags=re.DOTALL):
+        lines = [line.strip() for line in shown.splitlines() if line.strip() and not line.startswith("```")]
+        stamp = re.fullmatch(r"`(.*)`, (commit \S+, [\d-]+): \[all that it printed\]\((.*)\)\.", lines[-1])
+        if name == "machine":
+            continue
+        assert stamp is not None, f"{name} does not say when and of which commit it was measured"
+        whole = (page.parent / stamp[3]).read_text(encoding="utf-8")
+        assert whole.startswith(f"{stamp[1]}\n{stamp[2]}\n"), name
+        assert [line for line in lines[:-1] if line not in whole] == [], name
 
 
 def test_the_architecture_names_files_that_are_there() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 from typing import Protocol, TypeVar
 
@@ -22,7 +22,8 @@ class Timing:
     """First frame, frames per step, and whether the flow is part of the animation.
 
     `ease`: ease in and out of each phase, in the same frames. `loop_back`: after the result, play backwards to the
-    start. `fit_length`: everything takes `length` frames, whatever the number of steps.
+    start. `fit_length`: everything takes `length` frames, whatever the number of steps. `in_turn`: one drawing after
+    the other.
     """
 
     start_frame: int = 1
@@ -32,6 +33,18 @@ class Timing:
     loop_back: bool = False
     fit_length: bool = False
     length: int = 120
+    in_turn: bool = False
+
+    def of_each(self, drawings: Sequence[Sequence[Phases]]) -> list[Timing]:
+        """The timing of each of several drawings, given by their levels; in turn they share the length."""
+        if not self.in_turn:
+            return [self] * len(drawings)
+        found: list[Timing] = []
+        start, length = self.start_frame, max(self.length // max(len(drawings), 1), 2)
+        for levels in drawings:
+            found.append(replace(self, start_frame=start, length=length))
+            start = last_frame(spans(levels, found[-1]), found[-1]) + 1
+        return found
 
 
 class Phases(Protocol):

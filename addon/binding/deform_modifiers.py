@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..errors import UserError
-from ..scene import display, filling
+from ..scene import display, filling, placement
 from ..scene.plane import size, space_to_space, transform
 from . import node_groups, weights
 
@@ -190,7 +190,7 @@ def _helper(
     helper[keys.HELPER] = True
     for key, value in properties.items():
         helper[key] = value
-    helper.parent = parent
+    placement.carry(helper, parent)
     helper.display_type = "WIRE"
     helper.hide_viewport = helper.hide_render = helper.hide_select = True
     for collection in cage.users_collection:

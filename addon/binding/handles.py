@@ -6,10 +6,10 @@ from typing import Final
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from .. import keys
-from ..scene import filling
+from ..scene import filling, placement
 from ..scene.filling import Points
 from ..scene.plane import size
 from ..scene.selection import select
@@ -64,8 +64,7 @@ def _bones(
     rig = bpy.data.objects.new(armature.name, armature)
     for collection in cage.users_collection:
         collection.objects.link(rig)
-    rig.parent = cage.parent
-    rig.matrix_world = cage.matrix_world
+    placement.accompany(rig, cage)
     armature.display_type = "STICK"
     group, length = armature.collections.new(cage.name), LENGTH * size(corners)
     select(context, rig)
@@ -95,11 +94,7 @@ def _empties(
         for collection in cage.users_collection:
             collection.objects.link(empty)
         empty.empty_display_type, empty.empty_display_size = "SPHERE", 0.5 * LENGTH * size(corners)
-        empty.parent = cage.parent
-        empty.matrix_world = cage.matrix_world
-        empty.location = cage.matrix_world @ Vector(corner)
-        if cage.parent is not None:
-            empty.location = cage.parent.matrix_world.inverted_safe() @ empty.location
+        placement.accompany(empty, cage, Matrix.Translation(corner))
         _weigh(cage, name, index)
         hook = cage.modifiers.new(name, "HOOK")
         assert isinstance(hook, bpy.types.HookModifier)

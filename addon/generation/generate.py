@@ -49,12 +49,13 @@ STAGES = {
 class Options:
     """`levels`: vertex counts, shares of the drawing's vertices, distances and excesses, or `OWN`, finest first.
     `clearance`: a length of the scene, as distances are; 0 = automatic. `inside`: whether cages lie inside the drawing.
-    `rules`: what else they must be.
+    `rules`: what else they must be. `shrink`: whether the drawing shrinks further in the animation than it has to.
     """
 
     levels: tuple[Level, ...] = ()
     clearance: float = 0.0
     inside: bool = False
+    shrink: bool = False
     rules: Rules = field(default_factory=Rules)
     methods: Methods = field(default_factory=Methods)
 
@@ -182,6 +183,10 @@ class Generation:
             return (self.options.clearance / scale,)
         return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
 
+    def _shrinks(self, plan: Plan, fine: core.Mesh) -> bool:
+        """Whether a mesh shrinks further than it has to; not a cage, which would cross the drawing in it."""
+        return self.options.shrink and fine is plan.fine
+
     def _known_or_made(
         self, plan: Plan, name: str, fine: core.Mesh, wanted: int | core.Mesh | core.Within
     ) -> Iterator[core.Progress | CageLevel]:
@@ -190,7 +195,7 @@ class Generation:
         about = plan.fine if isinstance(wanted, core.Within) or options.rules.kinds(places) else None
         key = memory.key_of(
             "level", fine, wanted, plan.clearances, options.methods, options.rules, options.inside,
-            replace(places, notes=()), plan.request.fine.frame.scale, about,
+            replace(places, notes=()), plan.request.fine.frame.scale, about, self._shrinks(plan, fine),
         )  # fmt: skip
         found = known().get(key)
         if found is not None:
@@ -214,7 +219,8 @@ class Generation:
                 run = cages_run(fine, [needs.stricter(wanted, plan.fine, slack * margin)], asked)
                 try:
                     yield from run
-                    level = stored(fine, run.hierarchy.levels[0], clearance)
+                    made = run.hierarchy.levels[0]
+                    level = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
                 except core.NestedCagesError as error:
                     least = smallest_found(str(error))
                     if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):

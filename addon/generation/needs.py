@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..core import core
+from ..core import core, tolerance
 from ..errors import UserError
 from .storage import CageLevel
 
@@ -53,7 +53,7 @@ def told(made: CageLevel, level: Level, drawing: core.Mesh, clearance: float, sc
     else:
         need = f"{count} vertices, the fewest found within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}"
         if made.report.fewest is not None:
-            fewest_links = core.decimation.minimal_nested.fewest_links
+            fewest_links = tolerance.fewest_links
             least = sum(fewest_links(drawing, k, level.distance, clearance) for k in range(len(drawing.loops)))
             need = f"{need}; no cage within it has fewer than {least}"
     return replace(made, need=f"{need}.", report=replace(made.report, notes=made.report.notes[:-1]))

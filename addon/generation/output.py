@@ -16,7 +16,7 @@ from ..animation import shape_keys, stage, timeline, visibility
 from ..animation.timeline import Span, StoredPhases, Timing
 from ..errors import UserError
 from ..rigging.rig import Rig, is_rigged
-from ..scene import display, ownership
+from ..scene import display, ownership, placement
 from ..scene.ownership import collection_of, colours_of, level_of, member, members
 from .generate import Result
 from .rollback import Rollback
@@ -47,8 +47,10 @@ def write(
     try:
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
         collections = [
-            _write_one(scene, result, timing, collection or _new_collection(home, result), rollback)
-            for result, collection in zip(results, earlier, strict=True)
+            _write_one(scene, result, when, collection or _new_collection(home, result), rollback)
+            for result, when, collection in zip(
+                results, timing.of_each([result.levels for result in results]), earlier, strict=True
+            )
         ]
         for result, collection in zip(results, collections, strict=True):
             _set_thickness(collection, result, thickness)
@@ -222,7 +224,7 @@ def _member_with_mesh(
         rig = Rig.of(obj)
         obj.data = mesh
         rollback.lose(obj, rig.give(obj))
-    ownership.place(obj, result.drawing.source, result.drawing.frame)
+    placement.place(obj, result.drawing.source, result.drawing.frame)
     return obj
 
 

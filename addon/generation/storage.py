@@ -54,25 +54,31 @@ class CageLevel:
         return len(self.cage_steps) - 1
 
 
-def stored(fine: core.Mesh, level: core.Level, clearance: float) -> CageLevel:
+def stored(fine: core.Mesh, level: core.Level, clearance: float, *, shrink: bool = False) -> CageLevel:
     """The core's level in float32 with its certificate: flow, during which the coarse mesh rests, and reinflation
-    in one sequence.
+    in one sequence. `shrink`: the flow goes on inside the coarse mesh, and reinflation starts with the way back.
     """
     flow, reinflation = level.flow.steps, level.reinflation
-    standing = np.broadcast_to(level.coarse.vertices, (len(flow) - 1, *level.coarse.vertices.shape))
-    fine_steps = np.concatenate([flow[:-1], reinflation.fine_steps]).astype(np.float32)
+    further = core.flow.shrink(fine, level.coarse, flow[-1]) if shrink and not level.inside else flow[:0]
+    way = [flow[-1:], further, further[-2::-1]] if len(further) else []
+    before = np.concatenate([flow[:-1], *way])
+    standing = np.broadcast_to(level.coarse.vertices, (len(before), *level.coarse.vertices.shape))
+    fine_steps = np.concatenate([before, reinflation.fine_steps]).astype(np.float32)
     cage_steps = np.concatenate([standing, reinflation.cage_steps]).astype(np.float32)
     same_loops = level.coarse.has_loops_like(fine)
     cage = level.cage.moved(cage_steps[-1].astype(np.float64))
     outer, inner = (fine, cage) if level.inside else (cage, fine)
     nested = _nested_from(cage, fine, cage_steps, fine_steps, len(flow) - 1)
+    if len(further) and nested >= len(flow):
+        return stored(fine, level, clearance)
+    flow_end = nested + len(further)
     return CageLevel(
         fine_edges=fine.edges,
         cage_edges=level.cage.edges,
         fine_steps=fine_steps,
         cage_steps=cage_steps,
-        flow_end=nested,
-        tightening=max(nested, len(flow) - 1 + reinflation.tightening_start),
+        flow_end=flow_end,
+        tightening=max(flow_end, len(before) + reinflation.tightening_start),
         certificate=core.verify(outer, inner, clearance, same_loops=same_loops),
         report=level.report,
         inside=level.inside,

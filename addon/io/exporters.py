@@ -14,7 +14,7 @@ from .. import keys
 from ..animation import visibility
 from ..core import core, triangulation
 from ..errors import UserError
-from ..scene import convert, display, filling, ownership, strokes
+from ..scene import convert, display, filling, ownership, placement, strokes
 from ..scene.plane import PLANARITY, Frame, size
 
 # Radius of strokes, as a fraction of the size.
@@ -73,20 +73,11 @@ def make(
 
 def put(new: bpy.types.Object, obj: bpy.types.Object, frame: Frame) -> None:
     """Gives a new object the place of one with this frame."""
-    standing = _standing(obj)
+    standing = placement.standing(obj)
     if frame.own and standing is not None:
-        ownership.copy_transform(standing, new)
+        placement.copy_transform(standing, new)
     else:
         new.matrix_world = Matrix(frame.matrix.tolist())
-
-
-def _standing(obj: bpy.types.Object) -> bpy.types.Object | None:
-    """The one object whose transform places this one: itself, or a parent in whose space it is; None if several do."""
-    while not obj.constraints and obj.parent is not None and obj.parent_type == "OBJECT":
-        if obj.matrix_parent_inverse != Matrix() or obj.matrix_basis != Matrix():
-            return None
-        obj = obj.parent
-    return None if obj.constraints or obj.parent is not None else obj
 
 
 def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:

@@ -14,7 +14,7 @@ from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
 from ..generation.memory import known
-from ..scene import display, ownership
+from ..scene import display, placement
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def place(
     (target.users_collection[0] if target is not None else context.collection).objects.link(obj)
     if target is not None:
         if target.parent is None and not target.constraints:
-            ownership.copy_transform(target, obj)
+            placement.copy_transform(target, obj)
         else:
             obj.matrix_world = target.matrix_world
     return obj

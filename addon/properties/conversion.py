@@ -29,7 +29,12 @@ def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
     """Levels and clearance, in units of the scene, and methods. Raises: UserError if the levels cannot be read."""
     levels = () if values.use_selected_as_levels else parse_levels(values.levels, units.lengths(scene))
     return Options(
-        levels=levels, clearance=values.clearance, inside=values.inside, rules=rules(values), methods=methods(values)
+        levels=levels,
+        clearance=values.clearance,
+        inside=values.inside,
+        shrink=values.shrink,
+        rules=rules(values),
+        methods=methods(values),
     )
 
 

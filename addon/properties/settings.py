@@ -174,6 +174,11 @@ class GenerationProperties:
         description="Start with the drawing shrinking into the coarse mesh",
         default=True,
     )
+    shrink: BoolProperty(
+        name="Shrink Further",
+        description="Let the drawing shrink further than the method needs, so that its way back shows",
+        default=True,
+    )
     ease: BoolProperty(
         name="Ease",
         description="Ease in and out of each phase",
@@ -182,6 +187,11 @@ class GenerationProperties:
     loop_back: BoolProperty(
         name="Loop Back",
         description="Play the animation backwards after the result, so that it ends as it began",
+        default=False,
+    )
+    in_turn: BoolProperty(
+        name="One after Another",
+        description="Play several drawings one after the other instead of together",
         default=False,
     )
     show_result: BoolProperty(

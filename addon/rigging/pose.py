@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..animation import shape_keys
-from ..scene import ownership
+from ..scene import placement
 from ..scene.filling import loop_edges, mesh_of, points_of
 from ..scene.plane import size
 from .outline_map import Outline, outline_map
@@ -28,21 +28,20 @@ SMALLEST_POSE = 1e-5
 
 @dataclass(frozen=True)
 class Placement:
-    """Parent and transform of an object."""
+    """Parent and transform of an object, and what carries it by our constraint, if anything."""
 
     values: dict[str, Any]
+    carried: tuple[bpy.types.Object | None, Matrix] | None
 
     @classmethod
     def of(cls, obj: bpy.types.Object) -> Placement:
-        return cls({name: _copied(getattr(obj, name)) for name in (*PARENTING, *ownership.TRANSFORM)})
+        carried = placement.carrier_of(obj) if placement.constraint_of(obj) is not None else None
+        return cls({name: _copied(getattr(obj, name)) for name in (*PARENTING, *placement.TRANSFORM)}, carried)
 
-    @property
-    def parent(self) -> bpy.types.Object | None:
-        found: bpy.types.Object | None = self.values["parent"]
-        return found
-
-    def give(self, obj: bpy.types.Object, names: Iterable[str] = (*PARENTING, *ownership.TRANSFORM)) -> None:
+    def give(self, obj: bpy.types.Object, names: Iterable[str] = (*PARENTING, *placement.TRANSFORM)) -> None:
         """Applies the placement to an object."""
+        if "parent" in names:
+            placement.carry(obj, *(self.carried or (None, None)))
         for name in names:
             if getattr(obj, name) != self.values[name]:
                 setattr(obj, name, self.values[name])
@@ -88,7 +87,7 @@ class Pose:
                 state = list(keys.numbers(obj, keys.STORED_STATE, 19) or ())
                 obj[keys.STORED_STATE] = [*np.ravel(np.array(self.rest)).tolist(), *state[16:]]
         elif bound and self.rest == Matrix():
-            self.placement.give(obj, ownership.TRANSFORM)
+            self.placement.give(obj, placement.TRANSFORM)
         elif bound and self.rest is not None:
             obj.matrix_basis = self.rest.inverted_safe() @ self.basis
         if bound and self.bends:
@@ -123,10 +122,10 @@ def unshaped(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 @contextmanager
 def unmoved(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Temporarily disables the constraints and animation of objects."""
+    """Temporarily disables the artist's constraints, and the animation of objects."""
     with ExitStack() as stack:
         for obj in objects:
-            for constraint in obj.constraints:
+            for constraint in (each for each in obj.constraints if each != placement.constraint_of(obj)):
                 _set(stack, constraint, "mute", True)
             animation = obj.animation_data
             if animation is None:
@@ -134,7 +133,7 @@ def unmoved(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
             _set(stack, animation, "use_nla", False)
             curves = shape_keys.curves_of(obj) if animation.action is not None else ()
             for curve in (*curves, *animation.drivers):
-                if curve.data_path in ownership.TRANSFORM:
+                if curve.data_path in placement.TRANSFORM:
                     _set(stack, curve, "mute", True)
         yield
 

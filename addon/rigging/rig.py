@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .. import keys
 from ..animation import shape_keys
 from ..animation.bake import copy_keyframes
-from ..scene import display
+from ..scene import display, placement
 from ..scene.filling import loop_edges, mesh_of, points_of
 from .outline_map import Outline, OutlineMap, outline_map
 
@@ -192,7 +192,8 @@ def is_rigged(obj: bpy.types.Object) -> bool:
     modifiers = [modifier for modifier in obj.modifiers if not display.is_ours(modifier)]
     children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
     animated = obj.animation_data is not None and obj.animation_data.action is not None
-    return bool(not Rig.of(obj).blank or len(obj.constraints) or modifiers or children or animated)
+    constrained = len(obj.constraints) > (placement.constraint_of(obj) is not None)
+    return bool(not Rig.of(obj).blank or constrained or modifiers or children or animated)
 
 
 def hooks_of(obj: bpy.types.Object) -> list[bpy.types.HookModifier]:

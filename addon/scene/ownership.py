@@ -3,24 +3,8 @@
 from __future__ import annotations
 
 import bpy
-from mathutils import Matrix
 
 from .. import keys
-from .plane import Frame
-
-# The properties of a transform; copying them is exact, while a matrix would round.
-TRANSFORM = (
-    "rotation_mode",
-    "location",
-    "rotation_euler",
-    "rotation_quaternion",
-    "rotation_axis_angle",
-    "scale",
-    "delta_location",
-    "delta_rotation_euler",
-    "delta_rotation_quaternion",
-    "delta_scale",
-)
 
 
 def depth_of(obj: bpy.types.Object) -> int:
@@ -135,46 +119,3 @@ def why_locked(obj: bpy.types.Object) -> str:
     if not obj.is_editable or not obj.data.is_editable:
         return f"'{obj.name}' is linked from another file: open that file, or make it local first"
     return ""
-
-
-def _inverse(matrix: Matrix) -> Matrix | None:
-    """The inverse; None if there is none, which Blender 5.2 tells by an exception whatever the fallback."""
-    try:
-        return matrix.inverted()
-    except ValueError:
-        return None
-
-
-def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
-    """Makes an object a child of its drawing, in the drawing's plane; without a parent if the drawing is gone.
-
-    In the drawing's own space nothing is rounded: both have the same matrix, wherever the drawing moves. A drawing that
-    is scaled to nothing along an axis has no such space for other frames than its own.
-    """
-    inverse = _inverse(source.matrix_world) if source is not None else None
-    if source is None or obj in _line_of(source) or (inverse is None and not frame.own):
-        obj.parent = None
-        obj.matrix_world = Matrix(frame.matrix.tolist())
-        return
-    obj.parent, obj.parent_type = source, "OBJECT"
-    fitted = Matrix() if frame.own or inverse is None else inverse @ Matrix(frame.matrix.tolist())
-    obj.matrix_parent_inverse = fitted
-    for name in ("location", "delta_location", "rotation_euler", "delta_rotation_euler"):
-        setattr(obj, name, (0.0, 0.0, 0.0))
-    obj.rotation_quaternion = obj.delta_rotation_quaternion = (1.0, 0.0, 0.0, 0.0)
-    obj.rotation_axis_angle = (0.0, 0.0, 1.0, 0.0)
-    obj.scale = obj.delta_scale = (1.0, 1.0, 1.0)
-
-
-def _line_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """An object and its parents."""
-    found = [obj]
-    while found[-1].parent is not None:
-        found.append(found[-1].parent)
-    return found
-
-
-def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
-    """Copies the exact transform of an object to another one."""
-    for channel in TRANSFORM:
-        setattr(target, channel, getattr(source, channel))

@@ -20,14 +20,14 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
+from nestedcages_core.cache import forget
 from nestedcages_core.contact import Contact, ContactOutcome
 from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
-from nestedcages_core.hierarchy.attempts import contacts_for
-from nestedcages_core.hierarchy.units import SolverUnits
-from nestedcages_core.memory import forget
-from nestedcages_core.stages import Stage, drain, mapped
+from nestedcages_core.level.attempts import contacts_for
+from nestedcages_core.level.units import SolverUnits
+from nestedcages_core.tasks import Stage, drain, mapped
 
 DEFAULT = "nested_cages"
 """The name of the method that is the program as it is, fallbacks and all."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from nestedcages_core import FlowResult, Mesh, SignedDistanceFlow
 from nestedcages_core.geometry.quadrature import EdgeRule
-from nestedcages_core.stages import Stage
+from nestedcages_core.tasks import Stage
 
 SEED = 0
 

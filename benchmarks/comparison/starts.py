@@ -9,8 +9,8 @@ from comparison.bench import Bench
 from comparison.cases import CHARACTERS, FONTS, Pair, glyph_pair, random_pair
 from comparison.measure import Started
 from nestedcages_core import Mesh, NestedCagesError, TwoSidedFlow
-from nestedcages_core.hierarchy.units import SolverUnits
-from nestedcages_core.stages import drain
+from nestedcages_core.level.units import SolverUnits
+from nestedcages_core.tasks import drain
 
 BLOCK = 40
 """Numbers that are tried at once."""

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from nestedcages_core import Mesh, NestedCagesError, Settings, nested_cages, verify
-from nestedcages_core.geometry.grid import Grid
-from nestedcages_core.memory import forget
+from nestedcages_core.cache import forget
+from nestedcages_core.geometry.lattice import Grid
 
 from .table import Table, per_cent
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 import shapely
 
 from nestedcages_core import Mesh, NestedCagesError, Within, nested_cages, verify
-from nestedcages_core.memory import forget
-from nestedcages_core.verification.reach import reach
+from nestedcages_core.cache import forget
+from nestedcages_core.tolerance.reach import reach
 
 from .table import Table, per_cent
 

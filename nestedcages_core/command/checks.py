@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..geometry.grid import Grid
+from ..geometry.lattice import Grid
 from .outputs import STEM, WRITTEN
 from .sources import KINDS, STREAM, kind_of
 

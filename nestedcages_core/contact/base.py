@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ..geometry.arrays import FloatArray
-from ..stages import Stage
+from ..tasks import Stage
 from .pairs import Bodies
 
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..energies import Area, Energy
-from ..energies.restoring import Restoring
+from ..energies.choices.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..parameters import check_not_negative, check_part, check_positive
 from ..solver import ProjectedNewton, Solver
-from ..stages import Stage
+from ..tasks import Stage
 from .barrier_ranges import BarrierRanges
 from .base import ContactOutcome
 from .incremental_potential import IncrementalPotential, PotentialWeights

@@ -21,7 +21,7 @@ from ..geometry.distance import PointEdge, point_edge
 from ..geometry.mesh import Mesh
 from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
-from ..solver.tied import Tie
+from ..solver.reduction import Tie
 
 MAX_EXCESS_REACH = 8.0
 """Ratio of the reach of a list to the reach asked for above which it is rebuilt, to save measuring its pairs."""

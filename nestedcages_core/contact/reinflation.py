@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from ..cache import Memory, key_of
 from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..memory import Memory, key_of
-from ..solver.tied import Tie
-from ..stages import Stage, mapped
+from ..solver.reduction import Tie
+from ..tasks import Stage, mapped
 from .base import Contact
 from .pairs import Bodies
 

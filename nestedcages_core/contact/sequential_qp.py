@@ -18,7 +18,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.vectors import inner
 from ..parameters import check_count, check_part, check_positive
 from ..solver.quadratic_program import InteriorPoint
-from ..stages import Stage
+from ..tasks import Stage
 from .base import ContactOutcome
 from .contact_response import ContactResponse, Distances
 from .feasibility_rule import FeasibilityRule

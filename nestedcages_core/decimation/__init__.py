@@ -12,14 +12,14 @@
 
 from __future__ import annotations
 
-from .arc_length import ArcLength
 from .base import Count, Decimation, SeveralStarts, Start
-from .douglas_peucker import DouglasPeucker
-from .edge_collapse import EdgeCollapse
+from .choices.arc_length import ArcLength
+from .choices.douglas_peucker import DouglasPeucker
+from .choices.edge_collapse import EdgeCollapse
+from .choices.own_decimation import OwnDecimation
+from .choices.visvalingam import Visvalingam
+from .hull.outer_hull import OuterHull
 from .on_curve import OnCurve
-from .outer_hull import OuterHull
-from .own_decimation import OwnDecimation
-from .visvalingam import Visvalingam
 
 __all__ = [
     "ArcLength",

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import NestingError
 from ..geometry.mesh import Mesh
-from ..stages import Stage
+from ..tasks import Stage
 
 Count: TypeAlias = int | Sequence[int]
 """Vertices of a level: a total, or one number per loop in the order of `fine.loops`."""

@@ -11,17 +11,17 @@ import numpy as np
 
 from ..errors import InvalidMeshError, NestingError
 from ..geometry.broad_phase import position_in_group
+from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..geometry.orbits import Orbits
 from ..geometry.signed_distance import EdgeSearch
-from ..geometry.symmetry import Symmetry
-from ..stages import Stage, drain
-from .arc_length import ArcLength
+from ..tasks import Stage, drain
 from .base import Count, Start
-from .outer_hull import SOURCE, OuterHull
+from .choices.arc_length import ArcLength
+from .hull.outer_hull import SOURCE, OuterHull
+from .hull.symmetric_hull import SYMMETRY_TOLERANCE, AsymmetricError, orbits_of, padded_alike
 from .outline import Outline
 from .request import Request
-from .symmetric_hull import SYMMETRY_TOLERANCE, AsymmetricError, orbits_of, padded_alike
 
 
 @dataclass(frozen=True)

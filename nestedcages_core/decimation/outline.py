@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
+from ..cache import Key, key_of
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.predicates import BoxTree
 from ..geometry.vectors import cross, norm
-from ..memory import Key, key_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,10 @@ from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import norm
-from .apportion import padded
 from .base import LEAST_PER_LOOP, Count, checked_budget
+from .hull.apportion import padded
+from .hull.small_holes import with_room
 from .outline import Outline
-from .small_holes import with_room
 
 TIE_TOLERANCE = 1e-9
 """Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""

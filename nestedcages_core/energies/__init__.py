@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from .arap import BoundaryARAP, InteriorARAP
 from .area import Area, signed_area
 from .base import CageEnergy, Energy
 from .blocks import Blocks
-from .displacement import InitialDisplacement, StepDisplacement
-from .element_energy import ElementEnergy
+from .choices.arap import BoundaryARAP, InteriorARAP
+from .choices.displacement import InitialDisplacement, StepDisplacement
+from .choices.element_energy import ElementEnergy
+from .choices.shape_keeping import ShapeKeeping
 from .inwards import inwards
-from .limits import sharp_angles, short_edges
 from .no_energy import NoEnergy
-from .shape_keeping import ShapeKeeping
-from .springs import Springs
-from .weighted_area import WeightedArea
 from .weighted_sum import BoundSum, WeightedSum
 
 __all__ = [  # noqa: RUF022 - in the order of explanation
@@ -29,10 +26,6 @@ __all__ = [  # noqa: RUF022 - in the order of explanation
     "NoEnergy",  # zero: the cage moves only where it is pushed
     "WeightedSum",  # several of them
     "BoundSum",  # the same for one cage
-    "WeightedArea",  # the excess, weighted along the fine mesh
-    "Springs",  # vertices that are held at their places
-    "short_edges",  # a penalty for edges shorter than a length
-    "sharp_angles",  # a penalty for angles sharper than an angle
     "ElementEnergy",  # any formula per vertex, edge or turn, by automatic differentiation
     "inwards",  # an energy for cages inside the fine mesh
     "signed_area",  # area enclosed by oriented loops

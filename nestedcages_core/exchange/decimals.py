@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
-from ..geometry.grid import Grid
+from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
 

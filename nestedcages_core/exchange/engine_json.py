@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
+from ..geometry.picture import Drawable
 from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
@@ -27,7 +28,7 @@ VERSION = 1
 
 
 def to_engine_json(
-    mesh: Mesh,
+    shape: Drawable,
     *,
     flip_y: float | None = None,
     triangles: bool = False,
@@ -35,7 +36,9 @@ def to_engine_json(
     indent: int | None = None,
     decimals: int | None = None,
 ) -> str:
-    """The outline as JSON: {"format", "version", "polygons": [{"outer": [[x, y], …], "holes": [[[x, y], …], …]}]}.
+    """The outline as JSON; of a level its cage, of a hierarchy its coarsest cage.
+
+    {"format", "version", "polygons": [{"outer": [[x, y], …], "holes": [[[x, y], …], …]}]}.
 
     Outer loops turn counter-clockwise in the numbers written and holes clockwise, as Godot, Unity and Box2D tell them
     apart. flip_y: write y as `flip_y - y`; the height of a picture turns it over, 0 mirrors it.
@@ -45,6 +48,7 @@ def to_engine_json(
 
     Raises NestedCagesError if ``pieces`` is less than 3, and for coordinates with more decimals.
     """
+    mesh = shape.meshes[-1]
     check_decimals([mesh], decimals)
     document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
     turn = 1 if flip_y is None else -1
@@ -112,7 +116,7 @@ def frames_from_engine_json(
 
 def write_engine_json(
     path: str | os.PathLike[str],
-    mesh: Mesh,
+    shape: Drawable,
     *,
     flip_y: float | None = None,
     triangles: bool = False,
@@ -120,7 +124,7 @@ def write_engine_json(
     decimals: int | None = None,
 ) -> None:
     """Write the outline to a file, whole or not at all; see `to_engine_json`."""
-    write_whole(path, to_engine_json(mesh, flip_y=flip_y, triangles=triangles, pieces=pieces, decimals=decimals))
+    write_whole(path, to_engine_json(shape, flip_y=flip_y, triangles=triangles, pieces=pieces, decimals=decimals))
 
 
 def is_engine_json(text: str | bytes) -> bool:

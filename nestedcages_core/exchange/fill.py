@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import InvalidMeshError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
+from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
-from ..geometry.mesh.loops import enclosing_pairs, extreme_places
 from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
 from .crossings import edges_in, spend_crossings
 from .gaps import bridges

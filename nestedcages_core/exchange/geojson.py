@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
 from ..geometry.mesh import Mesh
+from ..geometry.picture import Drawable
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole
@@ -142,7 +143,7 @@ def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None) 
 
 
 def to_geojson(
-    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature],
+    shapes: Drawable | Feature | Map | Sequence[Mesh | Feature],
     *,
     indent: int | None = None,
     crs: Any = None,
@@ -150,6 +151,7 @@ def to_geojson(
 ) -> str:
     """A FeatureCollection with one feature per shape; coordinates are written exactly.
 
+    shapes: meshes, features or a map; of a level or a hierarchy the drawing and its cages.
     crs: a `crs` member to write along, as `Map.crs` has it. decimals: the most that a coordinate may have; nothing is
     rounded, since that would undo certificates: ask for cages with as many, as by Settings(grid=1e-6) for 6.
 
@@ -158,7 +160,7 @@ def to_geojson(
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
         return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
-    given: Any = [shapes] if isinstance(shapes, Mesh | Feature) else shapes
+    given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
         raise NestedCagesError("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
@@ -180,7 +182,7 @@ def to_geojson(
 
 def write_geojson(
     path: str | os.PathLike[str],
-    shapes: Mesh | Feature | Map | Sequence[Mesh | Feature],
+    shapes: Drawable | Feature | Map | Sequence[Mesh | Feature],
     *,
     crs: Any = None,
     decimals: int | None = None,

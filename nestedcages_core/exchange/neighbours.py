@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError
 from ..geometry.mesh import Mesh
-from ..hierarchy.settings import DEFAULT_CLEARANCE
+from ..level.choices import DEFAULT_CLEARANCE
 from ..verification import verify
 from .libraries import load_shapely
 from .repair import polygons_in, shape_of, united

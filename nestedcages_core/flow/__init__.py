@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .base import FlowMethod, FlowResult, Obstacle
+from .shrinking import shrink
 from .two_sided import TwoSidedFlow
 
-__all__ = ["FlowMethod", "FlowResult", "Obstacle", "TwoSidedFlow"]
+__all__ = ["FlowMethod", "FlowResult", "Obstacle", "TwoSidedFlow", "shrink"]

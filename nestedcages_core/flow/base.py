@@ -8,7 +8,7 @@ from typing import Protocol
 from ..errors import FlowError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..stages import Stage
+from ..tasks import Stage
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.arrays import FloatArray
-from ..stages import Stage
+from ..tasks import Stage
 from .base import Obstacle
 from .containment import Containment
 from .penetration import Penetration, PenetrationEnergy

@@ -63,8 +63,8 @@ class Penetration(NamedTuple):
 class PenetrationEnergy:
     """E as a function of the positions of the fine mesh, with fixed samples."""
 
-    def __init__(self, matching: Matching, margin: float, spacing: Spacing) -> None:
-        """margin: wanted distance between the meshes, a length."""
+    def __init__(self, matching: Matching, margin: float, spacing: Spacing, *, from_coarse: bool = True) -> None:
+        """margin: wanted distance between the meshes, a length. from_coarse: with samples of the coarse mesh."""
         self.matching = matching
         fine, coarse = matching.fine, matching.coarse
         self.margins = local_margins(coarse, margin)
@@ -72,6 +72,9 @@ class PenetrationEnergy:
         self._target = fine.successor[self.samples.edge]
         self._between_vertices = bool(self.samples.parameter.any())
         self._push_fine = [_FinePush(matching, self.samples, loop) for loop in range(len(coarse.loops))]
+        self._push_coarse: list[_CoarsePush] = []
+        if not from_coarse:
+            return
         on_coarse = coarse_samples(coarse, spacing)
         at = coarse.vertices[on_coarse.edge]
         points = at + on_coarse.parameter[:, None] * (coarse.vertices[coarse.successor[on_coarse.edge]] - at)

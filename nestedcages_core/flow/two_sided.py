@@ -18,7 +18,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..parameters import check_count, check_flag, check_positive
-from ..stages import Stage, mapped
+from ..tasks import Stage, mapped
 from .base import FlowResult, Obstacle, stuck
 from .containment import Containment
 from .energy_flow import Descent, EnergyFlow

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from .arrays import BoolArray, FloatArray, IntArray
-from .symmetry import Symmetry
+from .group import Symmetry
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from ..geometry.symmetry import Mirror, Rotation, Symmetry
-from ..geometry.symmetry_search import Found
-from .clearance_bounds import tightest_place
+from ..geometry.group import Symmetry
+from ..level.report import Hierarchy, Level, NestingReport, Progress
+from ..level.tightest_place import tightest_place
+from ..needs.symmetry.detection import Found
+from ..needs.symmetry.symmetry import Mirror, Rotation
+from ..tolerance.within import Within
 from .levels import Share, level_words, parse_level, wanted_levels
-from .results import Hierarchy, Level, NestingReport, Progress
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
-from .tolerance import Within
 
 __all__ = [
     "Found",

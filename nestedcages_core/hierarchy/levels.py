@@ -9,7 +9,7 @@ from math import isfinite
 
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
-from .tolerance import Within
+from ..tolerance.within import Within
 
 UNITS: Mapping[str, float] = {"px": 1.0, "u": 1.0}
 """Suffixes of distances with their lengths in input units: pixels and units of a file, which mean the same."""

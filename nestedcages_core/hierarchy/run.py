@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
 from ..errors import NestedCagesError, NestingError
+from ..geometry.group import Symmetry
+from ..geometry.lattice import Grid
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
-from ..stages import Run, Stage
+from ..level.attempts import clearances_for
+from ..level.builder import LevelBuilder
+from ..level.inner_level import InnerLevelBuilder
+from ..level.plan import Need, Plan
+from ..level.progress import LevelProgress
+from ..level.report import Hierarchy, Level, Progress
+from ..needs.convex.need import ConvexLevelBuilder
+from ..needs.grid.need import Builder, GridLevelBuilder
+from ..needs.priorities.need import Priorities
+from ..needs.symmetry.need import Symmetric, found_for, keeping
+from ..tasks import Run, Stage, listened
+from ..tolerance.within import Within, fewest, fewest_convex
 from ..verification import verify
-from .attempts import clearances_for
-from .convex_level import ConvexLevelBuilder
-from .inner_level import InnerLevelBuilder
-from .level import LevelBuilder
-from .on_grid import Builder, GridLevelBuilder
-from .priorities import Priorities
-from .progress import LevelProgress
-from .results import Hierarchy, Level, Progress
 from .settings import Settings
-from .symmetric import with_symmetry
-from .tolerance import Within, fewest, fewest_convex
 
 logger = logging.getLogger(__name__)
 
@@ -33,35 +36,40 @@ AnyBuilder: TypeAlias = LevelBuilder | InnerLevelBuilder | ConvexLevelBuilder
 """What makes each level."""
 
 
+Wanted: TypeAlias = int | MeshLike | Within
+"""A level as asked for: a vertex count, a coarse mesh, or the fewest vertices within a distance or an excess."""
+
+
 def nested_cages(
     fine: MeshLike,
-    levels: Sequence[int | MeshLike | Within],
+    levels: Wanted | Sequence[Wanted],
     settings: Settings | None = None,
     *,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress], None] | bool | None = None,
+    **options: Any,
 ) -> Hierarchy:
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
-    fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, lists of loops (k, 2).
+    fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, an array (k, 2), lists of loops.
     levels: for each cage its number of vertices, the user's own coarse mesh, or `Within` for the fewest vertices that
-    stay within a distance or an excess of ``fine``. ``progress`` is called between iterations and may raise to cancel.
+    stay within a distance or an excess of ``fine``; a single level needs no list.
+    progress: called between iterations; may raise to cancel. True: a progress bar, if tqdm is installed.
+    options: fields of `Settings`, such as ``clearance=0.01``, that replace those of ``settings``.
+
     Exact predicates certify every returned cage.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
-    run = NestedCagesRun(fine, levels, settings)
-    for step in run:
-        if progress is not None:
-            progress(step)
-    return run.hierarchy
+    return listened(NestedCagesRun(fine, levels, settings, **options), progress)
 
 
 def inner_cages(
     fine: MeshLike,
-    levels: Sequence[int | MeshLike | Within],
+    levels: Wanted | Sequence[Wanted],
     settings: Settings | None = None,
     *,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress], None] | bool | None = None,
+    **options: Any,
 ) -> Hierarchy:
     """Cages inside ``fine``, as large as their vertices allow, each inside the one before; see `nested_cages`.
 
@@ -72,11 +80,7 @@ def inner_cages(
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
-    run = InnerCagesRun(fine, levels, settings)
-    for step in run:
-        if progress is not None:
-            progress(step)
-    return run.hierarchy
+    return listened(InnerCagesRun(fine, levels, settings, **options), progress)
 
 
 class NestedCagesRun(Run[Progress, Hierarchy]):
@@ -92,11 +96,10 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
     """What makes each level."""
 
     def __init__(
-        self, fine: MeshLike, levels: Sequence[int | MeshLike | Within], settings: Settings | None = None
+        self, fine: MeshLike, levels: Wanted | Sequence[Wanted], settings: Settings | None = None, **options: Any
     ) -> None:
-        if not isinstance(settings, Settings | None):
-            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
-        super().__init__(_hierarchy(fine, levels, settings if settings is not None else Settings(), self.builder))
+        chosen = Settings.of(settings, **options)
+        super().__init__(_hierarchy(fine, _listed(levels), chosen, self.builder))
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -112,17 +115,14 @@ class InnerCagesRun(NestedCagesRun):
 
 def _hierarchy(
     fine: MeshLike,
-    levels: Sequence[int | MeshLike | Within],
+    levels: Sequence[Wanted],
     settings: Settings,
     builder: type[AnyBuilder],
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
     fine, wanted = _checked(fine, levels, convex=settings.convex)
     about = _about(settings, fine, inside=builder is InnerLevelBuilder)
-    settings, remarks = with_symmetry(settings, about)
-    priorities = Priorities.of(settings, about)
-    if priorities is not None:
-        settings = priorities.applied(settings)
+    settings, needs, remarks = _needs(settings, about)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
@@ -130,10 +130,11 @@ def _hierarchy(
             clearances = clearances_for(settings, fine)
             chosen = _chosen(builder, settings)
             progress = LevelProgress(index, len(wanted))
-            with_clearances = partial(_builder, chosen, inner, settings, progress, priorities)
+            plan = Plan.of(inner, needs, side=-1 if builder is InnerLevelBuilder else 1)
+            with_clearances = partial(_builder, chosen, plan, settings, progress)
             work: Builder = with_clearances(clearances)
             if settings.grid is not None:
-                work = GridLevelBuilder(work, with_clearances, priorities)
+                work = GridLevelBuilder(work, with_clearances, Grid(settings.grid), convex=settings.convex)
             if isinstance(level, Within):
                 if builder is InnerLevelBuilder:
                     raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
@@ -176,29 +177,53 @@ def _chosen(builder: type[AnyBuilder], settings: Settings) -> type[AnyBuilder]:
 
 def _builder(
     builder: type[AnyBuilder],
-    fine: Mesh,
+    plan: Plan,
     settings: Settings,
     progress: LevelProgress,
-    priorities: Priorities | None,
     clearances: tuple[float, ...],
 ) -> Builder:
     """What makes a level with certain clearances."""
-    if issubclass(builder, ConvexLevelBuilder):
-        return builder(fine, clearances, settings, progress)
-    return builder(fine, clearances, settings, progress, priorities)
+    return builder(plan, clearances, settings, progress)
 
 
-def _checked(
-    fine: MeshLike, levels: Sequence[int | MeshLike | Within], *, convex: bool
-) -> tuple[Mesh, list[int | Mesh | Within]]:
+def _needs(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[str, ...]]:
+    """The needs of a run, methods that serve them, and notes. Raises NestingError for methods that cannot."""
+    needs: list[Need] = []
+    group: Symmetry | None = None
+    remarks: tuple[str, ...] = ()
+    if settings.symmetry is not None:
+        group, remarks = found_for(settings.symmetry, about)
+    if group is not None:
+        settings = keeping(settings, group)
+    if settings.has_priorities:
+        priorities = Priorities.of(
+            about, group, settings.weights, (settings.pins, settings.joints), (settings.min_edge, settings.min_angle)
+        )
+        settings = priorities.applied(settings)
+        needs.append(priorities)
+    if group is not None:
+        needs.append(Symmetric(group))
+    return settings, needs, remarks
+
+
+def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
+    """The levels as a list; a single one needs none. Raises NestingError."""
+    single = int, np.integer, Within, Mesh, Mapping
+    is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2
+    if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
+        return [levels]  # type: ignore[list-item]
+    if isinstance(levels, str) or not isinstance(levels, Iterable):
+        raise NestingError(f"The levels must be vertex counts or meshes, for instance [64, 16], not {levels!r}.")
+    return list(levels)
+
+
+def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
     """
     if not is_mesh_like(fine):
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.")
-    if isinstance(levels, Mesh | str) or not isinstance(levels, Iterable):
-        raise NestingError("The levels must be a list, for instance [64, 16]; a single level is a list of one.")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
     loops = 1 if convex else len(fine.loops)  # convex cages have so many vertices around each part

@@ -3,60 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..contact import Contact
-from ..decimation import Decimation, OnCurve, OuterHull
-from ..energies import Area, Energy
-from ..errors import NestedCagesError
-from ..flow import FlowMethod, TwoSidedFlow
+from ..errors import NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
+from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
-from ..geometry.symmetry import Symmetry
-from ..geometry.symmetry_search import Found
+from ..level.choices import Choices, is_length
+from ..needs.symmetry.detection import Found
 from ..parameters import check_flag, has_method
-from ..tightening import Tightening
-
-DEFAULT_CLEARANCE = 1e-5
-"""Clearance when none is given, as a fraction of the bounding-box diagonal of the fine mesh."""
-
-METHODS = {
-    "decimation": ("decimate", "OuterHull()"),
-    "fallback": ("decimate", "OuterHull()"),
-    "flow": ("run", "TwoSidedFlow()"),
-    "energy": ("at", "Area()"),
-    "tightening": ("run", "Tightening()"),
-}
-"""The method that each choice must have, and an example."""
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(Choices):
     """How nested cages are made. Nothing here needs tuning per shape."""
 
-    clearance: float | None = None
-    """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
-    bounding-box diagonal, reduced where gaps of the fine mesh are too narrow for it."""
-    decimation: Decimation = field(default_factory=OnCurve)
-    """Turns a vertex count into a coarse mesh. From 20,000 vertices on `OnCurve` gives way to its hull, unless there is
-    no fallback: that takes less than half of the time, and cages are as tight."""
-    starts: int = 2
-    """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
-    fallback: Decimation | None = field(default_factory=OuterHull)
-    """Decimation to start from if the flow or the reinflation fails; None: raise an error (docs/ablation.md: the hull
-    as fallback)."""
-    flow: FlowMethod = field(default_factory=TwoSidedFlow)
-    """Brings the fine mesh inside the coarse one."""
-    energy: Energy = field(default_factory=Area)
-    """What the cage minimises during tightening."""
-    contact: Contact | Sequence[Contact] | None = None
-    """Resolves contact during reinflation; of several, each starts over where the one before is blocked. None:
-    sequential QPs; then IPC, where there is no fallback or the coarse mesh is the user's own."""
-    tightening: Tightening = field(default_factory=Tightening)
-    """Brings the cage to its optimum once the fine mesh is back."""
     grid: float | None = None
     """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
     for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
@@ -79,26 +44,25 @@ class Settings:
     """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
     drawing inside of it, or around it for inner cages, when levels are made one by one."""
 
+    @classmethod
+    def of(cls, settings: Settings | None, **options: Any) -> Settings:
+        """Settings with fields replaced; the default ones for None. Raises NestedCagesError."""
+        if not isinstance(settings, Settings | None):
+            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
+        unknown = [name for name in options if name not in cls.__dataclass_fields__]
+        if unknown:
+            raise TypeError(f"There is no setting {unknown[0]!r}; see Settings for those there are.")
+        return replace(settings, **options) if settings is not None else cls(**options)
+
     def __post_init__(self) -> None:
-        if self.clearance is not None and not _is_length(self.clearance):
-            raise NestedCagesError(
-                f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
-                f"default."
-            )
-        if self.grid is not None and not (_is_length(self.grid) and self.grid > 0.0):
+        super().__post_init__()
+        if self.grid is not None and not (is_length(self.grid) and self.grid > 0.0):
             raise NestedCagesError(
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none."
             )
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
             raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.")
-        if not isinstance(self.starts, int | np.integer) or self.starts < 1:
-            raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
-        for name, (method, example) in METHODS.items():
-            chosen = getattr(self, name)
-            if not has_method(chosen, method) and not (chosen is None and name == "fallback"):
-                what = name.replace("_", " ")
-                raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
         _check_priorities(self)
         symmetry: object = self.symmetry
         if not (symmetry is None or isinstance(symmetry, Found) or has_method(symmetry, "image")):
@@ -114,13 +78,6 @@ class Settings:
             raise NestedCagesError("Convex cages have no weights, pins, joints or limits; leave these out or convex.")
         if symmetry is not None and self.convex:
             raise NestedCagesError("Convex cages have no symmetry of their own; leave out the symmetry or convex.")
-        contact: object = self.contact
-        several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
-        if contact is not None and not (several and all(has_method(each, "reinflate") for each in several)):
-            raise NestedCagesError(
-                f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
-                "out for the default."
-            )
 
     @property
     def has_priorities(self) -> bool:
@@ -146,9 +103,9 @@ def _check_priorities(settings: Settings) -> None:
     joints = [tuple(_numbers(place, 1, "A joint must be a place (x, y)", 2).tolist())
               for place in _listed(settings.joints, "joints")]  # fmt: skip
     object.__setattr__(settings, "joints", tuple(joints))
-    if settings.min_edge is not None and not (_is_length(settings.min_edge) and settings.min_edge > 0.0):
+    if settings.min_edge is not None and not (is_length(settings.min_edge) and settings.min_edge > 0.0):
         raise NestedCagesError(f"min_edge must be a finite length above 0, not {settings.min_edge!r}.")
-    if settings.min_angle is not None and not (_is_length(settings.min_angle) and 0.0 < settings.min_angle < 60.0):
+    if settings.min_angle is not None and not (is_length(settings.min_angle) and 0.0 < settings.min_angle < 60.0):
         raise NestedCagesError(f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.")
 
 
@@ -168,11 +125,3 @@ def _numbers(values: object, dimensions: int, rule: str, size: int | None = None
     if numbers.ndim != dimensions or (size is not None and len(numbers) != size) or not np.isfinite(numbers).all():
         raise NestedCagesError(f"{rule}, not {values!r}.")
     return numbers
-
-
-def _is_length(value: object) -> bool:
-    """Whether a value is a finite number of at least 0."""
-    try:
-        return isinstance(value, int | float | np.number) and 0.0 <= float(value) < np.inf
-    except OverflowError:
-        return False

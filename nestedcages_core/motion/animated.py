@@ -4,28 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import NestedCagesError, NestingError
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, MeshLike
 from ..hierarchy import Progress, Settings
-from ..stages import Run, Stage
+from ..tasks import Run, Stage, listened
 from .level import LevelMotion
 from .poses import Pose, read_poses
 from .results import Key, MotionReport, MovingCages, MovingLevel
 
 
 def animated_cages(
-    fine: Mesh,
+    fine: MeshLike,
     poses: ArrayLike | Iterable[ArrayLike],
-    levels: Sequence[int | Mesh],
+    levels: int | Mesh | Sequence[int | Mesh],
     settings: Settings | None = None,
     *,
     times: ArrayLike | None = None,
     cyclic: bool = False,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress], None] | bool | None = None,
+    **options: Any,
 ) -> MovingCages:
     """Cages that follow a moving drawing, each enclosing the one before at every instant.
 
@@ -35,16 +37,13 @@ def animated_cages(
     times: (T,) increasing; default: 0, 1, ...
     cyclic: the last cage equals the first. If the last pose differs from the first, the motion back to it is added,
     over the mean interval.
-    progress: may raise to cancel.
+    progress: may raise to cancel. True: a progress bar, if tqdm is installed.
+    options: fields of `Settings` that replace those of ``settings``.
 
     Every key is certified by `verify`, and the straight motion between keys by `verify_motion`. Raises a
     NestedCagesError that names the pose; its ``partial`` is the MovingCages up to there.
     """
-    run = AnimatedCagesRun(fine, poses, levels, settings, times=times, cyclic=cyclic)
-    for step in run:
-        if progress is not None:
-            progress(step)
-    return run.moving
+    return listened(AnimatedCagesRun(fine, poses, levels, settings, times=times, cyclic=cyclic, **options), progress)
 
 
 class AnimatedCagesRun(Run[Progress, MovingCages]):
@@ -52,19 +51,24 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
 
     def __init__(
         self,
-        fine: Mesh,
+        fine: MeshLike,
         poses: ArrayLike | Iterable[ArrayLike],
-        levels: Sequence[int | Mesh],
+        levels: int | Mesh | Sequence[int | Mesh],
         settings: Settings | None = None,
         *,
         times: ArrayLike | None = None,
         cyclic: bool = False,
+        **options: Any,
     ) -> None:
-        if not levels:
+        self._fine, self._cyclic = Mesh.of(fine), cyclic
+        self._levels = [levels] if isinstance(levels, int | np.integer | Mesh) else list(levels)
+        if not self._levels:
             raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
-        self._fine, self._levels, self._cyclic = fine, list(levels), cyclic
-        self._settings = settings if settings is not None else Settings()
-        self._poses, self._count = read_poses(fine, poses, times), len(poses) if isinstance(poses, Sized) else None
+        self._settings = Settings.of(settings, **options)
+        self._poses, self._count = (
+            read_poses(self._fine, poses, times),
+            len(poses) if isinstance(poses, Sized) else None,
+        )
         super().__init__(self._run())
 
     @property

@@ -18,10 +18,10 @@ from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
-from ..hierarchy.units import SolverUnits
-from ..stages import drain
+from ..level.units import SolverUnits
+from ..tasks import drain
 from ..tightening import Tightening
-from ..tightening.restoration import restore
+from ..tightening.restore_feasibility import restore
 from ..verification import verify
 from .carrying import carried
 

@@ -12,8 +12,8 @@ from ..errors import NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, nested_cages
-from ..hierarchy.attempts import clearances_for
-from ..hierarchy.units import SolverUnits
+from ..level.attempts import clearances_for
+from ..level.units import SolverUnits
 from ..verification import verify, verify_motion
 from .between import Instant, Straightener, around
 from .following import Follower

@@ -8,7 +8,11 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
+from ..geometry.picture import Drawable
 from ..verification import Certificate
+
+FRAMES_SHOWN = 4
+"""Maximum number of poses in the picture of moving cages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +87,27 @@ class MovingLevel:
 
 
 @dataclass(frozen=True, eq=False)
-class MovingCages:
+class MovingCages(Drawable):
     """Cages of a moving drawing: level k encloses level k - 1 at every instant, and all enclose the drawing."""
 
     fine: Mesh
     levels: tuple[MovingLevel, ...]
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """Drawing and cages at the first pose."""
+        return self._at(0)
+
+    @property
+    def frames(self) -> tuple[tuple[Mesh, ...], ...]:
+        """Drawing and cages at a few of the given poses."""
+        count = len(self.levels[0].report.given) if self.levels else 1
+        return tuple(self._at(k) for k in np.unique(np.linspace(0, count - 1, FRAMES_SHOWN).astype(int)))
+
+    def _at(self, pose: int) -> tuple[Mesh, ...]:
+        """Drawing and cages at a given pose."""
+        if not self.levels:
+            return (self.fine,)
+        keys = [level.report.given[pose] for level in self.levels]
+        cages = [level.cage.moved(level.cage_steps[key]) for level, key in zip(self.levels, keys, strict=True)]
+        return self.fine.moved(self.levels[0].fine_steps[keys[0]]), *cages

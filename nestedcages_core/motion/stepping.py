@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
-from ..hierarchy.units import SolverUnits
+from ..level.units import SolverUnits
 from ..verification import verify
 from .following import Follower
 

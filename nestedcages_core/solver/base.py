@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from ..geometry.arrays import FloatArray
-from ..stages import Stage
+from ..tasks import Stage
 
 
 class NewtonModel(NamedTuple):

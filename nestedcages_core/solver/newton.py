@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..parameters import check_count, check_not_negative
-from ..stages import Stage
+from ..tasks import Stage
 from .base import Objective, SolverResult
 from .line_search import backtrack
 

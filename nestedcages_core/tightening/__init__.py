@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from .on_grid import put_on_grid
 from .tightening import Tightening, TighteningOutcome
 
 __all__ = [
     "Tightening",  # trust-region sequential quadratic programming
     "TighteningOutcome",  # where it ended
-    "put_on_grid",  # the cage of least area on a grid
 ]

@@ -25,12 +25,12 @@ from ..geometry.arrays import FloatArray
 from ..parameters import check_count, check_not_negative, check_part, check_positive
 from ..solver.negative_curvature import negative_curvature
 from ..solver.quadratic_program import InteriorPoint, QPSolution
-from ..stages import Stage, mapped
+from ..tasks import Stage, mapped
 from .curvature import EdgeLoads
 from .quadratic_model import QuadraticModel, model_at
+from .reach_clearance import widen
 from .trial import Trial, find_trial
 from .trust_region import TrustRegion
-from .widening import widen
 
 logger = logging.getLogger(__name__)
 

@@ -11,7 +11,7 @@ from ..contact.pairs import Bodies, Pairs
 from ..energies import CageEnergy
 from ..geometry.arrays import FloatArray
 from ..solver.line_search import SUFFICIENT_DECREASE
-from .restoration import restore
+from .restore_feasibility import restore
 
 MAX_ATTEMPTS = 3
 """Cap on the trials of one step; more gain nothing over a new model with smaller radii (docs/ablation.md: trials of

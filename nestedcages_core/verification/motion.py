@@ -19,7 +19,7 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh, MeshLike
-from ..stages import Stage, drain
+from ..tasks import Stage, drain
 from .linear_motion import COEFFICIENT_ROUNDING, never_meet
 
 Number = TypeVar("Number", float, FloatArray)

@@ -65,7 +65,7 @@ def extension() -> Iterator[ModuleType]:
 def empty_scene(extension: ModuleType) -> None:
     """A scene without objects, on frame 1 of 1 to 250, and nothing remembered of earlier computations."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    import_module(f"{PACKAGE}.nestedcages_core.memory").forget()
+    import_module(f"{PACKAGE}.nestedcages_core.cache").forget()
 
 
 @pytest.fixture

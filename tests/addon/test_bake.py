@@ -62,6 +62,7 @@ def test_one_action_survives_binding_and_goes_with_new_cages(cages) -> None:
     assert not bpy.ops.object.nested_cages_remove_animation.poll()
     assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
     assert_same(before, poses(collection, frames))
+    at_frame(collection["nested_cages_end"])
     for obj in bpy.data.objects:
         obj.select_set(obj.name == "Drawing")
     bpy.ops.object.nested_cages_generate(levels="20, 10")

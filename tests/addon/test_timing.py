@@ -119,3 +119,31 @@ def test_thousands_of_frames_play_to_the_end() -> None:
     for frame in np.linspace(cages[-1]["nested_cages_reinflation_start"], end, 25):
         depsgraph = at_frame(frame)
         assert not lines(cages[0], depsgraph).intersects(lines(cages[1], depsgraph))
+
+
+def test_the_drawing_shrinks_visibly_and_the_cages_are_the_same_without() -> None:
+    poly_curve("Drawing", [star()])
+    cages = {}
+    for shrink in (True, False):
+        _, fine, made = generate(shrink=shrink)
+        home = fine.data.shape_keys.reference_key
+        points = np.array([[point.co[:2] for point in key.data] for key in fine.data.shape_keys.key_blocks])
+        travel = np.linalg.norm(points - [point.co[:2] for point in home.data], axis=2).max() / 2.0
+        assert (travel > 0.05) == shrink
+        assert not shrink or len(points) > 12
+        cages[shrink] = [evaluated(cage, at_frame(9000)) for cage in made]
+    for with_it, without in zip(cages[True], cages[False], strict=True):
+        np.testing.assert_array_equal(with_it, without)
+
+
+@pytest.mark.parametrize("fit_length", [True, False])
+def test_drawings_play_one_after_the_other(fit_length) -> None:
+    for k in range(3):
+        poly_curve(f"Drawing {k}", [star() + 3.0 * k])
+    for obj in bpy.data.objects:
+        obj.select_set(True)
+    bpy.ops.object.nested_cages_generate(levels="20", in_turn=True, fit_length=fit_length, length=90, loop_back=True)
+    spans = sorted(tuple(bpy.data.collections[f"Drawing {k} Cages"]["nested_cages_frames"]) for k in range(3))
+    assert spans[0][0] == 1
+    assert all(before[2] < after[0] for before, after in itertools.pairwise(spans))
+    assert not fit_length or spans[-1][2] <= 92

@@ -9,7 +9,7 @@ import pytest
 
 import nestedcages_core
 from judge import faults_of_cage, faults_of_motion
-from nestedcages_core.memory import forget
+from nestedcages_core.cache import forget
 
 LARGEST_PAIRS = 100_000
 """Product of the vertex counts of cage and fine mesh up to which a level is judged."""

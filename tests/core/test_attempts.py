@@ -24,7 +24,7 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.decimation import Start
-from nestedcages_core.hierarchy.attempts import (
+from nestedcages_core.level.attempts import (
     HULL_FROM,
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,

@@ -22,9 +22,10 @@ from nestedcages_core import (
     WeightedSum,
     nested_cages,
 )
-from nestedcages_core.energies import Blocks, Energy, autodiff, element_energy
-from nestedcages_core.energies.autodiff import Jet, plain_points_of, points_of
+from nestedcages_core.energies import Blocks, Energy
 from nestedcages_core.energies.blocks import assembled_hessian, positive_part
+from nestedcages_core.energies.choices import autodiff, element_energy
+from nestedcages_core.energies.choices.autodiff import Jet, plain_points_of, points_of
 from nestedcages_core.geometry.triangulation import triangulate
 from shapes import ring
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import Mesh, NestingError, Settings, nested_cages, verify
-from nestedcages_core.decimation.small_holes import largest_circle
+from nestedcages_core.decimation.hull.small_holes import largest_circle
 from shapes import annulus, comb, ring
 
 NEARLY_ALL = 0.99

@@ -27,8 +27,8 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.command import main
-from nestedcages_core.decimation.circumscribed import Hull, convex_hull, least_polygon
-from nestedcages_core.hierarchy.convex_level import is_convex
+from nestedcages_core.needs.convex.least_polygon import Hull, convex_hull, least_polygon
+from nestedcages_core.needs.convex.need import is_convex
 from shapes import annulus, disc, islands, letter_a, polygon, ring, star
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"

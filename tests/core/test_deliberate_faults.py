@@ -12,7 +12,7 @@ import pytest
 from judge import faults_of_motion
 from nestedcages_core import Mesh, NestingError, Settings, Tightening, nested_cages, verify_motion
 from nestedcages_core.decimation import Start
-from nestedcages_core.stages import Stage
+from nestedcages_core.tasks import Stage
 from shapes import islands, letter_a, letter_a_coarse, resampled, ring, star
 
 

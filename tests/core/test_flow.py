@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nestedcages_core import FlowError, InvalidMeshError, Mesh, SignedDistanceFlow, TwoSidedFlow, nested_cages
 from nestedcages_core.flow import FlowMethod, FlowResult, Obstacle
 from nestedcages_core.flow.loop_matching import COVERED, match_loops
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import (
     annulus,
     comb,

@@ -7,13 +7,15 @@ import pytest
 import scipy
 import shapely
 
-from nestedcages_core import Mesh
+from nestedcages_core import Mesh, nested_cages, verify_motion
+from nestedcages_core.flow import shrink
 from nestedcages_core.flow.containment import Containment
 from nestedcages_core.flow.erosion import erode
 from nestedcages_core.flow.geodesic import Retraction, retract, solid_graph
 from nestedcages_core.flow.loop_matching import _assignment, match_loops
 from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
 from nestedcages_core.flow.samples import Spacing, local_margins
+from nestedcages_core.flow.shrinking import thickness
 from nestedcages_core.flow.smoothing import StepSystem
 from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, polygon, ring, star
 
@@ -167,3 +169,26 @@ def test_loops_are_assigned_as_the_solver_does(near: float) -> None:
             cost = random.integers(0, 9, (rows, columns)) + near * (1.0 - np.eye(rows, columns))
             found = _assignment(cost)
             np.testing.assert_array_equal(found, scipy.optimize.linear_sum_assignment(cost))
+
+
+@pytest.mark.parametrize("fine", [star(), annulus(80), islands(), comb(4, 0.05), letter_a()])
+def test_the_flow_goes_on_inside_the_coarse_mesh(fine: Mesh) -> None:
+    """Each further step is simple, nested by the motion from the certified one, and the whole is visibly smaller."""
+    level = nested_cages(fine, [max(24, 4 * len(fine.loops))]).levels[0]
+    inside = level.flow.steps[-1]
+    steps = shrink(fine, level.coarse, inside)
+    assert len(steps) >= 2
+    way = np.concatenate([inside[None], steps])
+    assert verify_motion(
+        level.coarse, fine, np.broadcast_to(level.coarse.vertices, (len(way), *level.coarse.vertices.shape)), way
+    )
+    areas = [Mesh(step, fine.edges).area for step in way]
+    assert (np.diff(areas) < 0.0).all()
+    assert areas[-1] < 0.9 * fine.area
+
+
+def test_thickness_is_that_of_limbs_and_walls() -> None:
+    """A wall of 0.5 between circles, and a strip of 0.1: apart from its ends as thick as it is."""
+    assert thickness(annulus(80)) == pytest.approx(0.5, abs=0.01)
+    strip = Mesh.from_loops([[(x, 0.0) for x in np.linspace(0, 2, 41)] + [(x, 0.1) for x in np.linspace(2, 0, 41)]])
+    assert thickness(strip) == pytest.approx(0.1, abs=0.01)

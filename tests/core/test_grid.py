@@ -35,9 +35,9 @@ from nestedcages_core import (
 )
 from nestedcages_core.command import main
 from nestedcages_core.exchange.decimals import subtracted
-from nestedcages_core.geometry.grid import Grid
+from nestedcages_core.geometry.lattice import Grid
 from nestedcages_core.geometry.shortest_cycle import shortest_cycle
-from nestedcages_core.tightening import put_on_grid
+from nestedcages_core.needs.grid.search import put_on_grid
 from shapes import annulus, comb, islands, letter_a, polygon, ring, star
 
 

@@ -23,10 +23,10 @@ from nestedcages_core import (
     WeightedSum,
     nested_cages,
 )
-from nestedcages_core.decimation.hull_search import EVEN_WEIGHTS
-from nestedcages_core.decimation.progressive_hull import ProgressiveHull
-from nestedcages_core.memory import LARGEST_SHARE, Memory, forget, key_of
-from nestedcages_core.stages import drain
+from nestedcages_core.cache import LARGEST_SHARE, Memory, forget, key_of
+from nestedcages_core.decimation.hull.hull_search import EVEN_WEIGHTS
+from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
+from nestedcages_core.tasks import drain
 from shapes import islands, letter_a, star
 
 

@@ -70,7 +70,7 @@ def test_a_tree_and_all_pairs_agree_on_what_lies_in_what(monkeypatch: pytest.Mon
         meshes = Mesh.from_loops(loops), Mesh.from_loops([0.99 * loop + 0.003 for loop in loops])
         nesting = Nesting(*meshes)
         with monkeypatch.context() as patch:
-            patch.setattr("nestedcages_core.geometry.mesh.loops.ALL_WINDINGS_LIMIT", -1)
+            patch.setattr("nestedcages_core.geometry.loops.ALL_WINDINGS_LIMIT", -1)
             by_tree = Nesting(*meshes)
             for one, other in zip(nesting.pairs, by_tree.pairs, strict=True):
                 assert len(one) > 0

@@ -21,7 +21,7 @@ from nestedcages_core.energies import Energy
 from nestedcages_core.published.li_2020 import OriginalIPC
 from nestedcages_core.published.li_2020.barrier import SquaredBarrier
 from nestedcages_core.published.li_2020.stiffness import StiffnessBounds
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from nestedcages_core.tightening import Tightening
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring
 from test_ccd import pairs_of

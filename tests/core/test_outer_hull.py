@@ -13,18 +13,18 @@ from hypothesis import strategies as st
 
 from nestedcages_core import Mesh, NestingError, OuterHull, verify
 from nestedcages_core.decimation import OnCurve
-from nestedcages_core.decimation.apportion import padded, shares
-from nestedcages_core.decimation.clearing import cleared, without_gaps
-from nestedcages_core.decimation.edge_boxes import MAX_AT_ONCE, EdgeBoxes
-from nestedcages_core.decimation.hull_moves import Weights
-from nestedcages_core.decimation.hull_search import search_hulls
-from nestedcages_core.decimation.linked_loops import LinkedLoops
-from nestedcages_core.decimation.move_queue import MoveQueue
-from nestedcages_core.decimation.offset import strict_offset
+from nestedcages_core.decimation.hull.apportion import padded, shares
+from nestedcages_core.decimation.hull.clearing import cleared, without_gaps
+from nestedcages_core.decimation.hull.edge_boxes import MAX_AT_ONCE, EdgeBoxes
+from nestedcages_core.decimation.hull.hull_moves import Weights
+from nestedcages_core.decimation.hull.hull_search import search_hulls
+from nestedcages_core.decimation.hull.linked_loops import LinkedLoops
+from nestedcages_core.decimation.hull.move_queue import MoveQueue
+from nestedcages_core.decimation.hull.offset import strict_offset
+from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.outline import Outline
-from nestedcages_core.decimation.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.request import canonical_order
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull(restarts=4)

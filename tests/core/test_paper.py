@@ -31,12 +31,12 @@ from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.energies import NoEnergy
 from nestedcages_core.energies.area import signed_area
-from nestedcages_core.energies.autodiff import points_of
+from nestedcages_core.energies.choices.autodiff import points_of
 from nestedcages_core.published.gurditta_jacobson_2022 import GradientDescent, PaperContact, PaperFlow, Repairs
 from nestedcages_core.published.gurditta_jacobson_2022.potential import PaperPotential, PaperWeights
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from nestedcages_core.solver import Solver
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, ring
 
 STEP = 1e-7  # of central differences

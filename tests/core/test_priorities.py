@@ -19,9 +19,12 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
-from nestedcages_core.decimation.importance import Importance
-from nestedcages_core.energies import CageEnergy, Springs, WeightedArea, sharp_angles, short_edges
-from nestedcages_core.hierarchy.priorities import sharpest_angle
+from nestedcages_core.decimation.hull.importance import Importance
+from nestedcages_core.energies import CageEnergy
+from nestedcages_core.needs.priorities.limits import sharp_angles, short_edges
+from nestedcages_core.needs.priorities.need import sharpest_angle
+from nestedcages_core.needs.priorities.springs import Springs
+from nestedcages_core.needs.priorities.weighted_area import WeightedArea
 from shapes import letter_a, ring, star
 
 TOP = 2.5

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from nestedcages_core import Mesh, OuterHull, Settings, Within, nested_cages
-from nestedcages_core.decimation import remembered
-from nestedcages_core.decimation.hull_search import EVEN_WEIGHTS, RESTART_WEIGHTS, middle_size, stage_size
+from nestedcages_core.cache import forget
+from nestedcages_core.decimation.hull import remembered
+from nestedcages_core.decimation.hull.hull_search import EVEN_WEIGHTS, RESTART_WEIGHTS, middle_size, stage_size
+from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
+from nestedcages_core.decimation.hull.remembered import RememberedHull, remembered_hull
 from nestedcages_core.decimation.outline import Outline
-from nestedcages_core.decimation.progressive_hull import ProgressiveHull
-from nestedcages_core.decimation.remembered import RememberedHull, remembered_hull
 from nestedcages_core.decimation.request import canonical_order
-from nestedcages_core.memory import forget
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import islands, letter_a, star
 
 SHAPES = pytest.mark.parametrize("shape", [letter_a, star, islands])

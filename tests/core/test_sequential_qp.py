@@ -15,7 +15,7 @@ from nestedcages_core.contact.feasibility_rule import FeasibilityRule
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.solver.quadratic_program import InteriorPoint
-from nestedcages_core.stages import drain, mapped
+from nestedcages_core.tasks import drain, mapped
 from shapes import annulus, assert_nested, letter_a, ring, star
 
 

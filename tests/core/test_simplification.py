@@ -19,7 +19,7 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.decimation import Decimation
-from nestedcages_core.decimation.edge_collapse import touching
+from nestedcages_core.decimation.choices.edge_collapse import touching
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 EVERY_ONE = (DouglasPeucker(), Visvalingam(), EdgeCollapse())

@@ -16,9 +16,9 @@ from nestedcages_core import (
     inner_cages,
     nested_cages,
 )
-from nestedcages_core.memory import forget
+from nestedcages_core.cache import forget
 from nestedcages_core.motion.animated import AnimatedCagesRun
-from nestedcages_core.stages import Run, Stage, drain, mapped
+from nestedcages_core.tasks import Run, Stage, drain, mapped
 from shapes import letter_a, ring, star
 
 

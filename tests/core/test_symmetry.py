@@ -27,12 +27,12 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.energies import Blocks
+from nestedcages_core.geometry.group import Symmetry
 from nestedcages_core.geometry.orbits import Orbits
-from nestedcages_core.geometry.overlay import overlay
-from nestedcages_core.geometry.symmetry import Symmetry
+from nestedcages_core.needs.symmetry.union import overlay
 from nestedcages_core.solver.banded import Rows
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
-from nestedcages_core.solver.tied import Tie
+from nestedcages_core.solver.reduction import Tie
 from shapes import letter_a, star
 
 AXES = (Mirror(), Mirror((0.25, 0.0)), Mirror((0.1, 3.0), (1.0, 0.0)), Mirror((0.3, -0.2), (1.0, 2.0)))

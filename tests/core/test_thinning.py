@@ -7,10 +7,10 @@ import pytest
 import shapely
 
 from nestedcages_core import Mesh, OuterHull, Settings, nested_cages
-from nestedcages_core.decimation import thinning
-from nestedcages_core.decimation.hull_search import ROUGH_WEIGHTS
+from nestedcages_core.decimation.hull import thinning
+from nestedcages_core.decimation.hull.hull_search import ROUGH_WEIGHTS
+from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.outline import Outline
-from nestedcages_core.decimation.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.request import canonical_order
 from shapes import assert_nested, polygon, ring
 

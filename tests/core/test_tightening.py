@@ -15,10 +15,10 @@ from nestedcages_core.energies import Area, InitialDisplacement
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
 from nestedcages_core.solver.quadratic_program import InteriorPoint
-from nestedcages_core.stages import drain, mapped
+from nestedcages_core.tasks import drain, mapped
 from nestedcages_core.tightening import Tightening, TighteningOutcome
-from nestedcages_core.tightening.restoration import restore
-from nestedcages_core.tightening.widening import widen
+from nestedcages_core.tightening.reach_clearance import widen
+from nestedcages_core.tightening.restore_feasibility import restore
 from shapes import annulus, assert_nested, letter_a, polygon, ring, star
 
 CLEARANCE = 1e-5

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
-from nestedcages_core.decimation.minimal_nested import fewest_links, walks
 from nestedcages_core.hierarchy import level_words, parse_level, wanted_levels
-from nestedcages_core.verification.reach import REACH_PRECISION, reach, stays_within
+from nestedcages_core.tolerance.minimal_nested import fewest_links, walks
+from nestedcages_core.tolerance.reach import REACH_PRECISION, reach, stays_within
 from shapes import annulus, letter_a, polygon, ring, star
 
 pytestmark = pytest.mark.slow

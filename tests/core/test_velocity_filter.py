@@ -21,7 +21,7 @@ from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import reinflate
 from nestedcages_core.energies import Energy
 from nestedcages_core.published.sacht_2015.impact_zones import KEPT_PROXIMITY, ImpactZones
-from nestedcages_core.stages import drain
+from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, letter_a, letter_a_coarse, ring, star
 
 PROXIMITY = 1e-3

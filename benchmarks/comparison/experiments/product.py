@@ -12,8 +12,8 @@ from comparison.cases import COUNT, Inputs
 from comparison.measure import CLEARANCE, Decimated, Measurement, Results
 from comparison.tables import excess_and_time, matrix, median, number, table
 from nestedcages_core import Mesh, NestedCagesError, Settings
+from nestedcages_core.cache import forget
 from nestedcages_core.decimation import Decimation
-from nestedcages_core.memory import forget
 
 PAPERS = "paper's energy, Newton"
 """The fourth way to resolve contact: the paper's barrier and weights, by projected Newton."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.mesh import Mesh
+from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, Drawable, path_data
 from ..decimals import check_decimals
 from ..files import write_whole
 from .document import DECORATION, OUTLINES, Frame
@@ -24,15 +25,10 @@ PAGE_MARGIN = 0.02
 STROKE = 0.004
 """Width of outlines, as a fraction of the diagonal of all shapes; narrower for several drawings."""
 
-COLOURS = ("#27364b", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours of levels, in turn: dark for drawings, then the colour-blind safe palette of Okabe and Ito."""
-
-DRAWING_OPACITY, CAGE_OPACITY = 0.9, 0.15
-
 NOT_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 """Characters that XML does not allow."""
 
-Shapes = Mesh | Sequence[Mesh] | Mapping[str, Mesh]
+Shapes = Drawable | Sequence[Mesh] | Mapping[str, Mesh]
 
 
 def to_svg(
@@ -46,7 +42,7 @@ def to_svg(
 ) -> str:
     """An SVG document with one path per mesh, with holes and exact coordinates.
 
-    shapes: one mesh, several, or by the id that each path gets.
+    shapes: a mesh, a level, a hierarchy, several meshes, or meshes by the id that each path gets.
     view_box: x, y, width and height of the view; default: all shapes.
     frame: of a document that was read, so that the output coincides with it.
     levels: of each shape, 0 for a drawing, 1 for its innermost cage; default: in order. Levels differ in colour and in
@@ -98,18 +94,10 @@ def _page(view_box: Sequence[float] | None, frame: Frame | None) -> str:
     return " ".join(f'{key}="{value}"' for key, value in found.items())
 
 
-def path_data(mesh: Mesh) -> str:
-    """The loops of a mesh as SVG path data; outer loops and holes have opposite directions, so any fill rule works."""
-    loops = []
-    for loop in mesh.loops:
-        points = " L ".join(f"{x!r} {y!r}" for x, y in mesh.vertices[loop].tolist())
-        loops.append(f"M {points} Z")
-    return " ".join(loops)
-
-
 def _named(shapes: Shapes) -> dict[str, Mesh]:
     if isinstance(shapes, Mesh):
         return {"shape": shapes}
     if isinstance(shapes, Mapping):
         return dict(shapes)
+    shapes = shapes.meshes if isinstance(shapes, Drawable) else shapes
     return {"shape" if k == 0 else f"cage-{k}": mesh for k, mesh in enumerate(shapes)}

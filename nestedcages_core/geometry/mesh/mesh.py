@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
+from ..loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
+from ..picture import Drawable
 from ..predicates import BoxTree
 from ..vectors import norm
 from .geo_interface import HasGeoInterface, rings_of, to_geo_interface
-from .loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
 from .validation import as_edges, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
@@ -39,12 +40,12 @@ TOPOLOGY = frozenset(
 """Attributes that do not change when vertices move."""
 
 
-MESH_LIKE = "a Mesh, an object with __geo_interface__, or a list of loops with rows (x, y)"
+MESH_LIKE = "a Mesh, an object with __geo_interface__, an array (k, 2), or a list of loops with rows (x, y)"
 """What `Mesh.of` reads, in words."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Mesh:
+class Mesh(Drawable):
     """Closed loops that bound a planar solid with holes and components; normals point out.
 
     vertices: (n, 2) float64, read-only: the exact input values, in their order.
@@ -178,7 +179,7 @@ class Mesh:
 
     @classmethod
     def of(cls, shape: MeshLike) -> Mesh:
-        """A mesh as it is, or read from an object with `__geo_interface__`, such a mapping, or a list of loops (k, 2).
+        """A mesh as it is, or read from an object with `__geo_interface__`, such a mapping, a loop (k, 2), or loops.
 
         Raises InvalidMeshError.
         """
@@ -186,7 +187,9 @@ class Mesh:
             return shape
         if not is_mesh_like(shape):
             raise InvalidMeshError(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.")
-        return cls.from_loops(shape) if isinstance(shape, list | tuple | np.ndarray) else cls.from_geometry(shape)
+        if not isinstance(shape, list | tuple | np.ndarray):
+            return cls.from_geometry(shape)
+        return cls.from_loops([shape] if _is_loop(shape) else shape)
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -197,7 +200,31 @@ class Mesh:
         return to_geo_interface(polygons)
 
     def __repr__(self) -> str:
-        return f"Mesh({len(self.vertices)} vertices, {len(self.loops)} loops)"
+        return f"Mesh({len(self.vertices)} vertices, {len(self.loops)} loop{'s' if len(self.loops) > 1 else ''})"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another mesh has the same vertices and edges, in the same order."""
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        return np.array_equal(self.vertices, other.vertices) and np.array_equal(self.edges, other.edges)
+
+    def __hash__(self) -> int:
+        return hash((len(self.vertices), tuple((self.vertices[:2] + 0.0).flat)))  # equal for 0.0 and -0.0
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """The mesh alone."""
+        return (self,)
+
+    @property
+    def rings(self) -> tuple[FloatArray, ...]:
+        """(k, 2) vertices of each loop in oriented order; the first one is not repeated at the end."""
+        return tuple(self.vertices[loop] for loop in self.loops)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Bounding box: least x, least y, largest x, largest y."""
+        return (*self.vertices.min(axis=0).tolist(), *self.vertices.max(axis=0).tolist())
 
     def moved(self, vertices: ArrayLike) -> Mesh:
         """The same edges and roles with other vertices (n, 2); not validated and not re-oriented."""
@@ -308,6 +335,14 @@ def is_mesh_like(shape: object) -> TypeGuard[MeshLike]:
     if isinstance(shape, Mesh | list | tuple | np.ndarray | Mapping):
         return True
     return not isinstance(shape, type) and hasattr(shape, "__geo_interface__")
+
+
+def _is_loop(shape: Sequence[Any] | NDArray[Any]) -> bool:
+    """Whether the entries of a list or an array are points, not loops."""
+    if isinstance(shape, np.ndarray):
+        return shape.ndim == 2
+    first = shape[0] if len(shape) else ()
+    return isinstance(first, list | tuple | np.ndarray) and len(first) > 0 and bool(np.isscalar(first[0]))
 
 
 def _frozen(array: NDArray[Number]) -> NDArray[Number]:

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import IntArray
+from ..loops import enclosing_pairs, extreme_places, parents
 from ..predicates import segments_intersect
-from .loops import enclosing_pairs, extreme_places, parents
 from .mesh import Mesh
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...errors import InvalidMeshError
 from ..arrays import AnyArray, FloatArray, IntArray
+from ..loops import LoopOrder
 from ..predicates import BoxTree, orientation, segments_intersect
-from .loops import LoopOrder
 
 MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 """Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""

@@ -20,7 +20,7 @@ from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_flag, check_part, check_positive
 from ...solver import Solver
-from ...stages import Stage
+from ...tasks import Stage
 from .flow import PAPER_DIAGONAL
 from .gradient_descent import GradientDescent
 from .potential import PaperPotential, PaperWeights

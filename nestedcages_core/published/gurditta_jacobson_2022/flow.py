@@ -23,7 +23,7 @@ from ...geometry.distance import SMALLEST_LENGTH
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
 from ...parameters import check_count, check_flag, check_positive
-from ...stages import Stage
+from ...tasks import Stage
 from .ray_parity import contained_by_parity, inside_by_parity
 
 PAPER_DIAGONAL = float(np.sqrt(8.0))

@@ -9,7 +9,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_flag, check_positive, check_reduction
 from ...solver.base import Objective, SolverResult
-from ...stages import Stage
+from ...tasks import Stage
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ...geometry.mesh import Mesh
 from ...geometry.quadrature import QuadraticFallOff, Quadrature, vertex_samples
 from ...geometry.signed_distance import SignedDistance
 from ...parameters import check_count, check_part, check_positive
-from ...stages import Stage
+from ...tasks import Stage
 
 
 @dataclass(frozen=True)

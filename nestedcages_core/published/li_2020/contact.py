@@ -28,7 +28,7 @@ from ...contact.pairs import Bodies, CandidateList
 from ...energies import Area, CageEnergy, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_part, check_positive
-from ...stages import Stage
+from ...tasks import Stage
 from .barrier import SquaredBarrier
 from .stiffness import VERY_CLOSE, StiffnessBounds
 

@@ -19,7 +19,7 @@ from ...contact.pairs import Bodies, CandidateList, Pairs
 from ...energies import Area, Energy, NoEnergy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_part, check_positive
-from ...stages import Stage
+from ...tasks import Stage
 from .expansion import Descent, Expansion, Filtered
 from .impulses import COLLISION_DISTANCE, Impulses
 from .inelastic_zones import InelasticZones

@@ -17,7 +17,7 @@ import numpy as np
 from ...contact.pairs import Bodies
 from ...energies import CageEnergy
 from ...geometry.arrays import FloatArray
-from ...stages import Stage
+from ...tasks import Stage
 
 DESCENT_REDUCTION, DESCENT_GROWTH = 0.5, 1.1
 """Factors on the descent step after the energy has increased or decreased."""

@@ -19,7 +19,7 @@ from ...contact.pairs import Bodies, CandidateList
 from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_part, check_positive
-from ...stages import Stage
+from ...tasks import Stage
 from .el_topo import SKIN_PER_EDGE
 from .expansion import Descent, Expansion, Filtered
 from .impact_zones import LARGEST_VELOCITY, ImpactZones

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ...decimation.base import Count, Decimation, checked_budget
-from ...decimation.douglas_peucker import DouglasPeucker
-from ...decimation.edge_collapse import EdgeCollapse
+from ...decimation.choices.douglas_peucker import DouglasPeucker
+from ...decimation.choices.edge_collapse import EdgeCollapse
 from ...errors import NestingError
 from ...geometry.mesh import Mesh, Nesting
 from ...geometry.mesh.validation import place

@@ -1,0 +1,130 @@
+"""Where output objects stand: in the space of their drawing, wherever Blender displays that."""
+
+from __future__ import annotations
+
+import bpy
+from mathutils import Matrix
+
+from .plane import Frame
+
+# The properties of a transform; copying them is exact, while a matrix would round.
+TRANSFORM = (
+    "rotation_mode",
+    "location",
+    "rotation_euler",
+    "rotation_quaternion",
+    "rotation_axis_angle",
+    "scale",
+    "delta_location",
+    "delta_rotation_euler",
+    "delta_rotation_quaternion",
+    "delta_scale",
+)
+# The constraint that takes the place of a parent.
+CARRIED = "Nested Cages Drawing"
+# Where another object is, in its space.
+HERE = Matrix()
+
+
+def place(obj: bpy.types.Object, source: bpy.types.Object | None, frame: Frame) -> None:
+    """Makes a drawing carry an object, in the drawing's plane; nothing carries it if the drawing is gone.
+
+    In the drawing's own space nothing is rounded: both have the same matrix, wherever the drawing moves. A drawing that
+    is scaled to nothing along an axis has no such space for other frames than its own.
+    """
+    inverse = _inverse(source.matrix_world) if source is not None else None
+    if source is None or obj in _line_of(source) or (inverse is None and not frame.own):
+        carry(obj, None)
+        obj.matrix_world = Matrix(frame.matrix.tolist())
+        return
+    carry(obj, source, Matrix() if frame.own or inverse is None else inverse @ Matrix(frame.matrix.tolist()))
+    for name in ("location", "delta_location", "rotation_euler", "delta_rotation_euler"):
+        setattr(obj, name, (0.0, 0.0, 0.0))
+    obj.rotation_quaternion = obj.delta_rotation_quaternion = (1.0, 0.0, 0.0, 0.0)
+    obj.rotation_axis_angle = (0.0, 0.0, 1.0, 0.0)
+    obj.scale = obj.delta_scale = (1.0, 1.0, 1.0)
+
+
+def carry(obj: bpy.types.Object, carrier: bpy.types.Object | None, inverse: Matrix | None = None) -> None:
+    """Makes `carrier` move an object, whose own transform then starts at `inverse` in the carrier's space.
+
+    A parent does that, unless its children stand elsewhere than in its space: those of a curve may follow its path,
+    and those of an object that instances on its vertices or faces are repeated there.
+    """
+    constraint = constraint_of(obj)
+    if constraint is not None:
+        obj.constraints.remove(constraint)
+    elsewhere = carrier is not None and _displaces(carrier)
+    obj.parent = None if elsewhere else carrier
+    if carrier is None:
+        return
+    if elsewhere:
+        made = obj.constraints.new("CHILD_OF")
+        assert isinstance(made, bpy.types.ChildOfConstraint)
+        made.name, made.target = CARRIED, carrier
+        made.inverse_matrix = inverse or Matrix()
+        made.show_expanded = False
+    else:
+        obj.parent_type = "OBJECT"
+        obj.matrix_parent_inverse = inverse or Matrix()
+
+
+def accompany(obj: bpy.types.Object, other: bpy.types.Object, at: Matrix = HERE) -> None:
+    """Puts an object at a place in the space of another one, and lets the same drawing carry both."""
+    carry(obj, *carrier_of(other))
+    if constraint_of(obj) is not None:
+        obj.matrix_basis = other.matrix_basis @ at
+    else:
+        obj.matrix_world = other.matrix_world @ at
+
+
+def _displaces(parent: bpy.types.Object) -> bool:
+    """Whether children of an object may be displayed elsewhere than in its space."""
+    return (parent.type == "CURVE" and parent.data.use_path) or parent.instance_type in {"VERTS", "FACES"}
+
+
+def constraint_of(obj: bpy.types.Object) -> bpy.types.ChildOfConstraint | None:
+    """The constraint by which a drawing carries an object, if a parent does not."""
+    found = obj.constraints.get(CARRIED)
+    return found if isinstance(found, bpy.types.ChildOfConstraint) else None
+
+
+def carrier_of(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, Matrix]:
+    """What carries an object, a parent or the target of our constraint, and where its own transform starts there."""
+    constraint = constraint_of(obj)
+    if constraint is not None:
+        return constraint.target, constraint.inverse_matrix.copy()
+    return obj.parent, obj.matrix_parent_inverse.copy()
+
+
+def standing(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The one object whose transform places this one: itself, or one in whose space it is; None if several do."""
+    carrier, inverse = carrier_of(obj)
+    if len(obj.constraints) > (constraint_of(obj) is not None):
+        return None
+    if carrier is None:
+        return obj
+    plain = constraint_of(obj) is not None or (obj.parent_type == "OBJECT" and not _displaces(carrier))
+    return standing(carrier) if plain and inverse == Matrix() and obj.matrix_basis == Matrix() else None
+
+
+def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Copies the exact transform of an object to another one."""
+    for channel in TRANSFORM:
+        setattr(target, channel, getattr(source, channel))
+
+
+def _inverse(matrix: Matrix) -> Matrix | None:
+    """The inverse; None if there is none, which Blender 5.2 tells by an exception whatever the fallback."""
+    try:
+        return matrix.inverted()
+    except ValueError:
+        return None
+
+
+def _line_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """An object and what carries it."""
+    found = [obj]
+    while (carrier := carrier_of(found[-1])[0]) is not None and carrier not in found:
+        found.append(carrier)
+    return found

@@ -1,0 +1,1 @@
+"""Decimations that a user may choose instead of the default one."""

@@ -1,0 +1,87 @@
+"""Greedy simplification: loops lose vertices one by one, cheapest first, and never cross.
+
+A move replaces a short chain of edges by another one. It is made only if no vertex of any loop lies between the two
+chains and the new edges touch nothing, by exact tests. So loops never pass each other or change their roles.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from ...errors import InvalidMeshError, NestingError
+from ...geometry.mesh import Mesh
+from ...geometry.predicates import orientation_sign
+from ..base import Count
+from ..hull.linked_loops import LinkedLoops
+from ..hull.move_queue import MoveQueue
+from ..outline import Outline
+from ..request import Request
+
+MAX_VERTEX_DISTANCE = 1.5
+"""Maximum distance of new vertices from the centre, in diameters."""
+
+NEGLIGIBLE_COST = 1e-15
+"""Cost in squared diameters at round-off level."""
+
+
+class Simplification(ABC):
+    """State of a greedy simplification: the loops and a queue of moves, one slot per vertex."""
+
+    def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
+        """minimum: vertices that each loop keeps, at least 3."""
+        self.minimum = list(minimum)
+        self.loops = LinkedLoops(outline, MAX_VERTEX_DISTANCE)
+        self.queue = MoveQueue(self.loops.total, NEGLIGIBLE_COST * self.loops.diameter**2)
+
+    @abstractmethod
+    def consider(self, vertex: int) -> None:
+        """Push the move of a vertex, if it has one."""
+
+    @abstractmethod
+    def make(self, vertex: int, place: tuple[float, ...]) -> bool:
+        """Make the move of a vertex if nothing blocks it, and reconsider its neighbours; whether it was made."""
+
+    def run(self, count: int) -> Outline:
+        """Remove vertices until `count` are left, or as many as can be removed."""
+        loops, made = self.loops, True
+        while loops.total > count and made and loops.sizes != self.minimum:
+            made = False  # an obstacle may be gone once the queue is empty
+            for vertex, alive in enumerate(loops.alive):
+                if alive:
+                    self.consider(vertex)
+            while loops.total > count and (move := self.queue.pop()) is not None:
+                vertex, place = move
+                loop = loops.loop_of[vertex]
+                if loops.sizes[loop] > self.minimum[loop]:
+                    made |= self.make(vertex, place)
+        return loops.outline()
+
+    def is_free(self, a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], *own: int) -> bool:
+        """Whether no vertex but `own` lies in the triangle a, b, c, of either orientation."""
+        side = orientation_sign(*a, *b, *c)
+        if side < 0:
+            b, c = c, b
+        return side == 0 or not self.loops.vertex_in_triangle(*a, *b, *c, own=own)
+
+
+def simplified(fine: Mesh, count: Count, method: type[Simplification]) -> Mesh:
+    """The fine mesh with a wanted number of vertices by a simplification; loop k on loop k. Raises NestingError."""
+    request = Request.of(fine, count)
+    left = method(request.outline, request.minimum).run(request.target)
+    if len(left.vertices) > request.target:
+        raise NestingError(
+            f"{request.target} vertices are too few to follow the mesh without crossings: the loops are in each "
+            f"other's way at {len(left.vertices)}; ask for at least as many, or use the outer hull."
+        )
+    return followed(request, left)
+
+
+def followed(request: Request, outline: Outline) -> Mesh:
+    """The coarse mesh of a simplified outline, with as many vertices as wanted. Raises NestingError."""
+    try:
+        return request.same_roles(request.coarse(outline))
+    except InvalidMeshError as error:
+        raise NestingError(
+            f"{request.total} vertices are too few to follow the mesh: {error} Ask for more, or use the outer hull."
+        ) from error

@@ -1,0 +1,100 @@
+"""Importance: weights along a shape, and places that keep a vertex."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.group import Symmetry
+from ...geometry.mesh import Mesh
+from ...geometry.signed_distance import EdgeSearch
+from ...geometry.vectors import norm
+from ..outline import Outline
+
+LEAST_WEIGHT = 0.02
+"""Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""
+
+PIN_REACH = 1e-3
+"""Distance from a pin, in diagonals, up to which a vertex counts as pinned; such vertices may move by as much."""
+
+
+FARTHEST_PIN = 0.02
+"""Distance from a pin, in diagonals, up to which the closest vertex of an outline is the pinned one: levels, and
+drawings united with their images, run that far outside of the drawing itself."""
+
+
+@dataclass(frozen=True, eq=False)
+class Importance:
+    """Weights and pins of a fine mesh, in input units; shared by all its levels."""
+
+    fine: Mesh
+    weights: FloatArray | None
+    """(n,) weight of each fine vertex, at least 0; None: equal weights."""
+    pins: FloatArray
+    """(P, 2) places that keep a vertex, near the outline of the fine mesh."""
+    symmetry: Symmetry | None = None
+    """Symmetry of the cages: a place matters as much as the most important one of its images."""
+
+    @cached_property
+    def relative(self) -> FloatArray:
+        """(n,) weights with a mean of 1 along the outline, and a lower bound."""
+        assert self.weights is not None
+        fine = self.fine
+        length = 0.5 * (fine.edge_lengths + fine.edge_lengths[fine.predecessor])
+        mean = float(length @ self.weights) / float(length.sum())
+        relative: FloatArray = np.maximum(self.weights / mean, LEAST_WEIGHT)
+        return relative
+
+    @cached_property
+    def _edges(self) -> EdgeSearch:
+        return EdgeSearch(self.fine.vertices, self.fine.edge_ends)
+
+    def at(self, points: FloatArray) -> FloatArray:
+        """(P,) weight at the closest place on the fine mesh to each of the points (P, 2)."""
+        if self.weights is None:
+            return np.ones(len(points))
+        symmetry = self.symmetry
+        weight = self._at(points)
+        for k in range(1, symmetry.order if symmetry is not None else 1):
+            assert symmetry is not None
+            weight = np.maximum(weight, self._at(symmetry.image(points, k)))
+        return weight
+
+    def _at(self, points: FloatArray) -> FloatArray:
+        close = self._edges.closest(points)
+        start, end = self.relative[close.edge], self.relative[self.fine.successor[close.edge]]
+        weight: FloatArray = start + close.parameter * (end - start)
+        return weight
+
+    def pinned(self, outline: Outline) -> BoolArray:
+        """(n,) the vertices of an outline that are closest to pins; with `with_vertices` all pins have one."""
+        held = np.zeros(len(outline.vertices), bool)
+        for pin in self.pins:
+            distance = norm(outline.vertices - pin)
+            held[int(np.argmin(distance))] |= bool(distance.min() <= FARTHEST_PIN * self.fine.diagonal)
+        return held
+
+    def with_vertices(self, outline: Outline) -> Outline:
+        """The outline with additional vertices at pins without one."""
+        for pin in self.pins:
+            if norm(outline.vertices - pin).min() > 0.5 * PIN_REACH * self.fine.diagonal:
+                outline = _with_vertex(outline, pin)
+        return outline
+
+
+def _with_vertex(outline: Outline, place: FloatArray) -> Outline:
+    """The outline with a vertex at the point on it that is closest to a place."""
+    starts = outline.vertices
+    close = EdgeSearch(starts, starts[outline.successor]).closest(place[None])
+    edge, t = int(close.edge[0]), float(close.parameter[0])
+    new = starts[edge] + t * (starts[outline.successor[edge]] - starts[edge])
+    loop = int(np.searchsorted(outline.begins, edge, side="right")) - 1
+    sizes: list[int] = list(outline.sizes)
+    sizes[loop] += 1
+    span: IntArray = np.array([outline.spans[edge, 1], outline.spans[outline.successor[edge], 0]])
+    return Outline(
+        np.insert(starts, edge + 1, new, axis=0), tuple(sizes), np.insert(outline.spans, edge + 1, span, axis=0)
+    )

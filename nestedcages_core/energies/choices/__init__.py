@@ -1,0 +1,1 @@
+"""Energies that a user may choose instead of the area."""

@@ -1,0 +1,1 @@
+"""One level: the plan, the attempts, the builder and its report."""

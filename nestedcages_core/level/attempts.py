@@ -1,0 +1,190 @@
+"""The attempts for one level, best first: starts, contacts, clearances and fallbacks.
+
+This file alone decides what follows a failure: `level` runs the attempts in turn until one gives a certified cage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import NamedTuple
+
+from ..contact import IPC, Contact, SequentialQP
+from ..decimation import Count, Decimation, OnCurve, Start
+from ..decimation.on_curve import closest_on_curve
+from ..errors import FlowError, NestingError
+from ..flow import FlowMethod, TwoSidedFlow
+from ..flow.loop_matching import match_loops
+from ..geometry.group import Symmetry
+from ..geometry.mesh import Mesh
+from .choices import DEFAULT_CLEARANCE, Choices
+
+CLEARANCE_REDUCTION = 0.1
+"""Factor on the default clearance where the gaps of the fine mesh are too narrow for it."""
+
+MIN_DEFAULT_CLEARANCE = 1e-12
+"""Lower bound of the default clearance after all reductions, as a fraction of the diagonal."""
+
+MAX_CLEARANCE = 1e6
+"""Upper bound of a clearance in diagonals: beyond it, floating-point numbers cannot represent the shape."""
+
+MAX_IPC_PAIRS = 10.0
+"""Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
+140, and an iteration takes fifty times as long (docs/ablation.md: IPC gives way in crowds)."""
+
+QUICK_LIMIT, QUICK_PATIENCE = 10, 6
+"""Maximum number of steps of a descent of the flow where hulls compete, half the usual one; patience of the contact
+there, with which as many cages come from the flow as with the usual one."""
+
+HULL_FROM = 20_000
+"""Number of fine vertices from which the best outer hull alone replaces starts on the curve, unless there is no
+fallback: from 30,000 vertices on it takes less than half of the time, and cages are as tight (benchmarks/growth.py)."""
+
+PAPER_PREFERENCE = 0.01
+"""A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
+this fraction of its excess."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """Cages from one or several coarse meshes; the tightest one that can be certified is the level."""
+
+    source: Mesh | Decimation
+    """A user's own coarse mesh, or a decimation."""
+    count: Count
+    """Vertices of the coarse meshes."""
+    starts: int
+    """Number of coarse meshes to start from, where the decimation offers several."""
+    flow: FlowMethod
+    """Brings the fine mesh inside the coarse ones."""
+    contacts: tuple[Contact, ...]
+    """Tried in turn: each starts over where the one before is blocked."""
+    clearances: tuple[float, ...]
+    """In input units: the wanted one, then smaller ones for gaps that are too narrow for it."""
+    fallback: bool = False
+    """Whether this differs from what was asked for."""
+    may_fall_back: bool = True
+    """Whether to try something else if flow or reinflation fails."""
+    tightened: bool = True
+    """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
+
+    @property
+    def prefers_curve(self) -> bool:
+        """Whether it starts on the curve where it can."""
+        return isinstance(self.source, OnCurve)
+
+
+def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
+    """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh.
+
+    The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
+    """
+    size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
+    flow, contacts = settings.flow, contacts_for(settings)
+    if isinstance(wanted, Mesh):
+        last = Attempt(wanted, size, 1, flow, contacts, clearances)
+    else:
+        decimation, starts = settings.decimation, settings.starts
+        may_fall_back = settings.fallback is not None
+        if may_fall_back and isinstance(decimation, OnCurve) and len(fine.vertices) >= HULL_FROM:
+            decimation, starts = decimation.hull, 1
+        # hulls need neither flow nor contact and lead to cages as tight: give up on these early
+        if may_fall_back and settings.contact is None:
+            contacts = (SequentialQP(patience=QUICK_PATIENCE),)
+        if may_fall_back and isinstance(decimation, OnCurve):
+            flow = _quick(flow)
+        last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
+    yield last
+    searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
+    if settings.fallback is not None and settings.fallback not in searched:
+        counts = _counts(fine, wanted)
+        last = Attempt(settings.fallback, counts, settings.starts, flow, contacts, clearances, fallback=True)
+        yield last
+    if not isinstance(last.source, Mesh):
+        yield replace(last, tightened=False)
+
+
+class StartOutcome(NamedTuple):
+    """The outcome of a start."""
+
+    rank: float = inf
+    """Smaller is better; infinite if there is no cage, or if it was given up for a better one."""
+    cage: Mesh | None = None
+
+
+def in_turn(
+    starts: Sequence[Start], fine: Mesh, attempt: Attempt, symmetry: Symmetry | None = None
+) -> Generator[Start, StartOutcome, None]:
+    """The starts of an attempt that are worth trying; a generator that is sent the outcome of each.
+
+    First the best one, on the curve, as in the paper; then the others as hulls, which is faster. If one of these leads
+    to a better cage, that cage is put on the curve, from where flow and reinflation lead back to it. See
+    docs/ablation.md: second start.
+    """
+    least, better = inf, None
+    prefers_curve = starts[0].on_curve is not None
+    for number, start in enumerate(starts):
+        if number == 0 and start.on_curve is not None:
+            outcome = yield Start(start.on_curve, "on the curve")
+            least = outcome.rank
+            if isfinite(least):
+                continue
+            if not attempt.may_fall_back:
+                return
+        outcome = yield start
+        if outcome.rank < least:
+            least, better = outcome
+    if prefers_curve and better is not None:
+        coarse = closest_on_curve(better, fine, symmetry)
+        if coarse is not None:
+            yield Start(coarse, "on the curve")
+
+
+def contacts_for(settings: Choices) -> tuple[Contact, ...]:
+    """The contacts to try in turn: the user's, or sequential QPs, which take less time, and IPC.
+
+    See docs/ablation.md: sequential QPs first; sequential QPs; IPC behind sequential QPs.
+    """
+    if isinstance(settings.contact, Sequence):
+        return tuple(settings.contact)
+    if settings.contact is not None:
+        return (settings.contact,)
+    return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
+
+
+def _quick(flow: FlowMethod) -> FlowMethod:
+    """The default flow with fewer steps and without its slow last stages; any other flow unchanged."""
+    return replace(flow, limit=QUICK_LIMIT, detours=False) if isinstance(flow, TwoSidedFlow) else flow
+
+
+def clearances_for(settings: Choices, fine: Mesh) -> tuple[float, ...]:
+    """The clearances to try in turn, in the units of the input: only the default one may be reduced.
+
+    Raises NestingError for a clearance that is too large for floating-point numbers.
+    """
+    wanted, diagonal = settings.clearance, fine.diagonal
+    if wanted is None:
+        lengths = [DEFAULT_CLEARANCE * diagonal]
+        while lengths[-1] * CLEARANCE_REDUCTION >= MIN_DEFAULT_CLEARANCE * diagonal:
+            lengths.append(lengths[-1] * CLEARANCE_REDUCTION)
+        return tuple(lengths)
+    if wanted > MAX_CLEARANCE * diagonal:
+        raise NestingError(
+            f"The clearance {wanted:.6g} is more than {MAX_CLEARANCE:.0g} times as long as the diagonal of the "
+            f"fine mesh, {diagonal:.6g}; ask for less."
+        )
+    return (wanted,)
+
+
+def _counts(fine: Mesh, wanted: int | Mesh) -> Count:
+    """For the fallback: the vertices of each loop of the coarse mesh, or their total where its loops are others."""
+    if not isinstance(wanted, Mesh):
+        return wanted
+    total = max(len(wanted.vertices), 3 * len(fine.loops))
+    if len(wanted.loops) != len(fine.loops):
+        return total
+    try:
+        return [len(wanted.loops[k]) for k in match_loops(fine, wanted).partner]
+    except FlowError:
+        return total

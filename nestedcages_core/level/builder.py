@@ -1,0 +1,353 @@
+"""One level: decimation, flow, reinflation, tightening, verification."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..contact.pairs import Bodies
+from ..contact.reinflation import Reinflation, reinflate
+from ..decimation import Decimation, SeveralStarts, Start
+from ..decimation.base import shared_anew
+from ..decimation.hull.outer_hull import SOURCE as HULL
+from ..energies import Area, CageEnergy, signed_area
+from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
+from ..flow import FlowResult
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh, Nesting
+from ..tasks import Stage
+from ..verification import Certificate, verify
+from ..verification.certificate import loops_in_words
+from ..verification.motion import certifying
+from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
+from .choices import Choices
+from .early_stop import EarlyStop
+from .plan import Plan
+from .progress import LevelProgress
+from .report import Level, NestingReport, Progress
+from .reuse import coarse_meshes, flow_inside
+from .symmetrised_start import Alike, made_alike
+from .tightest_place import too_narrow
+from .units import SolverUnits
+
+logger = logging.getLogger(__name__)
+
+FAILURES = (FlowError, ReinflationError, NestingError)
+"""Errors after which the next attempt is made; any other error ends the run."""
+
+
+class LevelBuilder:
+    """Makes one level around ``fine``. All methods that take time are generators of `Progress`."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        clearances: tuple[float, ...],
+        settings: Choices,
+        progress: LevelProgress,
+    ) -> None:
+        self.plan, self.clearances, self.settings, self.progress = plan, clearances, settings, progress
+        self.fine, self.outline = plan.fine, plan.outline
+        self.symmetry = plan.group
+        self.units = SolverUnits.of(self.fine)
+        self.unit_fine = self.units.from_input(self.fine)
+        self.starts: list[Start] = []
+        """Starts of the last attempt."""
+
+    def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
+        """The level of the first attempt that succeeds. Raises the error of the last one."""
+        failures: list[NestedCagesError] = []
+        clamping = self.plan.remarks
+        if not isinstance(wanted, Mesh):
+            wanted, replaced = self.plan.possible(wanted)
+            clamping += replaced
+        for attempt in attempts(self.settings, self.outline, wanted, self.clearances):
+            try:
+                if attempt.tightened:
+                    self.starts = []
+                    self.starts = yield from self._coarse_meshes(attempt)
+                    if self.symmetry is not None:
+                        self.starts = [made_alike(start, self.symmetry).start for start in self.starts]
+                notes = clamping
+                if attempt.fallback and self.starts:
+                    start = self.starts[0]
+                    reason = f"Started from the {start.source} instead of the coarse mesh: {failures[0]}"
+                    notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
+                make = self._tightest if attempt.tightened else self._untightened
+                return (yield from make(attempt, notes))
+            except FAILURES as error:
+                logger.debug("attempt from %s failed: %s", attempt.source, error)
+                if attempt.tightened:
+                    failures.append(error)
+        raise failures[-1]
+
+    def _tightest(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+        """The tightest cage from any of the coarse meshes that can be certified."""
+        errors: list[NestedCagesError] = []
+        cages: list[_Cage] = []
+        turn = in_turn(self.starts, self.outline, attempt, self.symmetry)
+        start: Start | None = next(turn)
+        tried: list[str] = []
+        while start is not None:
+            tried.append(start.source)
+            self.progress.next_start(len(self.starts))
+            best, outcome = min((cage.rank for cage in cages), default=np.inf), StartOutcome()
+            try:
+                cage = yield from self._reinflated(attempt, start)
+                cage = yield from self._tightened(cage, attempt.clearances[0], best)
+                if np.isfinite(cage.rank):
+                    cages.append(cage)
+                    vertices = self.units.to_input(cage.reinflation.cage_steps[-1])
+                    outcome = StartOutcome(cage.rank, start.coarse.moved(vertices))
+            except FAILURES as error:
+                logger.debug("start from %s failed: %s", start.source, error)
+                errors.append(start.makeshift_for or error)
+            logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, outcome.rank)
+            try:
+                start = turn.send(outcome)
+            except StopIteration:
+                start = None
+        refused: list[NestedCagesError] = []
+        for cage in sorted(cages, key=lambda cage: cage.rank):
+            source = cage.start.source
+            if errors and source != tried[0]:
+                notes = (*notes, f"Started from the {source} instead of a coarse mesh {tried[0]}: {errors[0]}")
+            elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
+                notes = (*notes, f"Started from the {source}: with its vertices on the curve it would cross itself.")
+            try:
+                return (yield from self._certified(attempt, cage, notes))
+            except NestingError as error:
+                refused.append(error)
+        raise (refused or errors)[0]
+
+    def _coarse_meshes(self, attempt: Attempt) -> Stage[Progress, list[Start]]:
+        """The coarse meshes of an attempt, at least one."""
+        source = attempt.source
+        if isinstance(source, Mesh):
+            return [Start(source, "coarse mesh")]
+        yield from self.progress.begin("decimation")
+        clearance = attempt.clearances[0]
+        if isinstance(source, SeveralStarts):
+            search = coarse_meshes(source, self.outline, attempt.count, clearance=clearance, most=attempt.starts)
+            return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
+        return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
+
+    def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, _Cage]:
+        """Flow and reinflation from a coarse mesh."""
+        alike = None if self.symmetry is None else made_alike(start, self.symmetry)
+        start = start if alike is None else alike.start
+        unit_coarse = self.units.from_input(start.coarse)
+        yield from self.progress.begin("flow")
+        try:
+            if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
+                # the images may have loops of their own, which the flow does not know
+                flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
+            else:
+                flow = yield from self.progress.follow(
+                    flow_inside(attempt.flow, self.unit_fine, unit_coarse), lambda done: (done, "flow")
+                )
+        except FlowError as error:
+            partial = error.partial
+            if isinstance(partial, FlowResult) and partial.obstacle is not None:
+                x, y = self.units.centre
+                raise FlowError(partial.obstacle.sentence(self.units.scale, (float(x), float(y)))) from error
+            raise
+        yield from self.progress.begin("reinflation")
+        expansion = reinflate(
+            self.unit_fine,
+            unit_coarse,
+            flow.steps,
+            contacts=attempt.contacts,
+            clearance=self.units.clearance(attempt.clearances[0]),
+            tie=None if alike is None else alike.tie,
+        )
+        reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
+        energy, is_measure = self.plan.energy(
+            self.settings.energy.at(unit_coarse), unit_coarse, self.units, self.units.clearance(attempt.clearances[0])
+        )
+        return _Cage(start, unit_coarse, flow, reinflation, reinflation, energy, is_measure, alike)
+
+    def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
+        """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
+        yield from self.progress.begin("tightening")
+        start = cage.untightened.cage_steps[-1]
+        early_stop = EarlyStop(best, self._rank(cage, start))
+        steps: list[FloatArray] = []
+        tightening = self.settings.tightening.run(
+            Bodies.of(cage.unit_coarse, self.unit_fine, None if cage.alike is None else cage.alike.tie),
+            start,
+            self.unit_fine.vertices,
+            clearance=self.units.clearance(clearance),
+            energy=cage.energy,
+        )
+        while True:
+            try:
+                steps.append(next(tightening))
+            except StopIteration as end:
+                outcome = end.value
+                break
+            if early_stop.cannot_improve(self._rank(cage, steps[-1])):
+                return cage
+            fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
+            yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
+        return replace(
+            cage,
+            reinflation=cage.untightened.with_tightening(steps),
+            rank=self._rank(cage, steps[-1] if steps else start),
+            counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
+        )
+
+    def _rank(self, cage: _Cage, vertices: FloatArray) -> float:
+        """The excess of a cage, or its energy with the terms of needs: smaller is better."""
+        successor = cage.unit_coarse.successor
+        if cage.is_measure:
+            return cage.energy.after(vertices).value(vertices, successor) / self.unit_fine.area
+        excess = signed_area(vertices, successor) / self.unit_fine.area - 1.0
+        return excess if len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
+
+    def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+        """The level of a cage, at the largest clearance of the attempt that can be certified."""
+        coarse, wanted = cage.start.coarse, attempt.clearances[0]
+        # a user's own coarse mesh may wrap several parts in one loop or cover holes
+        same_loops = coarse.has_loops_like(self.fine)
+        for clearance in attempt.clearances:
+            if clearance < wanted:
+                cage = yield from self._tightened(cage, clearance)
+            yield from self.progress.begin("verification")
+            flow, reinflation = self._in_input_units(cage)
+            result = coarse.moved(reinflation.cage_steps[-1])
+            certificate = verify(result, self.fine, clearance, same_loops=same_loops)
+            if not _is_only_too_close(certificate, clearance):
+                break
+        if not certificate.holds:
+            raise NestingError(_failed(certificate, self.fine, clearance, wanted))
+        motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
+        motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
+        if not motion:
+            raise NestingError(
+                f"The motion from step {motion.step} to the next could not be certified free of collisions; "
+                "use more cage vertices, or a coarse mesh closer to the fine one."
+            )
+        if clearance < wanted:
+            notes = (
+                *notes,
+                f"The gaps of the fine mesh leave room for a clearance of {clearance:.3g}, not {wanted:.3g}.",
+            )
+        if not same_loops:
+            kept, given = loops_in_words(coarse), loops_in_words(self.fine)
+            notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
+        notes = (*notes, *self.plan.notes(result, clearance))
+        if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
+            energy = type(self.settings.energy).__name__
+            notes = (*notes, f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.")
+        start = "flow" if len(flow.steps) > 1 else cage.start.source
+        counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
+        report = self._report(certificate, clearance, start=start, iterations=counts, notes=notes)
+        return Level(self.fine, coarse, result, flow, reinflation, report)
+
+    def _untightened(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+        """The level of the first coarse mesh that already is a cage.
+
+        Details that are tiny relative to the whole may be resolved in input units only, near the origin. See
+        docs/ablation.md: untightened cage as last resort.
+        """
+        yield from self.progress.begin("verification")
+        may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
+        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
+        for start in self.starts if hulls_count else ():
+            certificate = verify(start.coarse, self.fine)
+            clearance = min(wanted, certificate.clearance) if may_be_less else wanted
+            if certificate.holds and certificate.clearance >= clearance:
+                note = "The coarse mesh is not tightened: details of the fine mesh are too small for that."
+                counts = {"flow": 0, "reinflation": 0}
+                report = self._report(
+                    certificate, clearance, start=start.source, iterations=counts, notes=(note, *notes)
+                )
+                flow = FlowResult(self.fine.vertices[None], 0, "inside")
+                resting = Reinflation(self.fine.vertices[None], start.coarse.vertices[None], 0)
+                return Level(self.fine, start.coarse, start.coarse, flow, resting, report)
+        raise NestingError("None of the coarse meshes is a cage.")
+
+    def _report(
+        self,
+        certificate: Certificate,
+        clearance: float,
+        *,
+        start: str,
+        iterations: Mapping[str, int],
+        notes: tuple[str, ...],
+    ) -> NestingReport:
+        """The report: what is certified, and how long it took."""
+        self.progress.stop_clock()
+        return NestingReport(
+            strict=certificate.strict,
+            simple=certificate.simple,
+            clearance=certificate.clearance,
+            wanted_clearance=clearance,
+            excess=certificate.excess,
+            start=start,
+            iterations=iterations,
+            seconds=dict(self.progress.seconds),
+            notes=notes,
+        )
+
+    def _in_input_units(self, cage: _Cage) -> tuple[FlowResult, Reinflation]:
+        """Flow and reinflation in input units; input coordinates are restored exactly."""
+        units, reinflation = self.units, cage.reinflation
+        flow_steps = units.to_input(cage.flow.steps)
+        flow_steps[0] = self.fine.vertices
+        moving_steps = units.to_input(reinflation.moving_steps)
+        moving_steps[0] = flow_steps[-1]
+        moving_steps[-1] = self.fine.vertices
+        cage_steps = units.to_input(reinflation.cage_steps)
+        if cage.alike is not None:
+            cage_steps = cage.alike.symmetrised(cage_steps)
+        cage_steps[0] = cage.start.coarse.vertices
+        flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
+        return flow, Reinflation(moving_steps, cage_steps, reinflation.iterations)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cage:
+    """A cage in progress, in the units of the solvers."""
+
+    start: Start
+    """With its coarse mesh in input units."""
+    unit_coarse: Mesh
+    flow: FlowResult
+    untightened: Reinflation
+    reinflation: Reinflation
+    """Followed by the tightening."""
+    energy: CageEnergy
+    is_measure: bool
+    """Whether the energy, not the excess, ranks cages."""
+    alike: Alike | None = None
+    """Its exact symmetry."""
+    rank: float = np.inf
+    """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+def in_words(decimation: Decimation) -> str:
+    """The name of a decimation in words: "level set" for ``LevelSet()``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()
+
+
+def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
+    """Whether a cage lacks nothing but the clearance."""
+    sound = certificate.strict and certificate.simple and len(certificate.problems) == 1
+    return sound and certificate.clearance < clearance
+
+
+def _failed(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> str:
+    """Why a cage was rejected; tried: the last clearance asked for."""
+    if not _is_only_too_close(certificate, tried):
+        return "The cage could not be certified: " + " ".join(certificate.problems)
+    return too_narrow(fine, wanted) or (
+        f"No cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the best one comes as close "
+        f"as {certificate.clearance:.6g}; ask for less clearance or use more vertices."
+    )

@@ -1,0 +1,147 @@
+"""Results of a run: levels with their steps and reports, and the progress on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import overload
+
+from ..contact.reinflation import Reinflation
+from ..flow import FlowResult
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.picture import Drawable
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a run."""
+
+    level: int
+    """Index of the level being made, 0 for the first."""
+    stage: str
+    """"decimation", "flow", "reinflation", "tightening" or "verification"."""
+    fraction: float
+    """Fraction of the whole run, from 0 to 1."""
+    message: str
+    """A sentence for people."""
+
+
+@dataclass(frozen=True)
+class NestingReport:
+    """How a level was made and what was certified."""
+
+    strict: bool
+    """Certified: the fine mesh lies strictly inside the cage, component by component."""
+    simple: bool
+    """Certified: the cage does not touch or cross itself."""
+    clearance: float
+    """Measured smallest distance between cage and fine mesh; unit: the input's."""
+    wanted_clearance: float
+    """The clearance asked for, or the value of the default."""
+    excess: float
+    """area(cage) / area(fine) - 1; negative for inner cages."""
+    start: str
+    """"flow" or "outer hull": how the fine mesh came to lie inside the coarse one."""
+    iterations: Mapping[str, int]
+    """Iterations per phase."""
+    seconds: Mapping[str, float]
+    """Wall-clock seconds per phase."""
+    notes: tuple[str, ...] = ()
+    """Sentences about deviations from the request, for instance why the fallback was used."""
+    fewest: int | None = None
+    """No cage within the distance asked for has fewer vertices; None where none was asked for."""
+    grid: float | None = None
+    """Certified: all coordinates of the cage are multiples of this length; None where none was asked for."""
+
+    def __str__(self) -> str:
+        measures = (
+            f"strictly nested: {_yes(self.strict)}",
+            f"simple: {_yes(self.simple)}",
+            f"clearance {self.clearance:.3g} (wanted {self.wanted_clearance:.3g})",
+            f"excess {100.0 * self.excess:.2f} %",
+            *([f"on a grid of {self.grid:.6g}"] if self.grid is not None else []),
+            f"start: {self.start}",
+            f"{sum(self.seconds.values()):.2f} s",
+        )
+        return "\n".join([", ".join(measures), *self.notes])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Level(Drawable):
+    """One cage, and flow and reinflation that lead to it."""
+
+    fine: Mesh
+    """The mesh that this level's cage encloses, or is inside of: the input, or the cage of the level before."""
+    coarse: Mesh
+    """The mesh that the cage started from."""
+    cage: Mesh
+    flow: FlowResult
+    reinflation: Reinflation
+    report: NestingReport
+    inside: bool = False
+    """Whether the cage lies inside `fine`, as those of `inner_cages` do; verify(fine, cage) is then its certificate."""
+
+    @property
+    def vertices(self) -> FloatArray:
+        """(m, 2) vertices of the cage."""
+        return self.cage.vertices
+
+    @property
+    def excess(self) -> float:
+        """area(cage) / area(fine) - 1; negative for inner cages."""
+        return self.report.excess
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """The fine mesh and the cage."""
+        return self.fine, self.cage
+
+    def __repr__(self) -> str:
+        report = self.report
+        return f"Level({_sizes(self)}, clearance {report.clearance:.3g}, start {report.start!r})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Hierarchy(Drawable, Sequence[Level]):
+    """Nested cages: level k encloses level k - 1, and all enclose the fine mesh; inner cages the other way round.
+
+    It is also the sequence of its levels.
+    """
+
+    fine: Mesh
+    levels: tuple[Level, ...]
+
+    def __len__(self) -> int:
+        return len(self.levels)
+
+    @overload
+    def __getitem__(self, index: int) -> Level: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Level, ...]: ...
+    def __getitem__(self, index: int | slice) -> Level | tuple[Level, ...]:
+        return self.levels[index]
+
+    def __iter__(self) -> Iterator[Level]:
+        return iter(self.levels)
+
+    def __repr__(self) -> str:
+        return f"Hierarchy({len(self.fine.vertices)} vertices; cages: {'; '.join(map(_sizes, self)) or 'none'})"
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """The fine mesh and the cages, from the finest to the coarsest."""
+        return self.fine, *self.cages
+
+    @property
+    def cages(self) -> tuple[Mesh, ...]:
+        """The cages, from the finest to the coarsest."""
+        return tuple(level.cage for level in self.levels)
+
+
+def _sizes(level: Level) -> str:
+    return f"{len(level.vertices)} vertices, excess {100.0 * level.excess:.2f} %"
+
+
+def _yes(truth: bool) -> str:
+    return "yes" if truth else "no"

@@ -1,0 +1,93 @@
+"""Upper bounds of the clearance between loops and inside holes, computed only to explain a failure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..decimation.hull.small_holes import largest_circle
+from ..geometry.arrays import IntArray
+from ..geometry.mesh import Mesh
+from ..geometry.mesh.validation import place
+from ..geometry.signed_distance import EdgeSearch
+
+BOUND_ROUNDING = 1e-6
+"""Relative difference between a bound and the wanted clearance that counts as rounding."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A place where no cage keeps more than ``clearance``, and why, as parts of a sentence."""
+
+    clearance: float
+    where: str
+    why: str
+    remedy: str
+
+    def message(self, wanted: float) -> str:
+        """The message for a larger clearance."""
+        return (
+            f"No cage keeps the clearance of {wanted:.6g} {self.where}: {self.why}; ask for less than "
+            f"{self.clearance:.6g}, or {self.remedy}."
+        )
+
+
+def tightest_place(fine: Mesh) -> Bound | None:
+    """The tightest place for cages with the loops of a mesh; None if there is no such place."""
+    return min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
+
+
+def too_narrow(fine: Mesh, wanted: float) -> str:
+    """Why no cage with the loops of a mesh can keep a clearance, as a sentence; empty if no bound says so."""
+    bound = tightest_place(fine)
+    return "" if bound is None or bound.clearance > (1.0 + BOUND_ROUNDING) * wanted else bound.message(wanted)
+
+
+def _bounds(fine: Mesh) -> Iterator[Bound]:
+    """For every region outside of the solid: half the distance between two loops around it, or, if one loop encloses
+    it alone, the radius of the largest circle in it."""
+    region = np.where(fine.loop_signs > 0, fine.parent_of_loop, np.arange(len(fine.loops)))
+    for k in np.unique(region).tolist():
+        loops = np.flatnonzero(region == k)
+        if len(loops) > 1:
+            yield _between(fine, loops)
+        elif k >= 0:
+            yield _within(fine, k)
+
+
+def _between(fine: Mesh, loops: IntArray) -> Bound:
+    """The bound by the two of several loops (K,) that are closest to each other: a cage of each runs between them."""
+    starts = np.concatenate([fine.loops[k] for k in loops])
+    owner = fine.loop_of_vertex[starts]
+    least, pair, middle = np.inf, (-1, -1), np.zeros(2)
+    for k in loops:
+        others = starts[owner != k]
+        points = fine.vertices[fine.loops[k]]
+        nearest = EdgeSearch(fine.vertices[others], fine.vertices[fine.successor[others]]).closest(points)
+        closest = int(nearest.distance.argmin())
+        if nearest.distance[closest] < least:
+            least = float(nearest.distance[closest])
+            begin = others[nearest.edge[closest]]
+            end, along = fine.successor[begin], nearest.parameter[closest]
+            met = fine.vertices[begin] + along * (fine.vertices[end] - fine.vertices[begin])
+            pair, middle = (int(k), int(fine.loop_of_vertex[begin])), 0.5 * (points[closest] + met)
+    one, other = sorted(pair)
+    return Bound(
+        0.5 * least,
+        f"between loops {one} and {other} of the mesh inside it",
+        f"they are {least:.6g} apart near {place(middle)}, and a loop of the cage runs along each",
+        "move them apart or join them",
+    )
+
+
+def _within(fine: Mesh, hole: int) -> Bound:
+    """The bound by a hole without islands: its loop of the cage lies around some point in it."""
+    circle = largest_circle(fine, hole)
+    return Bound(
+        circle.radius,
+        f"in loop {hole} of the mesh inside it, a hole",
+        f"the largest circle in it, around {place(circle.centre)}, has the radius {circle.radius:.6g}",
+        "fill the hole",
+    )

@@ -1,0 +1,202 @@
+"""One level of convex cages: the smallest convex polygon with a given number of vertices around each part."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from ...contact.pairs import Bodies
+from ...contact.reinflation import Reinflation
+from ...decimation.base import LEAST_PER_LOOP
+from ...errors import NestingError
+from ...flow import FlowResult
+from ...geometry.arrays import FloatArray
+from ...geometry.mesh import Mesh
+from ...geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
+from ...geometry.vectors import norm
+from ...level.choices import Choices
+from ...level.plan import Plan
+from ...level.progress import LevelProgress
+from ...level.report import Level, NestingReport, Progress
+from ...level.units import SolverUnits
+from ...tasks import Stage
+from ...verification import Certificate, verify
+from ...verification.certificate import loops_in_words
+from ...verification.motion import certify_motion
+from .least_polygon import Hull, Tangents, Wall, convex_hull, least_polygon, shortest_way
+
+DISTANCE_MARGINS = (0.0, 1e-13, 1e-11, 1e-9)
+"""Lengths added to the clearance, in diagonals, tried until rounded corners keep it."""
+
+SOURCE = "convex hull"
+"""Name of the start of these cages in reports."""
+
+
+class ConvexLevelBuilder:
+    """Makes convex cages, one around each part of ``fine``; holes are filled."""
+
+    def __init__(self, plan: Plan, clearances: tuple[float, ...], settings: Choices, progress: LevelProgress) -> None:
+        self.plan, self.clearances, self.settings, self.progress = plan, clearances, settings, progress
+        fine = self.fine = plan.fine
+        self.units = SolverUnits.of(fine)
+        self.parts = [k for k in range(len(fine.loops)) if fine.parent_of_loop[k] < 0]
+        """Loops that are not enclosed by another loop."""
+
+    def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
+        """The level with ``wanted`` vertices around each part. Raises NestingError."""
+        if isinstance(wanted, Mesh):
+            raise NestingError("A convex cage is asked for by a number of vertices, not by a coarse mesh.")
+        if wanted < LEAST_PER_LOOP:
+            raise NestingError(f"A convex cage needs at least {LEAST_PER_LOOP} vertices, not {wanted}.")
+        yield from self.progress.begin("decimation")
+        problem = "its corners are too close together for floating-point numbers"
+        for clearance in self.clearances:
+            for margin in DISTANCE_MARGINS:
+                distance = self.units.clearance(clearance) * self.units.scale + margin * self.fine.diagonal
+                hulls = [Hull.of(self.fine.vertices[self.fine.loops[k]], distance) for k in self.parts]
+                polygons = yield from self._polygons(hulls, wanted)
+                if polygons is None:
+                    problem = self._in_each_others_way(hulls, wanted)
+                    break
+                cage = Mesh.from_loops([hull.polygon(each) for hull, each in zip(hulls, polygons, strict=True)])
+                yield from self.progress.begin("verification")
+                certificate = verify(cage, self.fine, clearance, same_loops=False)
+                if certificate and is_convex(cage):
+                    return self._level(cage, hulls, polygons, wanted, clearance, certificate)
+        raise NestingError(f"There is no convex cage around this shape: {problem}.")
+
+    def _polygons(self, hulls: list[Hull], wanted: int) -> Stage[Progress, list[Tangents] | None]:
+        """The polygon of each part; overlapping ones are made again with a wall between them. None if there are
+        none."""
+        found: list[Tangents | None] = [None] * len(hulls)
+        for walled in (False, True):
+            for k, hull in enumerate(hulls):
+                if found[k] is None:
+                    found[k] = least_polygon(hull, min(wanted, len(hull.flush)))
+                    yield from self.progress.show((k + 1) / len(hulls), "convex polygons")
+            polygons = [each for each in found if each is not None]
+            if len(polygons) < len(hulls):
+                return None
+            overlapping = _overlapping([hull.polygon(each) for hull, each in zip(hulls, polygons, strict=True)])
+            if not overlapping:
+                return polygons
+            for k, other in overlapping if not walled else ():
+                walls = _between(hulls[k], hulls[other])
+                if walls is None:
+                    return None
+                for part, wall in zip((k, other), walls, strict=True):
+                    hulls[part] = hulls[part].behind(wall)
+                    found[part] = None
+        return None
+
+    def _in_each_others_way(self, hulls: list[Hull], wanted: int) -> str:
+        """Why parts have no separate polygons."""
+        names = [f"loop {k}" for k in self.parts]
+        for one, other in combinations(range(len(hulls)), 2):
+            if _between(hulls[one], hulls[other]) is None:
+                return (
+                    f"those of {names[one]} and {names[other]} would overlap, since one reaches into the other; unite "
+                    "them or leave out convex"
+                )
+        return f"those of its parts, with {wanted} vertices each, would overlap; use more vertices"
+
+    def _level(
+        self,
+        cage: Mesh,
+        hulls: list[Hull],
+        polygons: list[Tangents],
+        wanted: int,
+        clearance: float,
+        certificate: Certificate,
+    ) -> Level:
+        """The level of a certified cage."""
+        steps = self._steps(cage, hulls, polygons)
+        notes: tuple[str, ...] = ()
+        if not cage.has_loops_like(self.fine):
+            notes = (f"The cage has {loops_in_words(cage)}, but the mesh in it has {loops_in_words(self.fine)}.",)
+        fewest = min(len(each.angle) for each in polygons)
+        if fewest < wanted:
+            notes = (
+                *notes,
+                f"{wanted} vertices were asked for, but a hull has {fewest}: with these, the cage is as tight.",
+            )
+        if clearance < self.clearances[0]:
+            notes = (
+                *notes,
+                f"The parts leave room for a clearance of {clearance:.3g}, not {self.clearances[0]:.3g}.",
+            )
+        self.progress.stop_clock()
+        report = NestingReport(
+            strict=certificate.strict,
+            simple=certificate.simple,
+            clearance=certificate.clearance,
+            wanted_clearance=clearance,
+            excess=certificate.excess,
+            start=SOURCE,
+            iterations={"flow": 0, "reinflation": 0, "tightening": len(steps) - 1},
+            seconds=dict(self.progress.seconds),
+            notes=notes,
+        )
+        resting = Reinflation(self.fine.vertices[None], steps, 0)
+        flow = FlowResult(self.fine.vertices[None], 0, "inside")
+        return Level(self.fine, cage.moved(steps[0]).validated(), cage, flow, resting, report)
+
+    def _steps(self, cage: Mesh, hulls: list[Hull], polygons: list[Tangents]) -> FloatArray:
+        """(K + 1, m, 2) steps from the hull without its least important edges, if that motion is collision-free."""
+        starts = []
+        for hull, polygon in zip(hulls, polygons, strict=True):
+            start = hull.reduced(len(polygon.angle))
+            if not np.isfinite(hull.area(start)):
+                return cage.vertices[None]
+            turns = np.mod(start.angle[:, None] - polygon.angle[None] + np.pi, 2.0 * np.pi) - np.pi
+            count = len(start.angle)
+            shift = min(
+                range(count), key=lambda k: float(np.abs(turns[(np.arange(count) + k) % count, range(count)]).sum())
+            )
+            starts.append(hull.polygon(start.at((np.arange(count) + shift) % count)))
+        vertices = np.concatenate(starts)
+        steps = np.stack([vertices, cage.vertices])
+        if np.array_equal(*steps) or not verify(cage.moved(vertices), self.fine, same_loops=False):
+            return cage.vertices[None]
+        free = certify_motion(Bodies.of(cage, self.fine), list(steps), [self.fine.vertices] * 2)
+        return steps if free else cage.vertices[None]
+
+
+def is_convex(mesh: Mesh) -> bool:
+    """Whether all loops are convex polygons without straight angles, by exact predicates."""
+    before, after = mesh.vertices[mesh.predecessor], mesh.edge_ends
+    return bool((mesh.loop_signs > 0).all() and (orientation(before, mesh.vertices, after) > 0).all())
+
+
+def without_dents(mesh: Mesh) -> Mesh:
+    """The convex hull of each loop of a mesh without holes."""
+    loops = [mesh.vertices[loop] for loop in mesh.loops]
+    return Mesh.from_loops([points[convex_hull(points)] for points in loops])
+
+
+def _overlapping(polygons: list[FloatArray]) -> list[tuple[int, int]]:
+    """Pairs of convex polygons (k, 2) that have a point in common."""
+    ends = [np.roll(polygon, -1, axis=0) for polygon in polygons]
+    return [
+        (one, other)
+        for one, other in combinations(range(len(polygons)), 2)
+        if len(crossing_pairs(BoxTree(polygons[one], ends[one]), BoxTree(polygons[other], ends[other]))[0])
+        or winding_number(polygons[one][:1], polygons[other], ends[other])[0]
+        or winding_number(polygons[other][:1], polygons[one], ends[one])[0]
+    ]
+
+
+def _between(one: Hull, other: Hull) -> tuple[list[Wall], list[Wall]] | None:
+    """Walls for two hulls, next to those they have, half-way between them; None if there is no room for a line."""
+    corners = [hull.corners + hull.origin for hull in (one, other)]
+    if _overlapping(corners):
+        return None
+    here, there = shortest_way(*corners)
+    gap = float(norm(there - here))
+    if gap <= one.distance + other.distance:
+        return None
+    normal, middle = (there - here) / gap, 0.5 * (here + there)
+    walls = Wall(middle, normal), Wall(middle, -normal)
+    kept = [[Wall(wall.place + hull.origin, wall.normal) for wall in hull.walls] for hull in (one, other)]
+    return [*kept[0], walls[0]], [*kept[1], walls[1]]

@@ -1,0 +1,1 @@
+"""Cages on a grid."""

@@ -1,0 +1,1 @@
+"""Where vertices matter: weights, pins, joints and limits."""

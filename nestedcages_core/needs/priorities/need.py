@@ -1,0 +1,273 @@
+"""Priorities: weights, pins and limits of the settings, as costs of decimation and energies of a cage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import TypeAlias, TypeVar
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike
+
+from ...decimation import Decimation, OnCurve, OuterHull
+from ...decimation.base import LEAST_PER_LOOP
+from ...decimation.hull.importance import PIN_REACH, Importance
+from ...energies import Area, BoundSum, CageEnergy
+from ...errors import NestingError
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.group import Symmetry
+from ...geometry.mesh import Mesh
+from ...geometry.mesh.validation import place
+from ...geometry.predicates import winding_number
+from ...geometry.signed_distance import EdgeSearch
+from ...geometry.vectors import cross, norm, rotated_right
+from ...level.choices import Choices
+from ...level.plan import Need, Plan
+from ...level.units import SolverUnits
+from .limits import sharp_angles, short_edges
+from .springs import Springs
+from .weighted_area import WeightedArea
+
+Chosen = TypeVar("Chosen", bound=Choices)
+Places: TypeAlias = Sequence[Sequence[float]]
+Pins: TypeAlias = Sequence[int | Sequence[float]]
+
+PIN_STIFFNESS = 1e4
+"""Stiffness of a pin's spring, without unit: the pull of the area, half an edge, moves a vertex by 1e-5 of that."""
+
+MAX_MITRE = 4.0
+"""Largest distance of a pinned vertex from its corner, in clearances; used at sharper corners."""
+
+KEPT = 2.0
+"""Distance of a cage vertex from its pin, relative to the distance that the clearance needs, up to which the pin counts
+as kept."""
+
+KEPT_ANYWAY = 1e-3
+"""The same in diagonals."""
+
+
+SAME_PIN = 0.01
+"""Distance from the image of another pin, in diagonals, up to which a pin is that: drawings by hand are not exact."""
+
+FILLED = 0.8
+"""Fraction of the edges of least length that fit along an outline up to which edges can be placed freely."""
+
+NO_FOLDS = 15.0
+"""Least angle in degrees if only edges have a least length: without it, edges without space would fold into spikes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Priorities(Need):
+    """The priorities of the settings for one drawing; lengths in input units."""
+
+    importance: Importance
+    min_edge: float | None
+    min_angle: float | None
+
+    @classmethod
+    def of(
+        cls,
+        fine: Mesh,
+        symmetry: Symmetry | None,
+        weights: ArrayLike | None,
+        places: tuple[Pins, Places],
+        limits: tuple[float | None, float | None],
+    ) -> Priorities:
+        """The priorities around a drawing. Raises NestingError if they do not fit it.
+
+        weights: (n,); places: pins and joints; limits: the least edge, in the input's units, and angle, in degrees.
+        """
+        weights = None if weights is None else np.asarray(weights, np.float64)
+        if weights is not None and len(weights) != len(fine.vertices):
+            raise NestingError(f"There are {len(weights)} weights, but the mesh has {len(fine.vertices)} vertices.")
+        importance = Importance(fine, weights, _places(*places, fine, symmetry), symmetry)
+        return cls(importance, *limits)
+
+    @property
+    def pull(self) -> float:
+        """How often the pull of the area is multiplied at most."""
+        return 1.0 if self.importance.weights is None else float(self.importance.relative.max())
+
+    def applied(self, settings: Chosen) -> Chosen:
+        """The settings with hulls that respect the priorities."""
+        fallback = settings.fallback
+        return replace(
+            settings,
+            decimation=self._applied(settings.decimation),
+            fallback=None if fallback is None else self._applied(fallback),
+        )
+
+    def count(self, plan: Plan, count: int) -> tuple[int, tuple[str, ...]]:
+        """The number of vertices, reduced if edges of the least length do not allow so many; and a note if so."""
+        if self.min_edge is None:
+            return count, ()
+        most = sum(
+            max(LEAST_PER_LOOP, int(FILLED * _divided(plan.outline.vertices[loop], self.min_edge)))
+            for loop in plan.outline.loops
+        )
+        if count <= most:
+            return count, ()
+        return most, (f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}.",)
+
+    def _applied(self, decimation: Decimation) -> Decimation:
+        if isinstance(decimation, OnCurve):
+            return replace(decimation, hull=replace(decimation.hull, importance=self.importance))
+        if isinstance(decimation, OuterHull):
+            return replace(decimation, importance=self.importance)
+        return decimation
+
+    def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
+        """An energy of a cage with the priorities; see `Need.energy`."""
+        inner, inside = units.from_input(plan.outline), plan.inside
+        if self.importance.weights is not None:
+            energy = self._weighted(energy, coarse, inner, units, inside)
+        terms: list[tuple[float, CageEnergy]] = [(1.0, energy)]
+        if len(self.importance.pins):
+            target, _ = self._targets(inner, units.points(self.importance.pins), clearance, inside)
+            pin, vertex = _assigned(target, coarse.vertices)
+            terms.append((1.0, Springs(vertex, target[pin], PIN_STIFFNESS)))
+        if self.min_edge is not None:
+            terms.append((1.0, short_edges(coarse, self.min_edge / units.scale, self.pull)))
+        angle = self.min_angle if self.min_angle is not None else NO_FOLDS if self.min_edge is not None else None
+        if angle is not None:
+            terms.append((1.0, sharp_angles(coarse, angle, self.pull)))
+        return BoundSum(tuple(terms)) if len(terms) > 1 else energy
+
+    def _weighted(self, energy: CageEnergy, coarse: Mesh, inner: Mesh, units: SolverUnits, inside: bool) -> CageEnergy:
+        """The energy with the area weighted."""
+        if isinstance(energy, BoundSum):
+            return BoundSum(tuple((w, self._weighted(term, coarse, inner, units, inside)) for w, term in energy.terms))
+        if not isinstance(energy, Area):
+            return energy
+        successor = coarse.predecessor if inside else coarse.successor
+        return WeightedArea.of(
+            coarse.vertices,
+            successor,
+            inner,
+            lambda points: self.importance.at(units.to_input(points)),
+            inside=inside,
+        )
+
+    def _targets(self, inner: Mesh, pins: FloatArray, clearance: float, inside: bool) -> tuple[FloatArray, FloatArray]:
+        """(P, 2) target positions of pinned vertices, and (P,) their distances from the mesh."""
+        reach = PIN_REACH * inner.diagonal + MAX_MITRE * clearance
+        ahead = inner.edge_ends - inner.vertices
+        normal = rotated_right(ahead) / norm(ahead)[:, None]
+        before = normal[inner.predecessor]
+        # the corner of two edges that both move outwards by 1
+        mitre = (normal + before) / np.maximum(1.0 + (normal * before).sum(axis=1), 1.0 / MAX_MITRE**2)[:, None]
+        length = norm(mitre)
+        mitre *= np.minimum(1.0, MAX_MITRE / length)[:, None]
+        close = EdgeSearch(inner.vertices, inner.edge_ends).closest(pins)
+        on_edge = inner.vertices[close.edge] + close.parameter[:, None] * ahead[close.edge]
+        target, away = np.empty_like(pins), np.empty(len(pins))
+        for k, pin in enumerate(pins):
+            distance = norm(inner.vertices - pin)
+            vertex = int(np.argmin(distance))
+            if distance[vertex] <= reach:
+                start, step = inner.vertices[vertex], mitre[vertex]
+            else:
+                start, step = on_edge[k], normal[close.edge[k]]
+            target[k] = start + (-clearance if inside else clearance) * step
+            away[k] = clearance * float(norm(step[None])[0])
+        return target, away
+
+    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[str, ...]:
+        """A sentence for each priority that the cage misses."""
+        inner, inside, notes = plan.outline, plan.inside, []
+        pins = self.importance.pins
+        if len(pins):
+            target, away = self._targets(inner, pins, clearance, inside)
+            for pin, aim, far in zip(pins, target, away, strict=True):
+                missed = float(norm(cage.vertices - aim).min())
+                if missed > KEPT * far + KEPT_ANYWAY * inner.diagonal:
+                    notes.append(f"The closest cage vertex to the pin at {place(pin)} is {missed:.3g} away.")
+        if self.min_edge is not None:
+            shortest = float(cage.edge_lengths.min())
+            if shortest < self.min_edge:
+                few = f"There is no room for edges of {self.min_edge:.6g}: the shortest has {shortest:.3g}"
+                notes.append(f"{few}; ask for fewer vertices.")
+        if self.min_angle is not None:
+            sharpest = sharpest_angle(cage)
+            if sharpest < self.min_angle:
+                notes.append(f"There is no room for angles of {self.min_angle:.6g}°: the sharpest has {sharpest:.3g}°.")
+        return tuple(notes)
+
+
+def _divided(loop: FloatArray, length: float) -> int:
+    """Number of steps of a given length that fit along a loop (k, 2), as with a pair of dividers."""
+    x, y = loop[0].tolist()
+    steps = 0
+    for u, v in [*loop[1:].tolist(), loop[0].tolist()]:
+        distance = hypot(u - x, v - y)
+        fitting = int(distance / length)
+        if fitting:
+            share = fitting * length / distance
+            x, y = x + share * (u - x), y + share * (v - y)
+            steps += fitting
+    return steps
+
+
+def sharpest_angle(mesh: Mesh) -> float:
+    """The smallest angle between neighbouring edges, in degrees."""
+    ahead, back = mesh.edge_ends - mesh.vertices, mesh.vertices[mesh.predecessor] - mesh.vertices
+    return float(np.degrees(np.arctan2(np.abs(cross(ahead, back)), (ahead * back).sum(axis=1))).min())
+
+
+def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntArray]:
+    """Pairs of a place and a vertex, each used once, with the least total distance."""
+    distance = norm((places[:, None] - vertices[None]).reshape(-1, 2)).reshape(len(places), len(vertices))
+    chosen, vertex = scipy.optimize.linear_sum_assignment(distance)
+    return chosen.astype(np.int64), vertex.astype(np.int64)
+
+
+def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
+    """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
+    edges = EdgeSearch(fine.vertices, fine.edge_ends)
+    places: list[FloatArray] = []
+    for pin in pins:
+        if isinstance(pin, int):
+            if not -len(fine.vertices) <= pin < len(fine.vertices):
+                raise NestingError(f"There is no vertex {pin} to pin; the mesh has {len(fine.vertices)} vertices.")
+            places.append(fine.vertices[pin])
+        else:
+            places.append(_closest(edges, np.asarray(pin, np.float64)))
+    for joint in joints:
+        places += _across(fine, edges, np.asarray(joint, np.float64))
+    apart: list[FloatArray] = []
+    near = (PIN_REACH if symmetry is None else SAME_PIN) * fine.diagonal
+    for each in places:
+        if all(np.hypot(*(each - other)) > near for other in apart):
+            if symmetry is not None and symmetry.reverses and np.hypot(*(symmetry.image(each) - each)) <= near:
+                each = symmetry.fixed(each)
+            apart.append(each)
+            for k in range(1, symmetry.order if symmetry is not None else 1):
+                assert symmetry is not None
+                image = symmetry.image(each, k)
+                if np.hypot(*(image - each)) > near:
+                    apart.append(image)
+    return np.array(apart).reshape(-1, 2)
+
+
+def _closest(edges: EdgeSearch, point: FloatArray) -> FloatArray:
+    close = edges.closest(point[None])
+    start = edges.starts[close.edge[0]]
+    nearest: FloatArray = start + close.parameter[0] * (edges.ends[close.edge[0]] - start)
+    return nearest
+
+
+def _across(fine: Mesh, edges: EdgeSearch, joint: FloatArray) -> list[FloatArray]:
+    """The closest place on the outline to a joint and, for a joint inside, the place straight across from it."""
+    near = _closest(edges, joint)
+    away = joint - near
+    if winding_number(joint[None], edges.starts, edges.ends)[0] != 1 or not away.any():
+        return [near]
+    start, along = edges.starts, edges.ends - edges.starts
+    denominator = cross(np.broadcast_to(away, along.shape), along)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = cross(start - joint, along) / denominator
+        u = cross(start - joint, np.broadcast_to(away, along.shape)) / denominator
+    hit = (t > 0.0) & (u >= 0.0) & (u <= 1.0)
+    return [near, joint + float(t[hit].min()) * away] if hit.any() else [near]

@@ -1,0 +1,119 @@
+"""Weighted area: the cage's excess, weighted along the fine mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...energies.area import QUARTER_TURN
+from ...energies.base import CageEnergy
+from ...energies.blocks import Blocks
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.mesh import Mesh
+from ...geometry.signed_distance import EdgeSearch
+from ...geometry.vectors import cross
+
+SAMPLES_PER_EDGE = 8
+"""Number of places along each cage edge whose weights are averaged."""
+
+MAX_BACKWARDS = 0.2
+"""Fraction of a loop up to which the closest points of an edge's ends may be in reverse order."""
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedArea(CageEnergy):
+    """Σ w A over the edges a → b, with the area A between each edge and the fine mesh and a weight w.
+
+    A is the area of the polygon from a to b, to the closest point f_b of the fine mesh, along that to f_a and back to
+    a: ½ (a × b + b × f_b - a × f_a) and a constant. With equal weights the sum is the area of the cage without that of
+    the fine mesh. Weights and points f are those of the cage at the beginning of the tightening.
+    """
+
+    weight_at: Callable[[FloatArray], FloatArray]
+    """Weights (P,) at points (P, 2)."""
+    fine: FineOutline
+    successor: IntArray
+    """(m,) of the cage."""
+    weight: FloatArray
+    """(m,) weight of the edge that starts at each vertex."""
+    anchor: FloatArray
+    """(m, 2) f."""
+    constant: float
+
+    @classmethod
+    def of(
+        cls,
+        cage: FloatArray,
+        successor: IntArray,
+        fine: Mesh,
+        weight_at: Callable[[FloatArray], FloatArray],
+        *,
+        inside: bool = False,
+    ) -> WeightedArea:
+        """The energy at a cage (m, 2); inside: the cage lies inside the fine mesh and has reversed loops."""
+        outline = FineOutline(fine, -1.0 if inside else 1.0)
+        return cls(weight_at, outline, successor, np.ones(len(cage)), cage, 0.0).after(cage)
+
+    def after(self, cage: FloatArray) -> WeightedArea:
+        """The energy with weights and anchors of another cage (m, 2)."""
+        along = (np.arange(SAMPLES_PER_EDGE) + 0.5) / SAMPLES_PER_EDGE
+        points = cage[:, None] + along[:, None] * (cage[self.successor] - cage)[:, None]
+        weight = self.weight_at(points.reshape(-1, 2)).reshape(len(cage), SAMPLES_PER_EDGE).mean(axis=1)
+        anchor, swept = self.fine.swept(cage, self.successor)
+        return replace(self, weight=weight, anchor=anchor, constant=-float(weight @ swept))
+
+    def value(self, vertices: FloatArray, successor: IntArray) -> float:
+        """A length²."""
+        following, anchor = vertices[successor], self.anchor
+        twice = cross(vertices, following) + cross(following, anchor[successor]) - cross(vertices, anchor)
+        return 0.5 * float(self.weight @ twice) + self.constant
+
+    def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
+        """(m, 2)."""
+        half = 0.5 * self.weight[:, None]
+        gradient: FloatArray = half * ((vertices[successor] - self.anchor) @ QUARTER_TURN.T)
+        gradient[successor] += half * ((self.anchor[successor] - vertices) @ QUARTER_TURN.T)
+        return gradient
+
+    def hessian(self, vertices: FloatArray, successor: IntArray) -> Blocks:
+        """Constant: the block ½ w (0 1; -1 0) for each edge a → b."""
+        blocks = 0.5 * self.weight[:, None, None] * QUARTER_TURN
+        return Blocks(np.arange(len(successor)), successor, blocks)
+
+
+class FineOutline:
+    """The fine mesh, for closest points and for the areas that stretches between them sweep around the origin."""
+
+    def __init__(self, fine: Mesh, sense: float) -> None:
+        """sense: 1 if the cage has the direction of the fine mesh, -1 if it is reversed."""
+        self.fine, self.sense = fine, sense
+        self.edges = EdgeSearch(fine.vertices, fine.edge_ends)
+        self.length, self.area = np.empty(len(fine.vertices)), np.empty(len(fine.vertices))
+        self.lengths, self.areas = np.empty(len(fine.loops)), np.empty(len(fine.loops))
+        steps = 0.5 * cross(fine.vertices, fine.edge_ends)
+        for k, loop in enumerate(fine.loops):
+            for of_vertex, of_loop, step in (
+                (self.length, self.lengths, fine.edge_lengths),
+                (self.area, self.areas, steps),
+            ):
+                sums = np.cumsum(step[loop])
+                of_vertex[loop], of_loop[k] = sums - step[loop], sums[-1]
+
+    def swept(self, cage: FloatArray, successor: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Closest points (m, 2) of the cage's vertices, and the area (m,) from that of each to that of the next."""
+        close = self.edges.closest(cage)
+        start, ahead = self.edges.starts[close.edge], self.edges.ends[close.edge] - self.edges.starts[close.edge]
+        point = start + close.parameter[:, None] * ahead
+        loop = self.fine.loop_of_vertex[close.edge]
+        place = self.length[close.edge] + close.parameter * self.fine.edge_lengths[close.edge]
+        area = self.area[close.edge] + 0.5 * cross(start, point)
+        # the way from one to the next, which may begin before the first vertex of a loop and end after it
+        whole = self.lengths[loop]
+        way = self.sense * (place[successor] - place) / whole
+        turns = -np.floor(way + MAX_BACKWARDS)
+        swept = area[successor] - area + self.sense * turns * self.areas[loop]
+        other = loop != loop[successor]
+        swept[other] = 0.5 * cross(point, point[successor])[other]
+        return point, swept

@@ -1,0 +1,1 @@
+"""Cages with an exact symmetry."""

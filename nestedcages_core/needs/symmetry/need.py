@@ -1,0 +1,162 @@
+"""Symmetric cages: choice of the symmetry, possible vertex counts, and symmetric coarse meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from ...contact import SequentialQP
+from ...decimation import Decimation, OnCurve, OuterHull
+from ...decimation.base import LEAST_PER_LOOP
+from ...errors import InvalidMeshError, NestingError
+from ...geometry.group import Symmetry
+from ...geometry.mesh import Mesh
+from ...geometry.predicates import winding_number
+from ...geometry.vectors import rotated_right
+from ...level.choices import Choices
+from ...level.plan import Need, Plan
+from ...level.symmetrised_start import orbits_of
+from ...verification.certificate import loops_in_words
+from .detection import Found
+from .union import overlay
+
+Chosen = TypeVar("Chosen", bound=Choices)
+
+SPECK = 1e-3
+"""Area, as a fraction of the whole, below which holes between a drawing and its images are filled."""
+
+BESIDE = 1e-6
+"""Distance of a point in a hole from the middle of its longest edge, in lengths of that."""
+
+NEGLIGIBLE_CHANGE = 1e-6
+"""Change of the area, in per cent, below which there is no note."""
+
+
+@dataclass(frozen=True)
+class Symmetric(Need):
+    """Cages with a symmetry."""
+
+    group: Symmetry
+
+    def fill(self, plan: Plan) -> Plan:
+        """The symmetry, and a symmetric outline."""
+        outline, notes = with_images(plan.outline, self.group, inside=plan.inside)
+        return replace(plan, group=self.group, outline=outline).with_remarks(*notes)
+
+    def count(self, plan: Plan, count: int) -> tuple[int, tuple[str, ...]]:
+        """See `possible_count`."""
+        return possible_count(count, plan.outline, self.group)
+
+
+def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, tuple[str, ...]]:
+    """The symmetry with its place, that of a drawing if it is to be found, and a note about that."""
+    notes: tuple[str, ...] = ()
+    if isinstance(symmetry, Found):
+        found, difference = symmetry.of(fine)
+        if found is None:
+            note = (
+                f"No symmetry was found within {100.0 * symmetry.tolerance:.3g} % of the diagonal; the cage has none."
+            )
+            return None, (note,)
+        symmetry = found
+        notes = (f"Found {found}; the drawing differs from its image by at most {difference:.3g}.",)
+    return symmetry.placed(fine), notes
+
+
+def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
+    """The methods, told to keep a symmetry. Raises NestingError for methods that cannot."""
+    contact = choices.contact
+    several = [SequentialQP()] if contact is None else [contact] if isinstance(contact, SequentialQP) else contact
+    if not isinstance(several, list | tuple) or not all(isinstance(each, SequentialQP) for each in several):
+        raise NestingError(f"Symmetric cages need contact=SequentialQP(), not {contact!r}; leave it out.")
+    return replace(
+        choices,
+        contact=tuple(several),
+        decimation=_alike(choices.decimation, symmetry),
+        fallback=None if choices.fallback is None else _alike(choices.fallback, symmetry),
+    )
+
+
+def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
+    if isinstance(decimation, OnCurve):
+        return replace(decimation, hull=replace(decimation.hull, symmetry=symmetry))
+    if isinstance(decimation, OuterHull):
+        return replace(decimation, symmetry=symmetry)
+    raise NestingError(f"Symmetric cages need decimation=OnCurve() or OuterHull(), not {decimation!r}.")
+
+
+def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[str, ...]]:
+    """A symmetric mesh for the decimation: the fine mesh, or the union with its images and a note.
+
+    inside: their intersection, for inner cages. Raises NestingError.
+    """
+    if orbits_of(fine, symmetry) is not None:
+        return fine, ()
+    images = [fine.moved(symmetry.image(fine.vertices, k)) for k in range(symmetry.order)]
+    if symmetry.reverses:
+        images = [Mesh(image.vertices, image.edges) for image in images]
+    try:
+        together = overlay(images, intersection=inside)
+        if not inside:
+            together = _without_pockets(together, images)
+        elif not together.has_loops_like(fine):
+            raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.")
+        orbits = orbits_of(together, symmetry)
+        if orbits is None:
+            raise InvalidMeshError("The images of its vertices are not vertices of it.")
+        together = together.moved(orbits.symmetrised(together.vertices)).validated()
+    except InvalidMeshError as error:
+        what = "inside" if inside else "around"
+        raise NestingError(
+            f"No symmetric cage {what} the drawing and its images was found with {symmetry}: {error} Leave out the "
+            "symmetry, or draw the shape more symmetric."
+        ) from error
+    change = 100.0 * (together.area / fine.area - 1.0)
+    if abs(change) < NEGLIGIBLE_CHANGE:
+        return together, ()
+    if inside:
+        note = f"The drawing and its images have {100.0 + change:.3g} % of its area in common: the cage lies in that."
+    else:
+        note = f"The drawing and its images cover {change:.3g} % more than the drawing: the cage encloses them all."
+    return together, (note,)
+
+
+def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
+    """The union of some images without holes that are not inside a hole of every image, and without specks."""
+    holes = np.flatnonzero(union.loop_signs < 0)
+    kept = [k for k in holes.tolist() if abs(union.loop_areas[k]) >= SPECK * union.area]
+    longest = [union.loops[k][np.argmax(union.edge_lengths[union.loops[k]])] for k in kept]
+    start, end = union.vertices[longest], union.edge_ends[longest]
+    points = 0.5 * (start + end) + BESIDE * rotated_right(end - start)
+    for image in images:
+        around = [image.loops[k] for k in np.flatnonzero(image.loop_signs > 0)]
+        covered = np.zeros(len(points), bool)
+        for loop in around:
+            covered |= winding_number(points, image.vertices[loop], image.edge_ends[loop]) > 0
+        kept = [k for k, inside in zip(kept, covered, strict=True) if inside]
+        points = points[covered]
+    left = [loop for k, loop in enumerate(union.loops) if union.loop_signs[k] > 0 or k in kept]
+    return union if len(left) == len(union.loops) else Mesh.from_loops([union.vertices[loop] for loop in left])
+
+
+def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tuple[str, ...]]:
+    """The number of vertices closest to `count`, less if possible, that a cage around a symmetric mesh can have.
+
+    And a note if it differs. With a mirror, loops across it can have any number, and pairs of loops even ones; with
+    rotations every number is a multiple of their order.
+    """
+    orbits = orbits_of(fine, symmetry)
+    if orbits is None:
+        return count, ()
+    image = fine.loop_of_vertex[orbits.partner[[loop[0] for loop in fine.loops]]]
+    own = image == np.arange(len(image))
+    step = 1 if symmetry.reverses and own.any() else symmetry.order
+    own_least = LEAST_PER_LOOP if symmetry.reverses else -(-LEAST_PER_LOOP // symmetry.order) * symmetry.order
+    least = int(own.sum()) * own_least + int((~own).sum()) * LEAST_PER_LOOP
+    possible = max(count // step * step, least)
+    if possible == count:
+        return count, ()
+    return possible, (f"{count} vertices were asked for; with {symmetry} the cage can have {possible}.",)

@@ -1,0 +1,99 @@
+"""Stages of a run are generators: they yield while they work and return their result.
+
+The caller iterates over a stage to show its progress, and closes or drops it to cancel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from typing import Any, Generic, TypeAlias, TypeVar
+
+Yielded = TypeVar("Yielded")
+Shown = TypeVar("Shown")
+Result = TypeVar("Result")
+
+Stage: TypeAlias = Generator[Yielded, None, Result]
+
+
+def drain(stage: Stage[Any, Result]) -> Result:
+    """Run a stage to its end and return its result."""
+    while True:
+        try:
+            next(stage)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
+
+
+def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> Stage[Shown, Result]:
+    """The same stage with ``show`` applied to what it yields."""
+    while True:
+        try:
+            yielded = next(stage)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
+        yield show(yielded)
+
+
+def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:
+    """The result of a run; a listener is called with its progress. True: a bar of tqdm, if that is installed."""
+    if listener is True:
+        return _with_bar(run)
+    for step in run:
+        if callable(listener):
+            listener(step)
+    return run.result
+
+
+def _with_bar(run: Run[Any, Result]) -> Result:
+    """The result of a run whose progress has ``fraction`` and ``message``, shown as a bar."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return listened(run, None)
+    with tqdm(total=100, bar_format="{l_bar}{bar}| {elapsed}") as bar:
+        for step in run:
+            bar.set_description_str(step.message, refresh=False)
+            bar.update(round(100.0 * step.fraction) - bar.n)
+        bar.update(100 - bar.n)
+    return run.result
+
+
+class Run(Generic[Shown, Result]):
+    """A stage as an iterator over its progress, with the result at the end; dropping it cancels the work."""
+
+    def __init__(self, work: Stage[Shown, Result]) -> None:
+        self._work = work
+        self._results: list[Result] = []
+        self._over = False
+        self._unfinished = "the run has no result yet: iterate over it to its end first"
+
+    def __iter__(self) -> Iterator[Shown]:
+        return self
+
+    def __next__(self) -> Shown:
+        try:
+            return next(self._work)
+        except StopIteration as end:
+            if not self._over:
+                self._over = True
+                self._results.append(end.value)
+            raise
+        except BaseException as error:
+            self._over = True
+            self._unfinished = f"the run has no result: it ended with the error '{error}'"
+            raise
+
+    @property
+    def result(self) -> Result:
+        """The result of the stage. Raises RuntimeError before the end, or if the stage failed or was cancelled."""
+        if not self._results:
+            raise RuntimeError(self._unfinished)
+        return self._results[0]
+
+    def close(self) -> None:
+        """Cancel the work; does nothing once it is finished."""
+        if not self._over:
+            self._over, self._unfinished = True, "the run has no result: it was cancelled"
+        self._work.close()

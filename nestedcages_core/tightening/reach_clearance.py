@@ -1,0 +1,134 @@
+"""Widening: bring a cage that is free of contact, but closer to the fine mesh than the clearance, to the clearance.
+
+A single restoration usually succeeds. Where walls block each other, the cage takes small steps, each the
+smallest motion that increases all distances at once.
+
+See docs/ablation.md: widening in small steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..contact.ccd import impacts
+from ..contact.contact_response import ContactResponse, Distances
+from ..contact.feasibility_rule import FeasibilityRule
+from ..contact.linearisation import Contacts, measure
+from ..contact.pairs import Bodies, CandidateList, Pairs
+from ..contact.wanted_distances import WantedDistances
+from ..geometry.arrays import FloatArray, IntArray
+from ..solver.quadratic_program import InteriorPoint
+from ..tasks import Stage
+from .restore_feasibility import restore
+
+MAX_STEPS = 100
+"""Cap on the small steps."""
+
+LONGEST_STEP = 4.0
+"""Longest motion of a vertex in a small step, in clearances."""
+
+TARGET_DISTANCE = 2.0
+"""Distance that small steps aim at, in clearances: beyond 1, so that they reach the clearance in finite time."""
+
+SHORTEST_STEP = 1e-3
+"""Fraction of a small step below which there is no room for any."""
+
+REQUIRED_PROGRESS, MAX_IDLE_STEPS = 0.99, 8
+"""Factor by which the sum of the missing distances must shrink; maximum number of consecutive steps that miss it."""
+
+OWN_DISTANCE_KEPT = 0.1
+"""Fraction of the smallest distance between parts of the cage that they keep, if that is less than the clearance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Widened:
+    """Where a widening ended."""
+
+    x: FloatArray
+    """(m + n, 2)."""
+    own: float
+    """Distance between parts of the cage, at most the clearance."""
+    systems: int
+    """Number of linear systems solved."""
+    closest: int
+    """Index into x of the point of the closest pair if that is too close, else -1."""
+
+
+def widen(
+    bodies: Bodies,
+    x: FloatArray,
+    clearance: float,
+    candidates: CandidateList,
+    solver: InteriorPoint,
+) -> Stage[FloatArray, Widened]:
+    """Move the cage from x (m + n, 2), free of contact, until its distance to the fine mesh is ``clearance``.
+
+    Yields every x on the way; the linear motion from the one before is free of collisions.
+    """
+    reach = max(TARGET_DISTANCE + LONGEST_STEP, 1.0 / OWN_DISTANCE_KEPT) * clearance
+    pairs, contacts = _measured(candidates, x, reach)
+    own = min(clearance, OWN_DISTANCE_KEPT * float(contacts.distance[pairs.cage_cage].min(initial=np.inf)))
+    wanted = WantedDistances(clearance, own)
+    short = _short(pairs, contacts, wanted)
+    if len(short) == 0:
+        return Widened(x, own, 0, -1)
+    moved = _restored(bodies, pairs, contacts, x, wanted, reach)
+    if moved is not None:
+        yield moved
+        return Widened(moved, own, 0, -1)
+
+    aim = TARGET_DISTANCE * clearance
+    response = ContactResponse(bodies, Distances(aim, min(aim, TARGET_DISTANCE * own), clearance), solver)
+    rule = FeasibilityRule(bodies, clearance, clearance)
+    at_rest = np.zeros((bodies.n, 2))
+    systems, least, idle = 0, np.inf, 0
+    for _ in range(MAX_STEPS):
+        found = response.to(at_rest, x, LONGEST_STEP * clearance)
+        systems += found.systems
+        concerned = rule.concerned(found.pairs, found.contacts, found.motion)
+        fraction = rule.fraction(*concerned, x, found.motion, SHORTEST_STEP)
+        if fraction <= SHORTEST_STEP:
+            break
+        x = x + fraction * found.motion
+        yield x
+        pairs, contacts = _measured(candidates, x, reach)
+        short = _short(pairs, contacts, wanted)
+        if len(short) == 0:
+            return Widened(x, own, systems, -1)
+        moved = _restored(bodies, pairs, contacts, x, wanted, reach)
+        if moved is not None:
+            yield moved
+            return Widened(moved, own, systems, -1)
+        missing = float((wanted.of(pairs) - contacts.distance)[short].sum())
+        idle = idle + 1 if missing > REQUIRED_PROGRESS * least else 0
+        least = min(least, missing)
+        if idle >= MAX_IDLE_STEPS:
+            break
+    closest = short[int(np.argmin(contacts.distance[short]))]
+    return Widened(x, own, systems, int(pairs.point[closest]))
+
+
+def _measured(candidates: CandidateList, x: FloatArray, reach: float) -> tuple[Pairs, Contacts]:
+    pairs = candidates.meeting(x, reach, np.zeros(len(x)), reach, reach)
+    return pairs, measure(pairs, x)
+
+
+def _short(pairs: Pairs, contacts: Contacts, wanted: WantedDistances) -> IntArray:
+    """Indices of the pairs that are too close."""
+    return np.flatnonzero(contacts.distance < wanted.of(pairs))
+
+
+def _restored(
+    bodies: Bodies, pairs: Pairs, contacts: Contacts, x: FloatArray, wanted: WantedDistances, reach: float
+) -> FloatArray | None:
+    """x restored to all distances in one collision-free motion; None if that fails."""
+    required = wanted.of(pairs)
+    tried, after = restore(bodies, pairs, x, required, contacts.side)
+    motion = tried - x
+    farthest = float(np.hypot(motion[:, 0], motion[:, 1]).max())
+    if bool((after.distance < required).any()) or 2.0 * farthest > reach - wanted.clearance:
+        return None
+    hit, _ = impacts(pairs, x, motion, contacts.distance, min(wanted.clearance, wanted.own))
+    return tried if len(hit) == 0 else None

@@ -1,0 +1,197 @@
+"""Minimal nested polygons: few links around a loop within a distance of it, and a bound that no polygon undercuts.
+
+A gate is a segment from a point of the fine loop straight outwards to a place farther from the fine mesh than the
+distance. Segments to nearest points do not cross, so a loop of a cage within the distance meets the gates in their
+order, and each of its edges, a link, meets a run of consecutive ones: it passes between their two ends, that on the
+fine mesh to its left.
+
+What j links can reach from a gate ends at a window: a chord of the last line that passes as many gates as any. It
+touches an inner end and an outer end of gates, and the window runs from the later one of these to where the line misses
+a gate. A link that goes on crosses the window, wherever it likes: so the next window is that of a line with the window
+for its first gate (Suri 1986; for polygons between two others Suri & O'Rourke 1985, Ghosh & Maheshwari 1990; between
+convex ones Aggarwal, Booth, O'Rourke, Suri & Yap 1989). Once around from a gate, links are as few as possible. A
+polygon has at most one less, since it is a path from a point of the gate back to it. A walk of such lines that closes
+up is a polygon.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..decimation.base import LEAST_PER_LOOP
+from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import EdgeSearch, SignedDistance
+from ..geometry.vectors import cross, norm, rotated_left, rotated_right
+from .minimum_link import Corridor
+
+FIRST_GATES, WALK_GATES, MAX_GATES = 192, 1024, 8192
+"""Gates of a loop for a first bound, for a walk, and at most."""
+
+GATES_PER_LINK = 32
+"""Gates aimed at for each link: it may lose one of them in the bound."""
+
+FAN_STEP = 0.1
+"""Largest turn, in radians, between gates at a convex corner."""
+
+RELAXED = 1e-6
+"""Relative width by which the gates of the bound are longer than the distance, to stay above rounding."""
+
+RESERVE = 1e-3
+"""Relative width by which the gates of the walk are shorter."""
+
+WALK_CLEARANCES = 1.05
+"""Clearances that the walk stays away from the fine mesh, so that chords between its gates have some slack."""
+
+CORNER_HALVINGS = 24
+"""Halvings of the way between two gates, one of which is free and one not."""
+
+ANGLE_SLACK = 1e-9
+"""Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
+
+BOUND_STARTS, WALK_STARTS = 16, 32
+"""Gates of a loop from which links are counted, and from which walks start."""
+
+MIN_WALKS, MAX_LINKS = 4, 1500
+"""Walks that are made in any case, and links of all of them after which there are no more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gates:
+    """Gates of one loop in its order: from the feet (N, 2) on the loop along unit normals (N, 2)."""
+
+    foot: FloatArray
+    normal: FloatArray
+
+    def ends(self, low: float, high: float) -> tuple[FloatArray, FloatArray]:
+        """The gates' points at two distances from the loop, (N, 2), (N, 2)."""
+        return self.foot + low * self.normal, self.foot + high * self.normal
+
+
+class _Boundary:
+    """The boundary of a loop's offset by a distance: edges moved along their normals, and arcs at convex corners."""
+
+    def __init__(self, fine: Mesh, loop: int, distance: float) -> None:
+        self.points = fine.vertices[fine.loops[loop]]
+        self.steps = np.roll(self.points, -1, axis=0) - self.points
+        lengths = norm(self.steps)
+        self.normals = rotated_right(self.steps) / lengths[:, None]
+        after = np.roll(self.normals, -1, axis=0)
+        turns = np.arctan2(cross(self.normals, after), (self.normals * after).sum(axis=1))
+        self.is_notch = turns < 0.0
+        self.turns = np.maximum(turns, 0.0)
+        # edge by edge, each with the corner at its end
+        self.lengths = np.stack([lengths, distance * self.turns], axis=1).ravel()
+        self.ends = np.cumsum(self.lengths)
+
+    @property
+    def length(self) -> float:
+        """Of the whole boundary."""
+        return float(self.ends[-1])
+
+    def samples(self, count: int) -> FloatArray:
+        """(N,) about so many places, the middles of equal parts of edges and arcs, at least one on each."""
+        spacing = self.length / count
+        turns = np.stack([np.zeros_like(self.turns), self.turns], axis=1).ravel()
+        parts = np.maximum(np.rint(np.maximum(self.lengths / spacing, turns / FAN_STEP)), 1.0).astype(np.int64)
+        parts[self.lengths == 0.0] = 0
+        piece = np.repeat(np.arange(len(parts)), parts)
+        number = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+        places: FloatArray = (self.ends - self.lengths)[piece] + (number + 0.5) / parts[piece] * self.lengths[piece]
+        return places
+
+    def at(self, places: FloatArray) -> Gates:
+        """The gates at places (N,) along the boundary, counted on and on around."""
+        places = np.mod(places, self.length)
+        piece = np.minimum(np.searchsorted(self.ends, places, side="right"), len(self.ends) - 1)
+        part = np.clip((places - (self.ends - self.lengths)[piece]) / self.lengths[piece], 0.0, 1.0)
+        edge, on_arc = piece // 2, piece % 2 == 1
+        angle = np.where(on_arc, part * self.turns[edge], 0.0)
+        normal = np.cos(angle)[:, None] * self.normals[edge] + np.sin(angle)[:, None] * rotated_left(self.normals[edge])
+        return Gates(self.points[edge] + np.where(on_arc, 1.0, part)[:, None] * self.steps[edge], normal)
+
+
+def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
+    """About so many gates of a loop of the fine mesh; none where others of its points are closer.
+
+    Where these begin, a gate is as close to them as doubles tell: there the offset has a corner that turns inwards.
+    """
+    boundary, search = _Boundary(fine, loop, distance), SignedDistance.of(fine)
+
+    def free(places: FloatArray) -> BoolArray:
+        found = boundary.at(places)
+        reach = search.at(found.foot + (1.0 + RELAXED) * distance * found.normal).distance
+        return np.asarray(reach > (1.0 + 0.5 * RELAXED) * distance)
+
+    places = boundary.samples(count)
+    notches = boundary.ends[::2][boundary.is_notch]  # no gate is free there
+    places = np.unique(np.mod(np.concatenate([places, notches]), boundary.length))
+    kept = free(places)
+    ends = np.flatnonzero(kept != np.roll(kept, -1))
+    here, there = places[ends], np.append(places, places[0] + boundary.length)[ends + 1]
+    good, bad = np.where(kept[ends], here, there), np.where(kept[ends], there, here)
+    for _ in range(CORNER_HALVINGS if len(ends) else 0):
+        middle = 0.5 * (good + bad)
+        is_free = free(middle)
+        good, bad = np.where(is_free, middle, good), np.where(is_free, bad, middle)
+    found = np.unique(np.mod(np.concatenate([places[kept], good]), boundary.length))
+    most = min(2 * count, MAX_GATES)
+    if len(found) > most:
+        found = found[np.unique(np.linspace(0, len(found), most, endpoint=False).astype(np.int64))]
+    return boundary.at(found)
+
+
+def _protruding(fine: Mesh, loop: int, found: Gates) -> float:
+    """How far vertices of a loop protrude from the chords between the feet of gates, at most."""
+    feet = np.concatenate([found.foot, found.foot[:1]])
+    points = fine.vertices[fine.loops[loop]]
+    chords = EdgeSearch(feet[:-1], feet[1:])
+    near = chords.closest(points)
+    start, end = feet[near.edge], feet[near.edge + 1]
+    outside = cross(end - start, points - start) < 0.0
+    return float(near.distance[outside].max(initial=0.0))
+
+
+def fewest_links(fine: Mesh, loop: int, distance: float, clearance: float) -> int:
+    """Lower bound on the vertices of a cage's loop around a loop of the fine mesh, all of it within a distance."""
+    links = _bound(gates(fine, loop, distance, FIRST_GATES), distance, clearance)
+    if GATES_PER_LINK * links > FIRST_GATES:
+        more = gates(fine, loop, distance, min(GATES_PER_LINK * links, MAX_GATES))
+        links = max(links, _bound(more, distance, clearance))
+    return links
+
+
+def _bound(found: Gates, distance: float, clearance: float) -> int:
+    """The larger of two bounds: by links that meet, from some gates, and by runs that need not, from every gate."""
+    if len(found.foot) < LEAST_PER_LOOP:
+        return LEAST_PER_LOOP
+    corridor = Corridor(*found.ends(clearance, (1.0 + RELAXED) * distance), slack=ANGLE_SLACK)
+    meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
+    return max(LEAST_PER_LOOP, meeting, corridor.fewest_runs())
+
+
+def walks(fine: Mesh, loop: int, distance: float, clearance: float, *, enough: int = 0) -> list[FloatArray]:
+    """Polygons (k, 2) around a loop of few links each, fewest first; they are to be verified.
+
+    enough: number of links with which only some of them are made.
+    """
+    found = gates(fine, loop, distance, max(WALK_GATES, min(GATES_PER_LINK * enough, MAX_GATES)))
+    if len(found.foot) < LEAST_PER_LOOP:
+        return []
+    low, high = WALK_CLEARANCES * clearance + _protruding(fine, loop, found), (1.0 - RESERVE) * distance
+    if not low < high:
+        return []
+    corridor = Corridor(*found.ends(low, high), slack=0.0)
+    polygons: list[FloatArray] = []
+    for number, start in enumerate(corridor.some(WALK_STARTS)):
+        short = sum(len(polygon) <= enough for polygon in polygons)
+        if number >= MIN_WALKS and (short >= MIN_WALKS or sum(map(len, polygons)) > MAX_LINKS):
+            break
+        polygon = corridor.polygon(start)
+        if polygon is not None:
+            polygons.append(polygon)
+        elif number >= MIN_WALKS and not polygons:
+            break
+    return sorted(polygons, key=len)
