@@ -10,19 +10,20 @@ and the search is repeated.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import InvalidMeshError, NestingError
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
-from ...stages import Stage, drain, mapped
+from ...tasks import Stage, drain, mapped
 from ..base import Count, Start
-from ..clearing import CLEARANCE_RESERVE, without_gaps
-from ..offset import offsetting
-from ..on_curve import OnCurve, closest_on_curve
-from ..outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
+from ..hull.clearing import CLEARANCE_RESERVE, without_gaps
+from ..hull.offset import offsetting
+from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET
+from ...parameters import check_flag
+from ..on_curve import closest_on_curve
 from ..outline import Outline
 from ..request import Request
 from .candidates import candidates
@@ -64,6 +65,9 @@ USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
 BIASES = (1.0, 1e9, 0.3)
 """Ways to decide which of two crossing edges gives way; the best result is kept."""
 
+MAX_EXCESS_ON_CURVE = 1.0
+"""Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
+
 MAX_ROUNDS = 12
 """Number of times that crossings are cleared."""
 
@@ -74,29 +78,31 @@ class NoCyclesError(NestingError):
 
 @dataclass(frozen=True)
 class LineCycles:
-    """The lines of least area around each loop, their vertices distributed in the best way; put on the curve."""
+    """The lines of least area around each loop, with the vertices distributed over the loops in the best way."""
 
-    hull: OuterHull = field(default_factory=OuterHull)
-    """What takes over where no cycles are found."""
     on_curve: bool = True
-    """Whether starts come with a mesh on the fine one, from which the flow leads to a cage."""
+    """Whether the start comes with a mesh on the fine one, from which the flow leads to a cage."""
+
+    def __post_init__(self) -> None:
+        check_flag(self, "on_curve")
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
-        """The strictly enclosing mesh of least area; see `starts`."""
+        """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
-        """One mesh that strictly encloses the fine one; up to `most` hulls where there are no cycles.
+        """One mesh that strictly encloses the fine one, by exact predicates.
 
-        A generator: yields the fraction done and returns the list. Raises NestingError as `OuterHull` does.
+        count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
+        mesh where there is space, in input units. Loop k of the mesh belongs to loop k of the fine mesh.
+
+        A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
+        then there may be an outer hull.
         """
         request = Request.of(fine, count)
-        try:
-            mesh = yield from cycles_around(request, clearance)
-        except NoCyclesError:
-            instead = OnCurve(self.hull) if self.on_curve else self.hull
-            return (yield from instead.starts(fine, count, clearance=clearance, most=most))
-        return [Start(mesh, SOURCE, closest_on_curve(mesh, fine) if self.on_curve else None)]
+        mesh = yield from cycles_around(request, clearance)
+        near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
+        return [Start(mesh, SOURCE, closest_on_curve(mesh, fine) if near else None)]
 
 
 def cycles_around(request: Request, clearance: float) -> Stage[float, Mesh]:
