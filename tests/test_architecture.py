@@ -147,6 +147,7 @@ IMPORTABLE = [
     "MeanValue",
     "Mirror",
     "Rotation",
+    "LineCycles",
     "Midpoint",
     "NoEnergy",
     "NoFilter",

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from ..contact import IPC, Contact, SequentialQP
 from ..decimation import Count, Decimation, LineCycles, OnCurve, Start
 from ..decimation.on_curve import closest_on_curve
+from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..flow.loop_matching import match_loops
@@ -66,6 +67,8 @@ class Attempt:
     """Whether this differs from what was asked for."""
     may_fall_back: bool = True
     """Whether to try something else if flow or reinflation fails."""
+    seeks_area: bool = False
+    """Whether the cage of least area is sought, so that the areas of coarse meshes are bounds."""
     tightened: bool = True
     """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
 
@@ -93,9 +96,10 @@ def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tupl
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
         if may_fall_back and settings.contact is None:
             contacts = (SequentialQP(patience=QUICK_PATIENCE),)
-        if prefers_curve:
+        if may_fall_back and _prefers_curve(decimation):
             flow = _quick(flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
+        last = replace(last, seeks_area=isinstance(settings.energy, Area))
     yield last
     searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
     if settings.fallback is not None and settings.fallback not in searched:
@@ -130,7 +134,7 @@ def in_turn(
             outcome = yield Start(start.on_curve, "on the curve")
             least = outcome.rank
             # a single start is tried itself where even its coarse mesh is tighter than the cage from the curve
-            if isfinite(least) and (len(starts) > 1 or least <= start.coarse.area / fine.area - 1.0):
+            if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= _excess(start, fine)):
                 continue
             if not attempt.may_fall_back:
                 return
@@ -162,7 +166,11 @@ def _prefers_curve(source: Mesh | Decimation) -> bool:
 
 def _outside(decimation: Decimation) -> Decimation:
     """The same search without meshes on the curve."""
-    return decimation.hull if isinstance(decimation, OnCurve) else replace(decimation, on_curve=False)
+    return decimation.hull if isinstance(decimation, OnCurve) else LineCycles(on_curve=False)
+
+
+def _excess(start: Start, fine: Mesh) -> float:
+    return start.coarse.area / fine.area - 1.0
 
 
 def _quick(flow: FlowMethod) -> FlowMethod:

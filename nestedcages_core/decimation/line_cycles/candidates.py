@@ -7,6 +7,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.vectors import cross, norm
 from .chain import Chain, Lines
+from .places import DECIMALS
 
 STRETCHES = (1, 2, 3, 4, 6, 9, 13, 19, 28, 40, 60)
 """Lengths of stretches, in places: about a factor of √2 apart."""
@@ -65,17 +66,19 @@ def _tangents(chain: Chain, first: IntArray, last: IntArray) -> Lines:
     one = np.minimum.reduceat(np.where(touched, rows, len(rows)), begins)
     two = np.maximum.reduceat(np.where(touched, rows, -1), begins)
     middle = 0.5 * (at[one] + at[two]) + chain.vertices[0]
-    return Lines(middle, first + 0.5 * (number[one] + number[two]), direction)
+    return Lines.of(middle, first + 0.5 * (number[one] + number[two]), direction)
 
 
 def _along_edges(chain: Chain, count: int) -> list[Lines]:
     """Lines of long edges, at their middles and at their convex ends, beyond which neighbours may meet them."""
     edge = np.flatnonzero(chain.lengths > LONG_EDGE * chain.length / count)
-    edge = edge if len(edge) <= 2 * count else np.argsort(-chain.lengths)[: 2 * count]
+    edge = (
+        edge if len(edge) <= 2 * count else np.argsort(-np.round(chain.lengths, DECIMALS), kind="stable")[: 2 * count]
+    )
     convex = cross(np.roll(chain.edges, 1, axis=0), chain.edges) > 0.0
     direction = chain.edges[edge] / chain.lengths[edge, None]
     lines = [
-        Lines(chain.vertices[edge] + part * chain.edges[edge], edge + part, direction) for part in (0.0, 0.5, 1.0)
+        Lines.of(chain.vertices[edge] + part * chain.edges[edge], edge + part, direction) for part in (0.0, 0.5, 1.0)
     ]
     return [lines[1], lines[0].take(convex[edge]), lines[2].take(convex[(edge + 1) % chain.size])]
 
@@ -86,17 +89,22 @@ def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
     before, after = chain.vertices[at - 1] - here, chain.vertices[(at + 1) % chain.size] - here
     step = here[None] - here[:, None]
     slack = -POCKET_SLACK * float((step * step).sum(axis=2).max())
-    touching = np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count // 2
+    touching = np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2
     for neighbour in (before[:, None], after[:, None], before[None], after[None]):
         touching &= cross(step, neighbour) >= slack
     i, j = np.nonzero(touching)
     own, swept = here - chain.vertices[0], chain.swept[at]
     area = cross(own[i], own[j]) - (swept[j] - swept[i] + np.where(j < i, chain.swept[-1], 0.0))
     i, j, area = i[area > 0.0], j[area > 0.0], area[area > 0.0]
-    least = np.argsort(area, kind="stable")[:count]
+    least = np.argsort(np.round(area, DECIMALS), kind="stable")
+    supports = (cross(step[i, j][:, None], here[None] - here[i][:, None]) >= slack).all(axis=1)[least]
+    least = np.concatenate((least[:count], least[count:][supports[count:]]))  # those of the convex hull in any case
     i, j = i[least], j[least]
     direction: FloatArray = step[i, j] / norm(step[i, j])[:, None]
-    return [Lines(here[k], at[k].astype(np.float64), direction) for k in (i, j)]
+    passed = np.mod(at[j] - at[i], chain.size).astype(np.float64)
+    return [
+        Lines(here[k], at[k].astype(np.float64), direction, over) for k, over in ((i, np.zeros(len(i))), (j, passed))
+    ]
 
 
 def _about_corners(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
@@ -110,5 +118,5 @@ def _about_corners(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
             some &= (len(at) < MANY_PLACES) | (not wide)
             angle = chain.angles[edge[some]] + sign * tilt * turn[some]
             direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
-            parts.append(Lines(chain.vertices[at[some]], at[some].astype(np.float64), direction))
+            parts.append(Lines.of(chain.vertices[at[some]], at[some].astype(np.float64), direction))
     return parts

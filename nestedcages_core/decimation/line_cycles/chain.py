@@ -47,6 +47,13 @@ class Lines:
     """(K,) where on the chain that is."""
     direction: FloatArray
     """(K, 2) unit vectors; the solid lies to the left."""
+    passed: FloatArray
+    """(K,) how much of the chain before the contact each line passes over, in vertices; 0 unless over a pocket."""
+
+    @classmethod
+    def of(cls, point: FloatArray, place: FloatArray, direction: FloatArray) -> Lines:
+        """Lines that pass over nothing."""
+        return cls(point, place, direction, np.zeros(len(place)))
 
     def __len__(self) -> int:
         return len(self.place)
@@ -58,6 +65,7 @@ class Lines:
             np.concatenate([part.point for part in parts]),
             np.concatenate([part.place for part in parts]),
             np.concatenate([part.direction for part in parts]),
+            np.concatenate([part.passed for part in parts]),
         )
 
     @property
@@ -67,16 +75,16 @@ class Lines:
 
     def take(self, which: IntArray | BoolArray) -> Lines:
         """Some of the lines."""
-        return Lines(self.point[which], self.place[which], self.direction[which])
+        return Lines(self.point[which], self.place[which], self.direction[which], self.passed[which])
 
     def shifted(self, distance: float) -> Lines:
         """The lines moved away from the solid."""
-        return Lines(self.point + distance * self.right, self.place, self.direction)
+        return Lines(self.point + distance * self.right, self.place, self.direction, self.passed)
 
     def ordered(self, chain: Chain) -> Lines:
         """The lines by place, and at one place by direction, without doubles."""
-        lines = Lines(self.point, np.mod(self.place, chain.size), self.direction)
-        lines = lines.take(np.lexsort((chain.turned(lines.place, lines.direction), lines.place)))
+        lines = Lines(self.point, np.mod(self.place, chain.size), self.direction, self.passed)
+        lines = lines.take(np.lexsort((-lines.passed, chain.turned(lines.place, lines.direction), lines.place)))
         height = cross(lines.direction, lines.point - chain.vertices[0])
         change = np.diff(lines.place) + np.abs(np.diff(lines.direction, axis=0)).max(axis=1) + np.abs(np.diff(height))
         return lines.take(np.concatenate(([True], change > SAME_LINE)))
@@ -92,4 +100,5 @@ class Lines:
 def without_doubles(ring: FloatArray) -> FloatArray:
     """The ring (k, 2) without vertices at the place of the one before."""
     away = norm(ring - np.roll(ring, 1, axis=0))
-    return ring[away > SAME_POINT * away.sum()]
+    distinct: FloatArray = ring[away > SAME_POINT * away.sum()]
+    return distinct

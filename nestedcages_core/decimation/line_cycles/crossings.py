@@ -18,7 +18,7 @@ SHORTENED = 0.999
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """The cycles of all loops. Edge e lies on line `line[e]` of loop `loop[e]`, and runs from `start[e]` to `end[e]`."""
+    """The cycles of all loops. Edge e lies on line `line[e]` of loop `loop[e]`, from `start[e]` to `end[e]`."""
 
     rings: list[FloatArray]
     loop: IntArray
@@ -90,7 +90,7 @@ def _shorten(search: LoopSearch, bundle: IntArray, start: FloatArray, end: Float
     before, after = cross(direction, start - point), cross(direction, end - point)
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = start + (before / (before - after))[:, None] * (end - start)
-    along = ((crossing - point) * direction).sum(axis=1)
+        along = ((crossing - point) * direction).sum(axis=1)
     met = (before > 0.0) != (after > 0.0)
     for way, sign in ((0, 1.0), (1, -1.0)):
         some = met & (sign * along > 0.0)

@@ -36,4 +36,5 @@ class Frame:
         """Points (K, 2) of this frame in the input's units."""
         x, y = points.T
         c, s = self.axis
-        return self.centre + self.scale * np.stack((c * x - s * y, s * x + c * y), axis=1)
+        moved: FloatArray = self.centre + self.scale * np.stack((c * x - s * y, s * x + c * y), axis=1)
+        return moved

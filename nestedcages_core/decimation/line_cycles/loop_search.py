@@ -37,7 +37,9 @@ SPARE = 3
 class LoopSearch:
     """The best cycles around one loop: `totals`, the least area for each number of lines, and which lines they are."""
 
-    def __init__(self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, expected: float) -> None:
+    def __init__(
+        self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, expected: float
+    ) -> None:
         """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one."""
         self.chain, self.lines, self.free, self.sizes, self.expected = chain, lines, free, sizes, expected
         self.turns: Turns = turns(chain, lines, free, width)
@@ -73,7 +75,8 @@ class LoopSearch:
         start = self._across(number)
         corridor = np.sort(np.mod(self.cycle(number) - start, len(self.lines))).tolist()
         most = min(number + SPARE, self.sizes.stop - 1)
-        self._keep(paths := self._paths(start, most), paths.run(corridor))
+        paths = self._paths(start, most)
+        self._keep(paths, paths.run(corridor))
 
     def cycle(self, number: int) -> IntArray:
         """(number,) the lines of the best cycle, ascending."""

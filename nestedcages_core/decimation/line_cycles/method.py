@@ -3,26 +3,27 @@
 A cage is a cycle of directed lines with the solid on their left. The area between it and the outline is a sum over
 pairs of consecutive lines: of the region between the path from the contact of one line, by their vertex, to the contact
 of the next, and the outline between these contacts. So dynamic programming finds the best cycles of 3, 4, … lines among
-candidates, and the best number of lines for each loop. Where edges that are not neighbours cross, one of them gives way,
-and the search is repeated.
+candidates, and the best number of lines for each loop. Where edges that are not neighbours cross, one of them gives
+way, and the search is repeated.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import InvalidMeshError, NestingError
-from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.mesh import Mesh
-from ...tasks import Stage, drain, mapped
-from ..base import Count, Start
-from ..hull.clearing import CLEARANCE_RESERVE, without_gaps
-from ..hull.offset import offsetting
-from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET
 from ...parameters import check_flag
+from ...tasks import Stage, drain, mapped
+from ..base import LEAST_PER_LOOP, Count, Start
+from ..hull.clearing import CLEARANCE_RESERVE, cleared, without_gaps
+from ..hull.offset import offsetting
+from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
+from ..hull.outer_hull import SOURCE as HULL
 from ..on_curve import closest_on_curve
 from ..outline import Outline
 from ..request import Request
@@ -46,9 +47,6 @@ EXACT_SHIFT = 1e-7
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
 """Places: per vertex of the cage; at least, in all; at least, for each loop."""
-
-MORE_PLACES = 5
-"""Factor on the number of places where no cycle is found."""
 
 LONGEST_STRETCH = 3.0
 """Length of the longest stretches that have tangents, in mean edges of the cage."""
@@ -100,71 +98,86 @@ class LineCycles:
         then there may be an outer hull.
         """
         request = Request.of(fine, count)
-        mesh = yield from cycles_around(request, clearance)
+        mesh, source = yield from _found(request, clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
-        return [Start(mesh, SOURCE, closest_on_curve(mesh, fine) if near else None)]
+        return [Start(mesh, source, closest_on_curve(mesh, fine) if near else None)]
 
 
-def cycles_around(request: Request, clearance: float) -> Stage[float, Mesh]:
-    """The mesh of the best cycles. Raises NoCyclesError."""
+def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
+    """The mesh of the best cycles and its source; where they had to be kept from crossing, of the hull if smaller."""
+    mesh, rounds = yield from cycles_around(request, clearance)
+    if rounds:
+        with suppress(NestingError):
+            (hull, _), *_ = yield from OuterHull().hulls(request, clearance, 1)
+            if hull.area < mesh.area:
+                return hull, HULL
+    return mesh, SOURCE
+
+
+def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of the best cycles, and how often crossings were cleared. Raises NoCyclesError."""
     outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
-    distance = max(HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance)
-    offset: Outline | None = None
-    error = NoCyclesError("No cycles were found.")
-    for factor in (1, MORE_PLACES):
-        yield 0.0
-        try:  # lines beside the outline itself, all shifted by the same distance
-            return _best(request, outline, distance / outline.diameter, factor)
-        except NoCyclesError as failure:
-            error = failure
-        if offset is None:
-            offset, stuck = yield from mapped(
-                offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0
-            )
-            if len(stuck):
-                raise error
-        try:  # where gaps are too narrow for that: beside its strict offset
-            return _best(request, offset, EXACT_SHIFT, factor)
-        except NoCyclesError as failure:
-            error = failure
-    raise error
+    usual, wanted = HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance
+    if wanted > usual:
+        with suppress(NoCyclesError):
+            mesh, rounds = yield from _next_to_offset(request, outline, wanted, clearance)
+            return request.with_room(mesh, clearance), rounds
+        clearance = 0.0  # the tightening may find the room
+    try:  # lines next to the outline itself, all moved away by the same distance
+        return (yield from _best(request, outline, HULL_OFFSET))
+    except NoCyclesError:  # gaps may be too narrow for that
+        return (yield from _next_to_offset(request, outline, usual, clearance))
 
 
-def _best(request: Request, outline: Outline, shift: float, factor: int) -> Mesh:
-    """The mesh of least area of several ways to clear crossings. Raises NoCyclesError."""
+def _next_to_offset(
+    request: Request, outline: Outline, distance: float, clearance: float
+) -> Stage[float, tuple[Mesh, int]]:
+    """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
+    offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
+    if len(stuck):
+        raise NoCyclesError("Gaps are too narrow for an offset.")
+    return (yield from _best(request, cleared(offset, request.fine, clearance), EXACT_SHIFT))
+
+
+def _best(request: Request, outline: Outline, shift: float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
     for bias in BIASES:
-        around = _Around(request, outline, shift, factor)
+        around = _Around(request, outline, shift)
         try:
-            area, mesh = around.run(bias)
+            area, mesh = yield from around.run(bias)
         except NoCyclesError as failure:
             error = failure
         else:
             if best is None or area < best[0]:
                 best = area, mesh
-        if around.rounds == 0 or (best is not None and factor > 1):
+        if around.rounds == 0:
             break
     if best is None:
         assert error is not None
         raise error
-    return best[1]
+    return best[1], around.rounds
 
 
 class _Around:
     """A search for cycles around all loops of an outline."""
 
-    def __init__(self, request: Request, outline: Outline, shift: float, factor: int) -> None:
-        self.request, self.factor, self.shift = request, factor, shift
+    def __init__(self, request: Request, outline: Outline, shift: float) -> None:
+        self.request, self.shift = request, shift
         self.frame = Frame.of(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.rounds = 0
 
-    def run(self, bias: float) -> tuple[float, Mesh]:
+    def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
-        searches = list(self._searches())
+        searches: list[LoopSearch] = []
+        for search in self._searches():
+            searches.append(search)
+            yield len(searches) / (len(self.outline.sizes) + 1)
         numbers = self._shares(searches)
         for _ in range(MAX_ROUNDS):
+            yield len(searches) / (len(self.outline.sizes) + 1)
             for search, number in zip(searches, numbers, strict=True):
                 search.refine(number)
             numbers = self._shares(searches)
@@ -190,19 +203,20 @@ class _Around:
         chains = [Chain(loop) for loop in self.outline.loops]
         deserved = weights(chains, target)
         whole = sum(float(weight.sum()) for weight in deserved)
-        shift = self.shift
-        found: list[tuple[Lines, float, int]] = []
+        found: list[tuple[Lines, float, float]] = []
         for chain, weight in zip(chains, deserved, strict=True):
             share = float(weight.sum()) / whole
             count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
-            at = places(chain, weight, min(self.factor * count, max(chain.size, 6)))
-            expected = max(3.0, min(len(at) / PLACES_PER_VERTEX, USUAL_SHARE * target * share))
-            found.append((candidates(chain, at, LONGEST_STRETCH * len(at) / expected, shift).shifted(shift), expected, 0))
+            at = places(chain, weight, min(count, max(chain.size, 6)))
+            deserved_lines = USUAL_SHARE * target * share
+            expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
+            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
+            found.append((lines.shifted(self.shift), expected, deserved_lines))
         everything = Lines.joined([lines for lines, _, _ in found])
         free = Obstacles(self.outline.loops).free(everything, REACH) + SLACK
         usable = (free > SLACK).all(axis=0)
         begin = 0
-        for k, (chain, (lines, expected, _)) in enumerate(zip(chains, found, strict=True)):
+        for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
             own = slice(begin, begin + len(lines))
             begin += len(lines)
             some = usable[own]
@@ -210,18 +224,20 @@ class _Around:
             count = len(lines)
             if count < 3:
                 raise NoCyclesError("No lines are free.")
-            width = count - 1 if expected <= FULL_WIDTH else min(count - 1, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
-            most = self._most(k, expected, count)
+            width = count - 1
+            if expected > FULL_WIDTH:
+                width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
+            most = self._most(k, deserved_lines, count)
             yield LoopSearch(chain, lines, own_free, width=width, sizes=range(minimum[k], most + 1), expected=expected)
 
-    def _most(self, loop: int, expected: float, lines: int) -> int:
+    def _most(self, loop: int, deserved: float, lines: int) -> int:
         """The largest number of lines for a loop."""
         minimum, target = self.request.minimum, self.request.target
         if self.request.per_loop is not None:
             return minimum[loop]
         most = min(lines, target - sum(minimum) + minimum[loop])
         if len(minimum) > 1:
-            most = max(minimum[loop], min(most, int(MAX_SHARE * expected) + SPARE_SHARE))
+            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE))
         return most
 
     def _mesh(self, choice: Choice) -> tuple[float, Mesh]:

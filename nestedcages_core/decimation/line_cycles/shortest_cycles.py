@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
-from .turns import Turns
+from .turns import SingleArray, Turns
 
 
 class Paths:
     """The best paths of 1, 2, … turns from one line once around to all lines, among given turns."""
 
-    def __init__(self, turns: Turns, areas: FloatArray, first: IntArray, start: int, most: int) -> None:
+    def __init__(self, turns: Turns, areas: SingleArray, first: IntArray, start: int, most: int) -> None:
         """first: (K + 1,) the first turn onto each line. most: the largest number of lines of a cycle."""
         self.start, self.count = start, len(first) - 1
         # lines by their positions after the start, so that paths only go on
@@ -26,7 +26,7 @@ class Paths:
         home = slice(0, self.first[1])
         self.home_source, self.home_area = self.source[home], self.areas[home].copy()
         self.areas = np.where(self.source < self.target, self.areas, np.float32(np.inf))
-        self.least: FloatArray = np.full((most, self.count), np.inf, np.float32)
+        self.least: SingleArray = np.full((most, self.count), np.inf, np.float32)
         """(most, K) least area of a path of so many turns."""
         self.least[0, 0] = 0.0
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.vectors import cross
 from .chain import Chain, Lines
+
+SingleArray: TypeAlias = NDArray[np.float32]
 
 SLACK = 1e-5
 """Length, in diameters, by which a vertex may lie beyond the free part of a line: the clearance of an offset."""
@@ -19,6 +23,9 @@ LEAST_TURN = 1e-9
 
 ROUND_OFF = 1e-6
 """Margin of the first test, in diameters: it computes in single precision."""
+
+FAR_PART = 0.5
+"""Part of the usual width, in lines, from which a line over a pocket may follow any line."""
 
 NEGATIVE = -1e-9
 """Area, in squared diameters, below which the way from line to line runs around the chain in the wrong direction."""
@@ -36,18 +43,29 @@ class Turns:
     """(P,) distance of the vertex from the contact of the first line, along it."""
     back: FloatArray
     """(P,) distance of the vertex from the contact of the second line, against it."""
-    area: FloatArray
+    area: SingleArray
     """(P,) single precision: between the way from contact to contact by the vertex, and the chain."""
 
-    def within(self, free: FloatArray) -> FloatArray:
+    def within(self, free: FloatArray) -> SingleArray:
         """(P,) the areas; infinite where the vertex lies beyond what is free (2, K) of either line."""
         blocked = (self.forth > free[0][self.source]) | (self.back > free[1][self.target])
-        return np.where(blocked, np.float32(np.inf), self.area)
+        areas: SingleArray = np.where(blocked, np.float32(np.inf), self.area)
+        return areas
 
 
 def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
     """The turns onto lines (K,) with free parts (2, K) from one of the `width` lines before."""
-    i, j = _meeting(lines, free, width)
+    count = len(lines)
+    i, j = _meeting(lines, free, np.arange(count), width)
+    # lines over pockets that are longer than that may follow any line
+    first = np.searchsorted(lines.place, np.mod(lines.place - lines.passed, chain.size))
+    far = np.flatnonzero((lines.passed > 0.0) & (np.mod(np.arange(count) - first, count) > FAR_PART * width))
+    if len(far) and width < count - 1:
+        others = np.isin(j, far, invert=True)
+        more = _meeting(lines, free, far, count - 1)
+        i, j = np.concatenate((i[others], more[0])), np.concatenate((j[others], more[1]))
+        order = np.argsort(j, kind="stable")
+        i, j = i[order], j[order]
     origin = chain.vertices[0]
     (x, y), (u, v) = (lines.point - origin).T.copy(), lines.direction.T.copy()
     ui, vi, uj, vj, xi, yi, xj, yj = u[i], v[i], u[j], v[j], x[i], y[i], x[j], y[j]
@@ -70,16 +88,20 @@ def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
     return Turns(i.take(kept), j.take(kept), forth.take(kept), back.take(kept), area)
 
 
-def _meeting(lines: Lines, free: FloatArray, width: int) -> tuple[IntArray, IntArray]:
-    """Pairs of lines that meet where both are free, or nearly so: a first test in single precision, by second lines."""
+def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> tuple[IntArray, IntArray]:
+    """Pairs of lines that meet where both are free, or nearly so: a first test in single precision.
+
+    seconds: (R,) the second lines to look at, each with the `width` lines before it.
+    """
     count = len(lines)
 
-    def own(values: FloatArray) -> FloatArray:
-        return values.astype(np.float32)[:, None]
+    def own(values: FloatArray) -> SingleArray:
+        return values[seconds].astype(np.float32)[:, None]
 
-    def before(values: FloatArray) -> FloatArray:
+    def before(values: FloatArray) -> SingleArray:
         single = values.astype(np.float32)
-        return sliding_window_view(np.concatenate((single[count - width :], single[:-1])), width)
+        windows = sliding_window_view(np.concatenate((single[count - width :], single[:-1])), width)
+        return windows if len(seconds) == count else windows[seconds]
 
     (x, y), (u, v) = lines.point.T, lines.direction.T
     wx, wy, u_before, v_before = own(x) - before(x), own(y) - before(y), before(u), before(v)
@@ -98,5 +120,6 @@ def _meeting(lines: Lines, free: FloatArray, width: int) -> tuple[IntArray, IntA
     back -= margin
     meet &= forth <= np.multiply(before(free[0]), sine, out=wx)
     meet &= back <= np.multiply(own(free[1]), sine, out=wx)
-    second, k = np.divmod(np.flatnonzero(meet), width)
+    row, k = np.divmod(np.flatnonzero(meet), width)
+    second = seconds[row]
     return (second + k - width) % count, second
