@@ -22,7 +22,7 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast lint docs bench extension test-blender clean
+.PHONY: help demo test test-fast lint docs bench extension release test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
@@ -31,6 +31,7 @@ help:
 	@echo "make lint    runs ruff and mypy, and says whether the comparison is of this code"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
 	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
+	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
 	@echo "make clean   removes the environments and everything built"
@@ -67,9 +68,14 @@ extension: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python packaging/build_extension.py
 	$(TEST_ENV)/bin/python packaging/try_extension.py
 
+release: $(TEST_ENV)/ready docs
+	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[packaging,examples]"
+	$(TEST_ENV)/bin/python packaging/release.py
+	$(TEST_ENV)/bin/python packaging/try_extension.py
+
 # Blender as a Python module comes for one Python each; those of a Python that is not here are left out. A Python that
 # pyenv has installed counts, even if it is not the one in use. IF_POSSIBLE=1: so are those that cannot be downloaded.
-BLENDERS_3.11 ?= 4.2.23 4.3.0 4.4.0 4.5.15 5.0.1
+BLENDERS_3.11 ?= 4.2.0 4.2.23 4.3.0 4.4.0 4.5.15 5.0.1
 BLENDERS_3.13 ?= 5.2.3
 SCIPY_3.11 := 1.15.3
 SCIPY_3.13 := 1.17.1

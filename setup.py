@@ -20,9 +20,18 @@ def for_an_index(readme: str, repository: str | None) -> str:
     return re.sub(rf"\[([^\]]*)\]{relative}", r"\1", readme)
 
 
+def links(repository: str | None) -> dict[str, str]:
+    """Addresses for package indexes; none where the repository is not known."""
+    pages = {"Source": "", "Documentation": "/blob/main/README.md#documentation", "Issues": "/issues"}
+    pages["Changelog"] = "/blob/main/CHANGELOG.md"
+    return {name: repository + page for name, page in pages.items()} if repository else {}
+
+
 if __name__ == "__main__":
     text = (Path(__file__).parent / "README.md").read_text(encoding="utf-8")
+    repository = os.environ.get("REPOSITORY_URL", "").rstrip("/") or None
     setup(
-        long_description=for_an_index(text, os.environ.get("REPOSITORY_URL", "").rstrip("/") or None),
+        project_urls=links(repository),
+        long_description=for_an_index(text, repository),
         long_description_content_type="text/markdown",
     )

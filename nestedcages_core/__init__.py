@@ -37,6 +37,7 @@ from .energies import NoEnergy as NoEnergy
 from .energies import ShapeKeeping as ShapeKeeping
 from .energies import StepDisplacement as StepDisplacement
 from .energies import WeightedSum as WeightedSum
+from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
@@ -45,6 +46,7 @@ from .geometry.quadrature import EvenSamples as EvenSamples
 from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
+from .geometry.quadrature import RandomSamples as RandomSamples
 from .geometry.triangulation import convex_pieces as convex_pieces
 from .hierarchy import Found as Found
 from .hierarchy import (
@@ -70,6 +72,14 @@ if TYPE_CHECKING:
     from .batch import Outcome as Outcome
     from .batch import OutcomeFolder as OutcomeFolder
     from .batch import nested_cages_many
+    from .character import Bone as Bone
+    from .character import Character as Character
+    from .character import Skeleton as Skeleton
+    from .character import bone_weights as bone_weights
+    from .character import joints_of as joints_of
+    from .character import suggest_bones as suggest_bones
+    from .checker import Verdict as Verdict
+    from .checker import check
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
@@ -78,6 +88,8 @@ if TYPE_CHECKING:
     from .coordinates import grids as grids
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
+    from .exchange import character_from_engine_json as character_from_engine_json
+    from .exchange import character_to_engine_json as character_to_engine_json
     from .exchange import cut_at_borders as cut_at_borders
     from .exchange import (
         features_from_geojson,
@@ -118,6 +130,10 @@ if TYPE_CHECKING:
     from .published.sacht_2015 import ElTopo as ElTopo
     from .published.sacht_2015 import VelocityFilter as VelocityFilter
     from .published.sellan_2022 import LevelSet as LevelSet
+    from .published.settings import AUGMENTED_2022 as AUGMENTED_2022
+    from .published.settings import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
+    from .published.settings import NESTED_CAGES_2015 as NESTED_CAGES_2015
+    from .published.settings import SIMPLE_2022 as SIMPLE_2022
 
 __version__ = "0.1.0"
 
@@ -143,6 +159,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "verify_motion",
     "Certificate",
     "MotionCertificate",
+    "check",
     # cages that follow a moving drawing
     "animated_cages",
     "swept",
@@ -173,11 +190,15 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 
 _LATER = {
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
+    "character": ("Bone", "Character", "Skeleton", "bone_weights", "joints_of", "suggest_bones"),
+    "checker": ("Verdict", "check"),
     "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
     "exchange": (
         "Cut",
         "Feature",
         "cut_at_borders",
+        "character_from_engine_json",
+        "character_to_engine_json",
         "features_from_geojson",
         "frames_from_engine_json",
         "frames_to_engine_json",
@@ -217,6 +238,7 @@ _LATER = {
     "published.li_2020": ("OriginalIPC",),
     "published.sacht_2015": ("ElTopo", "VelocityFilter"),
     "published.sellan_2022": ("LevelSet",),
+    "published.settings": ("AUGMENTED_2022", "AUGMENTED_2022_REPAIRED", "NESTED_CAGES_2015", "SIMPLE_2022"),
 }
 """Rooms that making a cage does not need, and what the face passes on from them: imported when asked for."""
 

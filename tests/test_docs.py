@@ -9,12 +9,15 @@ import pkgutil
 import re
 import subprocess
 import sys
+from collections import Counter
+from html.parser import HTMLParser
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import nestedcages_core
+from nestedcages_core.errors import CODES
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -42,11 +45,35 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert not place or place in anchors(target), address
 
 
+class Elements(HTMLParser):
+    """Counts the elements that a reader sees."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.counted: Counter[str] = Counter()
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        if tag in {"h1", "h2", "h3", "img", "kbd", "li", "ol", "pre", "table", "tr", "ul"}:
+            self.counted[tag] += 1
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_nested_blocks_of_lists_are_indented_by_four(page: Path) -> None:
-    # three spaces nest on code hosts, but not on the site
-    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
-    assert re.findall(r"^ {1,3}(?:[-*] |!\[|\d+\. )", text, flags=re.MULTILINE) == []
+def test_pages_look_alike_on_code_hosts_and_on_the_site(page: Path) -> None:
+    markdown, markdown_it = pytest.importorskip("markdown"), pytest.importorskip("markdown_it")
+    pytest.importorskip("pymdownx")
+    text = page.read_text(encoding="utf-8")
+    host = markdown_it.MarkdownIt("gfm-like", {"linkify": False}).render(text)
+    named = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("markdown_extensions:")[2].partition("\n\n")[0]
+    extensions = re.findall(r"^  - ([\w.]+)", named, flags=re.MULTILINE)
+    assert "tables" in extensions
+    site = markdown.Markdown(extensions=extensions).convert(text)
+    assert Elements(site).counted == Elements(host).counted
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_pictures_have_a_text(page: Path) -> None:
+    assert re.findall(r"!\[\s*\]\([^)]*\)", page.read_text(encoding="utf-8")) == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
@@ -89,6 +116,15 @@ def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType) -> 
     assert set(re.findall(r'class="arrow" id="([\w-]+)"', drawn)) == arrows, again
 
 
+def test_every_code_of_an_error_has_a_page(packaging: ModuleType) -> None:
+    text = (ROOT / "docs" / "errors.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `([\w.]+)` \|.* \| (.*) \|$", text, flags=re.MULTILINE))
+    assert {code: tuple(re.findall(r"`(\w+)`", data)) for code, data in rows.items()} == dict(CODES)
+    pages = packaging.error_pages(text)
+    assert list(pages) == list(rows)
+    assert "Move the vertices there apart" in pages["mesh.crossing"]
+
+
 def test_the_reference_has_every_public_name(packaging: ModuleType) -> None:
     page = packaging.core_page()
     assert re.findall(r"^::: nestedcages_core\.(\w+)$", page, flags=re.MULTILINE) == list(nestedcages_core.__all__)
@@ -101,12 +137,11 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     blocks = PYTHON.findall(page.read_text(encoding="utf-8"))
     if not blocks:
         return
-    source = "\n".join(blocks)
+    source = "\n".join(blocks).replace("/tmp/", f"{tmp_path.as_posix()}/")
     if "bpy" in source:
         pytest.importorskip("bpy")
         enable = 'bpy.ops.preferences.addon_enable(module="bl_ext.user_default.nested_cages")'
         assert enable in source
-        source = source.replace("/tmp/", f"{tmp_path.as_posix()}/")
         # the installed extension is tried by packaging/try_extension.py; here it is the one of this clone
         source = source.replace(enable, REGISTER).replace("bl_ext.user_default.nested_cages", "extension") + UNREGISTER
     script = tmp_path / "page.py"
@@ -114,7 +149,7 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(script)],
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
         capture_output=True,
         text=True,
         timeout=120,

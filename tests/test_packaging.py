@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
+import struct
 import tomllib
+import zipfile
 from pathlib import Path
 from types import ModuleType
 
@@ -85,6 +87,57 @@ def test_a_staged_extension_names_its_wheels(
     assert all((source / name).is_file() for name in manifest["wheels"])
     assert (source / "manual" / "docs" / "guide" / "README.html").is_file()
     assert not (source / "tests").exists()
+
+
+def test_an_index_gets_links_to_the_repository(setup_script: ModuleType) -> None:
+    assert setup_script.links(None) == {}
+    assert setup_script.links("https://host/owner/name")["Issues"] == "https://host/owner/name/issues"
+
+
+TAGS = (
+    "3D View, Add Curve, Add Mesh, Animation, Bake, Camera, Compositing, Development, Game Engine, Geometry Nodes, "
+    "Grease Pencil, Import-Export, Lighting, Material, Modeling, Mesh, Node, Object, Paint, Pipeline, Physics, Render, "
+    "Rigging, Scene, Sculpt, Sequencer, System, Text Editor, Tracking, User Interface, UV"
+)
+"""Tags that extensions.blender.org has for add-ons."""
+
+
+def test_the_manifest_keeps_the_rules_of_the_extensions_site() -> None:
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
+    for sentence in (manifest["tagline"], *manifest["permissions"].values()):
+        assert len(sentence) <= 64, sentence
+        assert sentence[-1].isalnum(), sentence
+    assert set(manifest["tags"]) <= set(TAGS.split(", "))
+    assert "blender" not in manifest["name"].lower()
+    assert all(re.fullmatch(r"\d{4}(-\d{4})? \S.*", holder) for holder in manifest["copyright"])
+    assert "network" not in manifest["permissions"]
+
+
+def test_the_listing_says_what_is_bundled_and_has_pictures_of_the_right_size(
+    build_extension: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pytest.importorskip("matplotlib")
+    import release
+
+    def wheel(name: str, licence: str) -> Path:
+        path = tmp_path / f"{name}-1.0-py3-none-any.whl"
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(f"{name}-1.0.dist-info/METADATA", f"Name: {name}\nVersion: 1.0\n{licence}\n\ntext")
+        return path
+
+    old = wheel("old", "Classifier: License :: OSI Approved :: BSD License")
+    wheels = [wheel("new", "License-Expression: BSD-3-Clause"), old, old]
+    assert release.licences(wheels) == ["new 1.0: BSD-3-Clause", "old 1.0: BSD License"]
+    with pytest.raises(SystemExit, match=r"none-1\.0-py3-none-any\.whl does not say its licence"):
+        release.licences([wheel("none", "Summary: x")])
+    release.listing(tmp_path / "listing", wheels)
+    for name, size in (("icon", (256, 256)), ("featured", (1920, 1080))):
+        head = (tmp_path / "listing" / f"{name}.png").read_bytes()[16:24]
+        assert struct.unpack(">II", head) == size
+    described = (tmp_path / "listing" / "description.md").read_text(encoding="utf-8")
+    for bundle in build_extension.BUNDLES:
+        assert all(package.partition("==")[0] in described for package in bundle.packages)
+    assert "  icon.png\n" in release.checksums(tmp_path / "listing")
 
 
 def test_the_workflows_name_files_and_commands_that_are_there() -> None:

@@ -6,7 +6,7 @@ Their keys appear nowhere else in the add-on.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 from ..core import core
@@ -64,6 +64,11 @@ class Setting:
         """The choices as Blender lists them."""
         first = () if self.automatic is None else ((AUTOMATIC, "Automatic", self.automatic[1]),)
         return (*first, *((key, choice.name, choice.description) for key, choice in self.choices.items()))
+
+
+def published_2022(chosen: Chosen) -> Any:
+    """Gurditta & Jacobson (2022): lengths of the program at any size, or relative to the drawing."""
+    return core.AUGMENTED_2022_REPAIRED if "LENGTHS" in chosen.repairs else core.AUGMENTED_2022
 
 
 DECIMATIONS = {
@@ -191,7 +196,8 @@ CONTACTS = {
     "PAPER": Choice(
         "The Paper's",
         "Barriers as in Augmenting Nested Cages with IPC (2022), with optional repairs: slow, loose, for comparison",
-        lambda chosen: core.PaperContact(
+        lambda chosen: replace(
+            published_2022(chosen).contact,
             solver=chosen.part("solver"),
             energy=chosen.expansion(),
             repairs=core.Repairs(parity="PARITY" in chosen.repairs, exact_home="HOME" in chosen.repairs),
@@ -220,10 +226,18 @@ FLOWS = {
         lambda chosen: core.SignedDistanceFlow(quadrature=chosen.part("quadrature")),
         uses=("quadrature",),
     ),
+    "SIGNED_DISTANCE_2015": Choice(
+        "Nested Cages, 2015",
+        "Signed distance at midpoints of edges, in steps of a thousandth, up to a thousand of them. For comparisons",
+        lambda _: core.NESTED_CAGES_2015.flow,
+    ),
     "PAPER": Choice(
         "The Paper's",
         "The flow of the paper's program, with optional repairs. For comparisons",
-        lambda chosen: core.PaperFlow(exact_parity="PARITY" in chosen.repairs),
+        lambda chosen: replace(
+            published_2022(chosen).flow,
+            exact_parity="PARITY" in chosen.repairs,
+        ),
         uses=("repairs",),
     ),
 }
@@ -242,6 +256,7 @@ QUADRATURES = {
     "GAUSS_1": Choice("Gauss, 1 Point", "One Gauss point per edge", lambda _: core.GaussLegendre(1)),
     "GAUSS_2": Choice("Gauss, 2 Points", "Two Gauss points per edge", lambda _: core.GaussLegendre(2)),
     "GAUSS_3": Choice("Gauss, 3 Points", "Three Gauss points per edge", lambda _: core.GaussLegendre(3)),
+    "RANDOM": Choice("Random Samples", "Four per edge, new at every step", lambda _: core.RandomSamples()),
     "EVEN": Choice("Even Samples", "Four evenly spaced samples per edge", lambda _: core.EvenSamples()),
 }
 
@@ -288,6 +303,7 @@ REPAIRS: Items = (
     ("PARITY", "Parity", "Test for inside by exact predicates instead of rays, which fail at vertices"),
     ("FINITE", "Energies", "Reject steps to an infinite energy, even from an infinite one"),
     ("HOME", "Exact Return", "Return the drawing to its exact coordinates instead of stopping just short of them"),
+    ("LENGTHS", "Lengths", "Scale step and barrier with the drawing, instead of 0.01 and 0.1 at any size"),
 )
 
 SETTINGS = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -48,12 +49,14 @@ STAGES = {
 @dataclass(frozen=True)
 class Options:
     """`levels`: vertex counts, shares of the drawing's vertices, distances and excesses, or `OWN`, finest first.
-    `clearance`: a length of the scene, as distances are; 0 = automatic. `inside`: whether cages lie inside the drawing.
-    `rules`: what else they must be. `shrink`: whether the drawing shrinks further in the animation than it has to.
+    `clearance`: a length of the scene, as distances are; if it is 0, a share of the drawing's diagonal; if both are,
+    automatic. `inside`: whether cages lie inside the drawing. `shrink`: whether the drawing shrinks further in the
+    animation than it has to. `rules`: what else cages must be.
     """
 
     levels: tuple[Level, ...] = ()
     clearance: float = 0.0
+    clearance_share: float = 0.0
     inside: bool = False
     shrink: bool = False
     rules: Rules = field(default_factory=Rules)
@@ -73,11 +76,14 @@ class Request:
 
 @dataclass(frozen=True)
 class Result:
-    """All levels around one drawing, or inside of it, and what they are by the rules for them."""
+    """All levels around one drawing, or inside of it, what they are by the rules for them, and the settings that were
+    used, by name; None if they are unknown.
+    """
 
     drawing: Drawing
     levels: tuple[CageLevel, ...]
     kinds: tuple[str, ...] = ()
+    used: dict[str, Any] | None = None
 
     @property
     def inside(self) -> bool:
@@ -131,7 +137,13 @@ class Generation:
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         plan = Plan(request, fine, wanted, settings, self._clearances(fine, scale))
-        if options.clearance > 0.0 and not own and not options.inside and not convex and options.methods.keeps_loops():
+        if (
+            len(plan.clearances) == 1
+            and not own
+            and not options.inside
+            and not convex
+            and options.methods.keeps_loops()
+        ):
             check_room(fine, plan.clearances[0], len(wanted), request.fine)
         return plan
 
@@ -170,7 +182,8 @@ class Generation:
                 if isinstance(step, CageLevel):
                     cage = step.mesh
                     advice = () if step.inside or plan.settings.convex else _advice(plan, cage, wanted.level)
-                    notes = (*plan.request.places.notes, *wanted.notes, *step.report.notes, *advice)
+                    told = [core.Fault(text, "note.text") for text in (*plan.request.places.notes, *wanted.notes)]
+                    notes = (*told, *step.report.notes, *(core.Fault(text, "note.text") for text in advice))
                     finished.append(replace(step, report=replace(step.report, notes=tuple(dict.fromkeys(notes)))))
                     inner = cage
                 else:
@@ -181,7 +194,8 @@ class Generation:
         """The wanted clearance in the drawing's units, or the automatic ones to try in turn."""
         if self.options.clearance > 0.0:
             return (self.options.clearance / scale,)
-        return tuple(part * fine.diagonal for part in AUTOMATIC_CLEARANCES)
+        share = self.options.clearance_share
+        return tuple(part * fine.diagonal for part in ((share,) if share > 0.0 else AUTOMATIC_CLEARANCES))
 
     def _shrinks(self, plan: Plan, fine: core.Mesh) -> bool:
         """Whether a mesh shrinks further than it has to; not a cage, which would cross the drawing in it."""
@@ -222,7 +236,7 @@ class Generation:
                     made = run.hierarchy.levels[0]
                     level = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
                 except core.NestedCagesError as error:
-                    least = smallest_found(str(error))
+                    least = smallest_found(error)
                     if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):
                         note = f"{wanted} vertices are too few for loops in each other's way: the cage has {least}."
                         for step in self._level(plan, name, fine, least):
@@ -260,4 +274,4 @@ def _advice(plan: Plan, cage: core.Mesh, wanted: int | core.Mesh | core.Within) 
 
 def _noted(level: CageLevel, note: str) -> CageLevel:
     """The level with an additional note."""
-    return replace(level, report=replace(level.report, notes=(note, *level.report.notes)))
+    return replace(level, report=replace(level.report, notes=(core.Fault(note, "note.text"), *level.report.notes)))

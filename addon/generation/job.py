@@ -48,10 +48,7 @@ class Job(Generic[Result]):
         self._work = work
 
     def advance(self, seconds: float = SLICE) -> bool:
-        """Works for about `seconds`; True when everything is done. Raises: UserError.
-
-        The start of a stage ends the slice, so that the panel shows it before it runs.
-        """
+        """Works for about `seconds`; True when everything is done. Raises: UserError."""
         until = time.perf_counter() + seconds
         while True:
             try:
@@ -59,9 +56,8 @@ class Job(Generic[Result]):
             except StopIteration as done:
                 self.result = done.value
                 return True
-            begins = progress.message != self.message
             self.fraction, self.message = progress.fraction, progress.message
-            if begins or time.perf_counter() >= until:
+            if time.perf_counter() >= until:
                 return False
 
     def start(self, end: Callable[[bpy.types.Context], None] | None = None) -> None:
@@ -75,6 +71,20 @@ class Job(Generic[Result]):
         _current.clear()
         with suppress(ReferenceError):  # another file was opened: there is nothing left to undo
             self._work.close()
+
+
+def part(work: Work[Result], number: int, count: int, begin: float = 0.0, end: float = 1.0) -> Work[Result]:
+    """Work on one of several things, with its progress scaled to that of all, which goes from `begin` to `end`."""
+    try:
+        while True:
+            try:
+                step = next(work)
+            except StopIteration as done:
+                result: Result = done.value
+                return result
+            yield Progress(begin + (end - begin) * (number + step.fraction) / count, step.message)
+    finally:
+        work.close()
 
 
 def completed(work: Work[Result]) -> Result:

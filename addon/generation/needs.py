@@ -40,6 +40,16 @@ def missed(level: Level, drawing: core.Mesh, made: CageLevel) -> str:
     )
 
 
+def kept(level: core.Within | None, cage: core.Mesh, drawing: core.Mesh, scale: float) -> str:
+    """That a moved cage is still within a tolerance, as a sentence in units of the scene; empty for none."""
+    if level is None:
+        return ""
+    taken, count = level.measured(cage, drawing), len(cage.vertices)
+    if level.distance is None:
+        return f"{count} vertices, within {100.0 * level.limit:.4g} % more area: {100.0 * taken:.4g} %."
+    return f"{count} vertices, within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}."
+
+
 def told(made: CageLevel, level: Level, drawing: core.Mesh, clearance: float, scale: float) -> CageLevel:
     """A level made within a tolerance, with a sentence on that in units of the scene instead of the core's.
 
@@ -56,4 +66,5 @@ def told(made: CageLevel, level: Level, drawing: core.Mesh, clearance: float, sc
             fewest_links = tolerance.fewest_links
             least = sum(fewest_links(drawing, k, level.distance, clearance) for k in range(len(drawing.loops)))
             need = f"{need}; no cage within it has fewer than {least}"
-    return replace(made, need=f"{need}.", report=replace(made.report, notes=made.report.notes[:-1]))
+    notes = tuple(note for note in made.report.notes if note.code != "note.tolerance")
+    return replace(made, need=f"{need}.", report=replace(made.report, notes=notes))

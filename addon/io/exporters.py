@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,15 +11,22 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
-from ..animation import visibility
+from .. import keys, record
+from ..animation import shape_keys, visibility
 from ..core import core, triangulation
-from ..errors import UserError
+from ..errors import UserError, told
 from ..scene import convert, display, filling, ownership, placement, strokes
 from ..scene.plane import PLANARITY, Frame, size
 
 # Radius of strokes, as a fraction of the size.
 STROKE_RADIUS = 0.004
+
+# Units of length in CSS with their metres: of Blender's units that CSS has, and of systems for all others.
+CSS_UNITS = {
+    **dict.fromkeys(("MILLIMETERS", "METRIC"), ("mm", 1e-3)),
+    "CENTIMETERS": ("cm", 1e-2),
+    **dict.fromkeys(("INCHES", "IMPERIAL"), ("in", 0.0254)),
+}
 
 
 def as_curve(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
@@ -62,7 +70,7 @@ def make(
         name = f"{obj.name} {shape.replace('_', ' ').title()}"
         points = frame.points(mesh.vertices)
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
-        new.color = display.colour(obj.get(keys.LEVEL, 0))
+        new.color = display.colour(ownership.level_of(obj) or 0)
         if shape == "GREASE_PENCIL":
             strokes.set_colour(new, tuple(obj.color))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
@@ -98,22 +106,14 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
         new.name = new.data.name = f"{obj.name} Animated"
         filling.add_faces(filling.mesh_of(new), triangulation.triangulate(outline).triangles)
         if new.animation_data is not None and new.animation_data.action is not None:
-            _own_action(new)
+            shape_keys.own_action(new)
             visibility.always_show(new)
         display.set_thickness(new, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
-        keys.remove(new, keys.ours(new))
+        record.remove(new)
         (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
         made.append(new)
     return made
-
-
-def _own_action(obj: bpy.types.Object) -> None:
-    """Gives an object its own copy of its action, with the same slot."""
-    slot = getattr(obj.animation_data, "action_slot", None)
-    obj.animation_data.action = obj.animation_data.action.copy()
-    if slot is not None:
-        obj.animation_data.action_slot = obj.animation_data.action.slots[slot.identifier]
 
 
 def meshes(
@@ -151,12 +151,27 @@ def _seen(drawing: convert.Drawing) -> list[int]:
     return [axis for axis in range(3) if axis != away]
 
 
+def paper(context: bpy.types.Context, obj: bpy.types.Object, *, world: bool) -> tuple[float, str] | None:
+    """The length of a unit of `meshes` on paper and its CSS unit, as the scene shows lengths; None if it shows none."""
+    shown = context.scene.unit_settings
+    if shown.system == "NONE":
+        return None
+    unit = 1.0 if world else convert.fine_drawing(convert.read(context, obj)).frame.scale
+    name, metre = CSS_UNITS.get(shown.length_unit, CSS_UNITS[shown.system])
+    return unit * shown.scale_length / metre, name
+
+
 @dataclass(frozen=True)
 class Extras:
-    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none."""
+    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none.
+
+    levels: of the outlines of an SVG, inner ones below 0; size: as of ``to_svg``.
+    """
 
     triangles: bool = False
     pieces: int = 0
+    levels: Sequence[int] | None = None
+    size: tuple[float, str] | None = None
 
 
 def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, extras: Extras = Extras()) -> int:
@@ -168,12 +183,12 @@ def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, 
         text, count = WRITERS[kind](shapes, flip_y, extras)
         core.exchange.write_whole(path, text)
     except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be written: {error}") from error
+        raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
     return count
 
 
-def _svg(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:
-    return core.exchange.to_svg(_turned(shapes, flip_y)), len(shapes)
+def _svg(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
+    return core.exchange.to_svg(_turned(shapes, flip_y), levels=extras.levels, size=extras.size), len(shapes)
 
 
 def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:
@@ -183,10 +198,20 @@ def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tup
 
 
 def _engine(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
-    """The last mesh only, the outermost."""
-    outermost = list(shapes.values())[-1]
+    """All outlines in one document."""
     flip, pieces = 0.0 if flip_y else None, extras.pieces or None
-    return core.exchange.to_engine_json(outermost, flip_y=flip, triangles=extras.triangles, pieces=pieces), 1
+    texts = [
+        core.exchange.to_engine_json(mesh, flip_y=flip, triangles=extras.triangles, pieces=pieces)
+        for mesh in shapes.values()
+    ]
+    whole, *others = (json.loads(text) for text in texts)
+    for other in others:
+        before = len(whole.get("points", ()))
+        for name in ("polygons", "points"):
+            whole[name] = whole.get(name, []) + other.get(name, [])
+        for name in {"triangles", "pieces"} & set(other):
+            whole[name] += [[before + index for index in corners] for corners in other[name]]
+    return (json.dumps({key: value for key, value in whole.items() if value != []}) if others else texts[0]), len(texts)
 
 
 WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, Extras], tuple[str, int]]] = {

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
-from .. import keys
-from ..binding import binding, originals
+from .. import keys, record
+from ..binding import binding, field
 from ..errors import UserError, counted
 from ..generation import output
+from ..generation.advice import part
 from ..generation.generate import Generation, Request, Result
 from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
@@ -20,7 +22,7 @@ from ..properties.settings import GenerationProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
 from ..scene.selection import scene_of
-from .base import JobOperator, Outcome, remember_fault
+from .base import JobOperator, Outcome
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
@@ -57,7 +59,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         options, name = conversion.options(self, scene_of(context)), context.scene.name
-        with originals.unposed(sources(context)):
+        with field.unposed(sources(context)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
         yield from generation
@@ -65,17 +67,10 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         scene = bpy.data.scenes.get(name)
         if scene is None:
             raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        done = self._write(scene, generation.results)
-        self._tell_skipped(problems)
+        used = conversion.used(self)
+        done = self._write(scene, [replace(result, used=used) for result in generation.results])
+        self.tell_skipped(problems)
         return done
-
-    def _tell_skipped(self, problems: Sequence[UserError]) -> None:
-        """Lists the drawings that could not be caged; the others were."""
-        remember_fault(next((problem.fault for problem in problems if problem.fault is not None), None))
-        for problem in problems:
-            self.report({"WARNING"}, f"Skipped: {problem}")
-        if problems:
-            self.report({"WARNING"}, f"{counted(len(problems), 'drawing')} skipped, see the Info editor")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
@@ -96,7 +91,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         collections, lost = output.write(scene, results, conversion.timing(self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
-            scene.frame_set(max(keys.integer(collection, keys.END) or 0 for collection in collections))
+            scene.frame_set(max(record.of(collection).frames[1] for collection in collections))
         for collection, method in bound.items():
             self._bind_again(collection, method)
             for obj in ownership.members(collection):
@@ -110,9 +105,13 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
             self.report({"WARNING"}, note)
         for need in filter(None, (level.need for level in cages)):
             self.report({"INFO"}, need)
-        sizes = ", ".join(f"{100.0 * abs(level.excess):.2f} %" for level in cages)
+        sizes = [abs(level.excess) for level in cages]
+        around, shown = "", ", ".join(map(part, sizes))
+        if len(results) > 1:
+            around = f" for {len(results)} drawings"
+            shown = f"{part(min(sizes))} to {part(max(sizes))}"
         kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
-        self.report({"INFO"}, f"{counted(len(cages), kind)}; {measure} {sizes}")
+        self.report({"INFO"}, f"{counted(len(cages), kind)}{around}; {measure} {shown}")
         return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:

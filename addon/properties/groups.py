@@ -11,7 +11,7 @@ from ..generation.rules import ROTATION
 from . import conversion
 from .settings import GenerationProperties
 
-SPACE: tuple[str, ...] = ("clearance", "inside")
+SPACE: tuple[str, ...] = ("clearance", "clearance_share", "inside")
 WHICH: tuple[str, ...] = ("together", "use_selected_as_levels")
 RULES: tuple[str, ...] = ("convex", "grid", "symmetry", "symmetry_order")
 PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_edge", "min_angle")
@@ -30,6 +30,7 @@ ADVANCED: tuple[str, ...] = (
 
 # Settings that only apply if another one has a value.
 ALTERNATIVES: dict[str, tuple[str, object]] = {
+    "clearance_share": ("clearance", 0.0),
     "length": ("fit_length", True),
     "frames_per_step": ("fit_length", False),
     "symmetry_order": ("symmetry", ROTATION),

@@ -132,7 +132,7 @@ class GenerationProperties:
     )
     clearance: FloatProperty(
         name="Clearance",
-        description="Smallest distance between a cage and what it encloses; 0 uses 1e-5 of the drawing's size",
+        description="Smallest distance between a cage and what it encloses; 0 uses the share of the size below",
         default=0.0,
         min=0.0,
         soft_max=1.0,
@@ -140,6 +140,16 @@ class GenerationProperties:
         step=1,
         subtype="DISTANCE",
         unit="LENGTH",
+    )
+    clearance_share: FloatProperty(
+        name="Of the Size",
+        description="Smallest distance in percent of the drawing's diagonal; 0 uses the smallest that is safe, 0.001 %",
+        default=0.0,
+        min=0.0,
+        max=100.0,
+        soft_max=10.0,
+        precision=3,
+        subtype="PERCENTAGE",
     )
     decimation: _choice("decimation")
     energy: _choice("energy")

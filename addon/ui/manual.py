@@ -15,6 +15,7 @@ GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide
 # Suffixes of operators, prefixes of settings, and the page about each.
 OPERATORS = {
     "verify": "verify",
+    "adopt": "bind",
     "bind": "bind",
     "rebind": "bind",
     "add_handles": "bind",
@@ -52,6 +53,7 @@ PAGES = (
     ("bpy.types.nestedcageslevel*", "levels"),
     ("bpy.ops.scene.nested_cages_level*", "levels"),
     ("bpy.ops.scene.nested_cages_preset*", "levels"),
+    ("bpy.ops.scene.nested_cages_use_preset*", "levels"),
     ("bpy.ops.scene.nested_cages_method_preset*", "methods"),
     ("bpy.types.nestedcagespreferences*", "install"),
     ("bpy.ops.scene.nested_cages_store_defaults*", "install"),

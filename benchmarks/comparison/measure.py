@@ -197,10 +197,10 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
         if isinstance(wanted, Started):
             steps = wanted.steps
         else:
-            steps = drain(mapped(settings.flow.run(home, coarse), in_time)).steps
+            steps = drain(mapped(units.method(settings.flow).run(home, coarse), in_time)).steps
         result.flow_steps, result.shrunk = len(steps) - 1, home.moved(steps[-1])
         enter("reinflation")
-        contacts = contacts_for(settings)
+        contacts = [units.method(contact) for contact in contacts_for(settings)]
         recorded = [Recorded(contact, states) for contact in contacts]
         way = drain(mapped(reinflate(home, coarse, steps, contacts=recorded, clearance=CLEARANCE), in_time))
         enter("tightening")

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from comparison.new_samples import NewSamplesFlow
 from nestedcages_core import (
     IPC,
     ArcLength,
@@ -34,6 +33,7 @@ from nestedcages_core import (
     PaperFlow,
     ProjectedNewton,
     QuadraticFallOff,
+    RandomSamples,
     Repairs,
     SequentialQP,
     Settings,
@@ -149,7 +149,7 @@ FLOWS: dict[str, FlowMethod] = {
     "Gauss 2": SignedDistanceFlow(quadrature=GaussLegendre(2)),
     "Gauss 3": SignedDistanceFlow(quadrature=GaussLegendre(3)),
     "even samples": SignedDistanceFlow(quadrature=EvenSamples()),
-    "new samples each step": NewSamplesFlow(),
+    "new samples each step": SignedDistanceFlow(quadrature=RandomSamples()),
     "two-sided": TwoSidedFlow(),
 }
 """How the gradient is sampled and weighed along the edges, and the flow that needs none."""

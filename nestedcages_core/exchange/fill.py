@@ -16,7 +16,7 @@ from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
 from .crossings import edges_in, spend_crossings
-from .gaps import bridges
+from .hairlines import has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
 from .limits import Budget
 from .touching import pulled_apart
@@ -52,31 +52,42 @@ Area = Painted | Any
 """A painted area, or a geometry of shapely."""
 
 
-def solid(areas: Sequence[Area], *, seam: float = 0.0, budget: Budget | None = None) -> Mesh:
+def solid(
+    areas: Sequence[Area],
+    *,
+    seam: float = 0.0,
+    spike: float = 0.0,
+    budget: Budget | None = None,
+    notes: list[str] | None = None,
+) -> Mesh:
     """The union of areas as a mesh. Loops keep their coordinates exactly; only crossings add points.
 
     Where parts are closer than the rounding of their coordinates they touch, and the whole is rounded as finely.
-    seam: width below which gaps between united areas are closed; budget: for crossings, unlimited if None.
+    seam, spike: widths below which gaps are closed and spikes cut off, which `notes` then says with their numbers;
+    budget: for crossings, unlimited if None.
 
     Where the union touches itself in a point it is joined by a thin neck. Raises InvalidMeshError where nothing is
     inside, NestedCagesError where loops cross and shapely is missing, or more often than the budget allows.
     """
+    options: dict[str, Any] = {"seam": seam, "spike": spike, "budget": budget, "notes": notes}
     if not all(isinstance(area, Painted) for area in areas):
         shapely = load_shapely("shapes that overlap or touch")
-        return mesh_of(shapely, regions(shapely, areas, budget), seam=seam, budget=budget)
+        return mesh_of(shapely, regions(shapely, areas, budget), **options)
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
-        raise InvalidMeshError("The shapes have no inside: every loop is shorter than three different points.")
+        raise InvalidMeshError(
+            "The shapes have no inside: every loop is shorter than three different points.", code="file.invalid"
+        )
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
-    if mesh is None or _nearly_touches(mesh):
+    if mesh is None or _nearly_touches(mesh) or has_hairlines(mesh, max(seam, spike)):
         shapely = load_shapely("shapes that overlap or touch")
-        return mesh_of(shapely, regions(shapely, cleaned, budget), seam=seam, budget=budget)
+        return mesh_of(shapely, regions(shapely, cleaned, budget), **options)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
-        raise InvalidMeshError("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     return mesh if kept.all() else Mesh.from_loops([loops[k] for k in np.flatnonzero(kept)])
 
 
@@ -108,8 +119,16 @@ def bounds_of(areas: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
     return np.fmin.reduce(points), np.fmax.reduce(points)
 
 
-def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Budget | None = None) -> Mesh:
-    """The union of valid geometries as a mesh, without gaps narrower than `seam`.
+def mesh_of(
+    shapely: Any,
+    parts: Sequence[Any],
+    *,
+    seam: float = 0.0,
+    spike: float = 0.0,
+    budget: Budget | None = None,
+    notes: list[str] | None = None,
+) -> Mesh:
+    """The union of valid geometries as a mesh; options as of `solid`.
 
     Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
     """
@@ -117,32 +136,37 @@ def mesh_of(shapely: Any, parts: Sequence[Any], *, seam: float = 0.0, budget: Bu
     bounds = shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
-        raise InvalidMeshError("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     unit = 2.0 ** np.ceil(np.log2(size))
     failed: InvalidMeshError | None = None
-    touching: Mesh | None = None
+    found: tuple[Mesh, str] | None = None
     for grid in GRIDS:
-        spacing = grid * unit if grid else None
-        union = shapely.union_all(parts, grid_size=spacing)
-        narrow = bridges(shapely, union, seam) if seam > 0.0 else []
-        if narrow:
-            union = shapely.union_all([union, *narrow], grid_size=spacing)
-        rings = rings_of(shapely, union)
+        clean = without_hairlines(
+            shapely, shapely.union_all(parts, grid_size=grid * unit if grid else None), gap=seam, spike=spike
+        )
+        region = shapely.set_precision(clean.region, grid * unit) if grid else clean.region
+        rings = rings_of(shapely, region)
         if not rings:
-            failed = failed or InvalidMeshError("The shapes have no inside.")
+            failed = failed or InvalidMeshError("The shapes have no inside.", code="mesh.empty")
             break
+        if clean.gaps or clean.spikes:
+            rings = [without_short_edges(ring, max(seam, spike)) for ring in rings]
         try:
             mesh = Mesh.from_loops(pulled_apart(rings, size))
         except InvalidMeshError as error:
             failed = failed or error
             continue
-        if not _nearly_touches(mesh):
-            return mesh
-        touching = touching or mesh
-    if touching is not None:
-        return touching
-    assert failed is not None
-    raise failed
+        apart = not _nearly_touches(mesh)
+        if apart or found is None:
+            found = mesh, clean.note(max(seam, spike)) if clean.gaps or clean.spikes else ""
+        if apart:
+            break
+    if found is None:
+        assert failed is not None
+        raise failed
+    if notes is not None and found[1]:
+        notes.append(found[1])
+    return found[0]
 
 
 def _nearly_touches(mesh: Mesh) -> bool:

@@ -72,12 +72,13 @@ class Map:
         return [f"{feature.name}: {repair}." for feature in self.features for repair in feature.repairs]
 
 
-def read_map(source: Any, limits: Limits | None = None) -> Map:
+def read_map(source: Any, limits: Limits | None = None, tolerance: float | None = None) -> Map:
     """All features of a GeoJSON document with polygons; faults of single features are reported, not raised.
 
     source: GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a reader of shapefiles or
     a GeoDataFrame. Repeated points, spikes, rings of zero area, touching and crossing rings are repaired as GEOS does,
-    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else is read exactly.
+    polygons across the 180th meridian are shifted beyond it, gaps and spikes narrower than a tenth of the tolerance
+    (default: 1e-5 of the diagonal) are closed and cut off, and each repair is named; all else is read exactly.
 
     Raises NestedCagesError for input that is not GeoJSON or exceeds the limits.
     """
@@ -85,7 +86,9 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
     document, has_nan = _loaded(source, limits)
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
-        raise NestedCagesError(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
+        raise NestedCagesError(
+            f"The FeatureCollection has {shown(members)} where its list of features belongs.", code="file.invalid"
+        )
     degrees = _may_be_degrees(document)
     features, refused, without, budget = [], [], 0, Budget(limits)
     for number, member in enumerate(members):
@@ -104,7 +107,7 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = mesh_of(polygons, budget)
+            mesh, repairs = mesh_of(polygons, budget, tolerance)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
         except LimitError:
             raise
@@ -113,33 +116,37 @@ def read_map(source: Any, limits: Limits | None = None) -> Map:
     return Map(tuple(features), tuple(refused), without, document.get("crs"))
 
 
-def features_from_geojson(source: Any, *, limits: Limits | None = None) -> list[Feature]:
+def features_from_geojson(
+    source: Any, *, limits: Limits | None = None, tolerance: float | None = None
+) -> list[Feature]:
     """One mesh for each feature of a GeoJSON document, with its properties; features without polygons are left out.
 
     source and repairs: as in `read_map`. A NestedCagesWarning names all repairs, and the features that cannot be read.
     Raises NestedCagesError for input that is not GeoJSON, and if no feature with polygons can be read.
     """
-    return list(_said(read_map(source, limits)).features)
+    return list(_said(read_map(source, limits, tolerance)).features)
 
 
-def from_geojson(source: Any, *, limits: Limits | None = None) -> Mesh:
+def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
     """All polygons of a GeoJSON document as one mesh, properties left out; features that touch or overlap are united.
 
     Repairs and warnings: as in `features_from_geojson`. Raises NestedCagesError also if there are no polygons.
     """
-    features = _said(read_map(source, limits)).features
+    features = _said(read_map(source, limits, tolerance)).features
     if not features:
-        raise NestedCagesError("The document has no polygons; give Polygon or MultiPolygon geometries.")
+        raise NestedCagesError(
+            "The document has no polygons; give Polygon or MultiPolygon geometries.", code="file.invalid"
+        )
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return mesh_of(polygons, Budget(limits or Limits()))[0]
+    return mesh_of(polygons, Budget(limits or Limits()), tolerance)[0]
 
 
-def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None) -> Mesh:
+def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:
     """All polygons of a GeoJSON file as one mesh; see `from_geojson`."""
     limits = limits or Limits()
-    return from_geojson(read_whole(path, limits), limits=limits)
+    return from_geojson(read_whole(path, limits), limits=limits, tolerance=tolerance)
 
 
 def to_geojson(
@@ -162,7 +169,9 @@ def to_geojson(
         return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
     given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
-        raise NestedCagesError("GeoJSON is written from meshes and features; give a list of these.")
+        raise NestedCagesError(
+            "GeoJSON is written from meshes and features; give a list of these.", code="file.invalid"
+        )
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
     check_decimals([item.mesh for item in features], decimals)
     collection: dict[str, Any] = (
@@ -177,7 +186,7 @@ def to_geojson(
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:
-        raise NestedCagesError(f"The properties cannot be written as JSON: {error}.") from error
+        raise NestedCagesError(f"The properties cannot be written as JSON: {error}.", code="file.invalid") from error
 
 
 def write_geojson(
@@ -195,7 +204,8 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
         raise NestedCagesError(
-            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}."
+            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.",
+            code="file.invalid",
         )
     limits.check("bytes", len(text))
     constants: list[str] = []
@@ -207,7 +217,7 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise NestedCagesError(f"This is not {what}: {error}.") from error
+        raise NestedCagesError(f"This is not {what}: {error}.", code="file.invalid") from error
     return document, bool(constants)
 
 
@@ -217,10 +227,11 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     if not isinstance(document, Mapping):
         document, has_nan = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
-        raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.")
+        raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.", code="file.invalid")
     if document["type"] == "Topology":
         raise NestedCagesError(
-            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo."
+            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.",
+            code="file.invalid",
         )
     return document, has_nan
 
@@ -229,7 +240,7 @@ def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | in
     """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
-        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.")
+        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.", code="file.invalid")
     if mapping.get("type") != "Feature":
         return mapping, {}, None, ()
     properties, identity = mapping.get("properties"), mapping.get("id")
@@ -274,7 +285,9 @@ def _said(found: Map) -> Map:
     """Warn of repaired and rejected features. Raises NestedCagesError if all were rejected."""
     sentences = [*found.refused, *found.notes]
     if found.refused and not found.features:
-        raise InvalidMeshError("\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences))
+        raise InvalidMeshError(
+            "\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences), code="file.invalid"
+        )
     if sentences:
         warnings.warn("\n".join(sentences), NestedCagesWarning, stacklevel=3)
     return found

@@ -14,6 +14,7 @@ from ..geometry.mesh.validation import place
 from ..geometry.predicates import orientation
 from .crossings import edges_in, spend_crossings
 from .fill import Painted, solid
+from .hairlines import has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
 from .limits import Budget
 from .rings import Polygon
@@ -26,41 +27,58 @@ NECK_PER_SIZE = 1e-6
 LEAST_NECK = 64.0 * float(np.finfo(float).eps)
 """Lower bound of the same, over the largest coordinate, so that it survives rounding."""
 
+HAIRLINE, DEFAULT_HAIRLINE = 0.1, 1e-5
+"""Width below which gaps are closed and spikes cut off, in tolerances, and by default in diagonals: the clearance."""
+
 GREATEST_PASSES = 64
 """Maximum number of rounds that remove spikes; GEOS repairs the rest."""
 
 
-def mesh_of(polygons: list[Polygon], budget: Budget | None = None) -> tuple[Mesh, list[str]]:
+def mesh_of(
+    polygons: list[Polygon], budget: Budget | None = None, tolerance: float | None = None
+) -> tuple[Mesh, list[str]]:
     """The solid of polygons, each an outer ring (k, 2) and its holes, and the repairs made.
 
     Simple rings, apart from each other, keep their coordinates to the last bit. Others are repaired as GEOS does
-    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck.
-    Raises InvalidMeshError where no area is left, NestedCagesError beyond the budget for crossings.
+    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck. Gaps and
+    spikes narrower than a tenth of the tolerance are closed and cut off; default: than 1e-5 of the diagonal, which has
+    no room for a cage. Raises InvalidMeshError where no area is left, NestedCagesError beyond the budget for crossings.
     """
     kept, notes = _cleaned(polygons)
     if not kept:
-        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.")
+        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
+    corners = np.concatenate([np.concatenate(polygon) for polygon in kept])
+    width = DEFAULT_HAIRLINE * float(np.hypot(*np.ptp(corners, axis=0))) if tolerance is None else HAIRLINE * tolerance
+    faults, touching = [], []
     try:
-        return _strict(kept), notes
+        mesh = _strict(kept)
+        if not has_hairlines(mesh, width):
+            return mesh, notes
     except InvalidMeshError as error:
-        failed = error
+        touching = [f"parts that touch are joined: {_first(error)}"]
     shapely = load_shapely(NEEDED_FOR)
     shape = shape_of(kept)
-    spend_crossings(edges_in(shapely, [shape]), budget, "self_crossings")
-    faults = _faults(shape)
-    if not faults:
-        return united(kept), [*notes, f"parts that touch are joined: {_first(failed)}"]
-    try:
-        valid = shapely.make_valid(shape, method="structure", keep_collapsed=False)
-    except shapely.errors.GEOSException as error:
-        raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).") from error
-    return united(polygons_in(valid)), [*notes, *(f"{fault}: repaired" for fault in faults)]
+    if touching:
+        spend_crossings(edges_in(shapely, [shape]), budget, "self_crossings")
+        faults = _faults(shape)
+    if faults:
+        try:
+            shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
+        except shapely.errors.GEOSException as error:
+            raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).", code="file.invalid") from error
+        touching = [f"{fault}: repaired" for fault in faults]
+        kept = polygons_in(shape)
+    clean = without_hairlines(shapely, shape, gap=width, spike=width)
+    if clean.gaps or clean.spikes:
+        rings = [[without_short_edges(ring, width) for ring in polygon] for polygon in polygons_in(clean.region)]
+        return united(rings), [*notes, *touching, clean.note(width)]
+    return (mesh if not touching else united(kept)), [*notes, *touching]
 
 
 def united(polygons: list[Polygon]) -> Mesh:
     """Polygons that may touch in points, each valid, as one mesh. Raises InvalidMeshError where no area is left."""
     if not polygons:
-        raise InvalidMeshError("No polygon encloses an area.")
+        raise InvalidMeshError("No polygon encloses an area.", code="file.invalid")
     try:
         return _strict(polygons)
     except InvalidMeshError:

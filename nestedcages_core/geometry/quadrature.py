@@ -6,7 +6,7 @@ The gradient of the flow at a vertex is the weighted mean of the field over both
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -16,7 +16,16 @@ from ..parameters import check_count
 from .arrays import FloatArray
 from .mesh import Mesh
 
-__all__ = ["EvenSamples", "GaussLegendre", "Midpoint", "QuadraticFallOff", "Quadrature", "vertex_samples"]
+__all__ = [
+    "EvenSamples",
+    "GaussLegendre",
+    "Midpoint",
+    "QuadraticFallOff",
+    "Quadrature",
+    "RandomSamples",
+    "at_step",
+    "vertex_samples",
+]
 
 
 class EdgeRule(NamedTuple):
@@ -98,6 +107,35 @@ class EvenSamples:
         """(Q,) t = (k + 1/2) / Q and 1 - t, normalised."""
         parameters = (np.arange(self.samples) + 0.5) / self.samples
         return _normalised(parameters, 1.0 - parameters)
+
+
+@dataclass(frozen=True)
+class RandomSamples:
+    """A random sample in each of equal parts of an edge, new ones at every step of the flow; repeatable.
+
+    Further work of Gurditta & Jacobson 2022 (section 5). Weighted by the vertex's hat function 1 - t.
+    """
+
+    samples: int = 4
+    seed: int = 0
+    step: int = 0
+    """Step of the flow; see `at_step`."""
+
+    def __post_init__(self) -> None:
+        check_count(self, "samples")
+        check_count(self, "seed", "step", least=0)
+
+    @property
+    def rule(self) -> EdgeRule:
+        """(Q,) t in the k-th of Q parts and 1 - t, normalised."""
+        random = np.random.default_rng((self.seed, self.step))
+        parameters = (np.arange(self.samples) + random.random(self.samples)) / self.samples
+        return _normalised(parameters, 1.0 - parameters)
+
+
+def at_step(quadrature: Quadrature, step: int) -> Quadrature:
+    """The quadrature of a step of the flow: only `RandomSamples` differs from step to step."""
+    return replace(quadrature, step=step) if isinstance(quadrature, RandomSamples) else quadrature
 
 
 class VertexSamples(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from ..tightening.tightening import CLEARANCE_MARGIN
 ROUNDING_ULPS = 8.0
 """Margin added to a clearance for the conversion back, in roundings of the largest coordinate, next to the relative
 `CLEARANCE_MARGIN`: it counts far from the origin."""
+
+
+Method = TypeVar("Method")
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,11 @@ class SolverUnits:
     def to_input(self, points: FloatArray) -> FloatArray:
         """Points (..., 2) in the units of the input."""
         return points * self.scale + self.centre
+
+    def method(self, method: Method) -> Method:
+        """A flow or contact with its lengths in the units of the solvers, if it has absolute ones (`scaled`)."""
+        scaled = getattr(method, "scaled", None)
+        return method if scaled is None else scaled(1.0 / self.scale)
 
     def clearance(self, length: float) -> float:
         """A clearance of the input in the units of the solvers, with a margin for rounding."""

@@ -73,8 +73,7 @@ def addon(extension: ModuleType) -> ModuleType:
     """The package `addon`, with its rooms and their files as attributes."""
     package = import_module(f"{PACKAGE}.addon")
     for module in walk_packages(package.__path__, f"{package.__name__}."):
-        if ".presets." not in module.name:
-            import_module(module.name)
+        import_module(module.name)
     return package
 
 

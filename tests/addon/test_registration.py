@@ -11,8 +11,6 @@ import pytest
 from conftest import ROOT
 from drawings import poly_curve, star
 
-PRESETS = ROOT / "addon" / "presets"
-
 
 def test_the_add_on_can_be_disabled_and_enabled_again(extension) -> None:
     extension.unregister()
@@ -73,15 +71,36 @@ def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> 
         assert mine.default == (scenes.default if name != "fit_length" else not scenes.default)
 
 
-@pytest.mark.parametrize("stored", sorted(PRESETS.glob("*/*.py")), ids=lambda path: path.stem)
-def test_presets_that_come_with_the_add_on_work(addon, stored) -> None:
-    path = bpy.utils.preset_find(stored.stem.replace("_", " "), stored.parent.name, display_name=True)
-    assert path
-    bpy.ops.script.execute_preset(filepath=path, menu_idname="NESTEDCAGES_PT_presets")
+PRESETS = ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repaired", "Nested Cages 2015", "Simple Cages 2022")
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name) -> None:
+    """Whatever was chosen before; cages are equally tight around a drawing of any size."""
     settings = bpy.context.scene.nested_cages
-    poly_curve("Drawing", [star(100)])
-    values = {key: getattr(settings, key) for key in addon.properties.settings.NAMES}
-    assert bpy.ops.object.nested_cages_generate(**values) == {"FINISHED"}
+    own = {"ease": True, "length": 77, "thickness": 0.25, "resolution": 5}
+    strange = {"inside": True, "convex": True, "grid": 0.5, "symmetry": "FOUND", "pin_group": "Pins", "min_edge": 0.2}
+    strange |= {"together": True, "clearance": 0.3, "level_objects": "Gone", "levels": "*, 7", "starts": 9}
+    for key, value in (own | strange).items():
+        setattr(settings, key, value)
+    assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
+    kept = addon.presets.KEPT
+    (chosen,) = (kind[name][1] for kind in addon.presets.PRESETS.values() if name in kind)
+    for key in addon.properties.settings.NAMES:
+        default = settings.bl_rna.properties[key]
+        expected = chosen.get(key, default.default_flag if getattr(default, "is_enum_flag", False) else default.default)
+        if key not in kept:
+            assert getattr(settings, key) == expected, key
+    assert {key: getattr(settings, key) for key in own} == own
+    found = []
+    for size in (1.0, 0.01):
+        poly_curve(f"Drawing {size}", [star(100) * size])
+        values = {key: getattr(settings, key) for key in addon.properties.settings.NAMES}
+        assert bpy.ops.object.nested_cages_generate(**values) == {"FINISHED"}
+        found.append(bpy.data.objects[f"Drawing {size} Cage 1"]["nested_cages_excess"])
+    assert found[1] == pytest.approx(found[0], rel=0.05)
+    with pytest.raises(RuntimeError, match="no preset 'Nothing': choose one of Collision"):
+        bpy.ops.scene.nested_cages_use_preset(name="Nothing")
 
 
 def test_the_panels_move_to_another_tab(extension) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nestedcages_core import NestedCagesError, ShapeKeeping
+from nestedcages_core import NestedCagesError, RandomSamples, ShapeKeeping
 from nestedcages_core.energies import ElementEnergy
 from nestedcages_core.published.gurditta_jacobson_2022 import (
     GradientDescent,
@@ -46,12 +46,15 @@ COUNTS = {  # and the least count
     OriginalIPC: {"iterations": 1},
     VelocityFilter: {"iterations": 1},
     LevelSet: {"cells": 1},
+    RandomSamples: {"samples": 1, "seed": 0, "step": 0},
 }
 BELOW_ONE = {GradientDescent: ("contraction", "sufficient_decrease")}
 FLAGS = {
     GradientDescent: ("refuse_infinite",),
     Repairs: ("parity", "exact_home"),
-    PaperFlow: ("exact_parity", "over_length"),
+    PaperContact: ("absolute",),
+    PaperFlow: ("exact_parity", "over_length", "absolute"),
+    SignedDistanceFlow: ("by_longest_side",),
     LevelSet: ("change_loops",),
 }
 

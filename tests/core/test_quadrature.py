@@ -10,20 +10,23 @@ import shapely
 
 from nestedcages_core import (
     EvenSamples,
+    FlowError,
     GaussLegendre,
     Mesh,
     Midpoint,
     NestedCagesError,
     QuadraticFallOff,
+    RandomSamples,
     Settings,
     SignedDistanceFlow,
     nested_cages,
 )
-from nestedcages_core.geometry.quadrature import Quadrature, vertex_samples
+from nestedcages_core.geometry.quadrature import Quadrature, at_step, vertex_samples
+from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, octagon_with_hole, polygon, square_with_hole, star
 
 GAUSS = tuple(GaussLegendre(points) for points in (1, 2, 3))
-RULES = (QuadraticFallOff(), QuadraticFallOff(7), Midpoint(), *GAUSS, EvenSamples(), EvenSamples(1))
+RULES = (QuadraticFallOff(), QuadraticFallOff(7), Midpoint(), *GAUSS, EvenSamples(), EvenSamples(1), RandomSamples())
 BY_NAME = pytest.mark.parametrize("rule", RULES, ids=repr)
 
 
@@ -58,6 +61,33 @@ def test_even_samples_come_near_the_integral() -> None:
     assert weights @ np.exp(parameters) == pytest.approx(2.0 * (np.e - 2.0), rel=1e-5)
 
 
+def test_random_samples_are_new_at_every_step_and_the_same_in_every_run() -> None:
+    rules = [at_step(RandomSamples(8), step).rule.parameters for step in (0, 1, 2)]
+    assert np.floor(8.0 * np.stack(rules)).tolist() == [list(range(8))] * 3
+    assert len({float(rule[0]) for rule in rules}) == 3
+    assert np.array_equal(rules[1], at_step(RandomSamples(8), 1).rule.parameters)
+    assert at_step(Midpoint(), 3) == Midpoint()
+
+    def steps(rule: Quadrature) -> np.ndarray:
+        flow = SignedDistanceFlow(quadrature=rule)
+        return drain(flow.run(octagon_with_hole(), square_with_hole())).steps
+
+    assert np.array_equal(steps(RandomSamples()), steps(RandomSamples()))
+    assert not np.array_equal(steps(RandomSamples())[2], steps(RandomSamples(seed=1))[2])
+
+
+def test_the_program_of_2015_steps_a_thousandth_of_the_longest_side() -> None:
+    fine, coarse = octagon_with_hole(), square_with_hole()
+    flow = SignedDistanceFlow(step=1e-3, limit=1, quadrature=Midpoint(), by_longest_side=True)
+    with pytest.raises(FlowError) as stopped:
+        drain(flow.run(fine, coarse))
+    before, after = stopped.value.partial.steps[:2]
+    box = np.concatenate([fine.vertices, coarse.vertices])
+    side = float(np.ptp(box, axis=0).max())
+    assert np.hypot(*(after - before).T).max() == pytest.approx(1e-3 * side, rel=0.2)
+    assert np.hypot(*(after - before).T).max() <= 1e-3 * side * (1.0 + 1e-12)
+
+
 @BY_NAME
 def test_samples_lie_on_the_edges_of_their_vertex(rule: Quadrature) -> None:
     mesh = star(5, 40)
@@ -87,7 +117,7 @@ def test_the_flow_of_the_paper_gets_inside_with_every_rule(rule: Quadrature) -> 
         assert polygon(coarse).covers(polygon(fine.moved(level.flow.steps[-1])))
 
 
-@pytest.mark.parametrize("rule", [QuadraticFallOff, GaussLegendre, EvenSamples])
+@pytest.mark.parametrize("rule", [QuadraticFallOff, GaussLegendre, EvenSamples, RandomSamples])
 @pytest.mark.parametrize("samples", [0, -1, 1.5, True, None])
 def test_no_samples_are_rejected(rule: type, samples: object) -> None:
     with pytest.raises(NestedCagesError, match=r": (samples|points) must be a whole number of at least 1, not "):

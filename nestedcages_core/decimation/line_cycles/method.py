@@ -135,7 +135,7 @@ def _next_to_offset(
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
     offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
     if len(stuck):
-        raise NoCyclesError("Gaps are too narrow for an offset.")
+        raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")
     return (yield from _best(request, cleared(offset, request.fine, clearance), EXACT_SHIFT))
 
 
@@ -194,7 +194,7 @@ class _Around:
     def _shares(self, searches: list[LoopSearch]) -> list[int]:
         numbers = shares([search.totals for search in searches], self.request.target)
         if numbers is None:
-            raise NoCyclesError("There are no such cycles.")
+            raise NoCyclesError("There are no such cycles.", code="count.too_small")
         return numbers
 
     def _searches(self) -> Iterator[LoopSearch]:
@@ -223,7 +223,7 @@ class _Around:
             lines, own_free = lines.take(some), free[:, own][:, some]
             count = len(lines)
             if count < 3:
-                raise NoCyclesError("No lines are free.")
+                raise NoCyclesError("No lines are free.", code="count.too_small")
             width = count - 1
             if expected > FULL_WIDTH:
                 width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
@@ -244,12 +244,12 @@ class _Around:
         """Area and mesh of cycles that do not cross. Raises NoCyclesError."""
         rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
         if min(map(len, rings)) < 3:
-            raise NoCyclesError("A cycle is flat.")
+            raise NoCyclesError("A cycle is flat.", code="count.too_small")
         outline = Outline(np.concatenate(rings), tuple(map(len, rings)), np.zeros((0, 2), np.int64))
         try:
             mesh = self.request.coarse(outline)
         except InvalidMeshError as error:
-            raise NoCyclesError(str(error)) from error
+            raise NoCyclesError(error.fault) from error
         if not self.request.nests(mesh):
-            raise NoCyclesError("The cycles do not enclose the loops.")
+            raise NoCyclesError("The cycles do not enclose the loops.", code="count.too_small")
         return outline.area, mesh

@@ -5,19 +5,30 @@ from __future__ import annotations
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from ...errors import NestedCagesError
+from ...geometry.arrays import FloatArray
 from ..limits import Limits
-from .lengths import LENGTH, UNITS_OF_LENGTH, Viewport, measure, name_of, view_box_of
+from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, name_of, quoted, view_box_of
+from .transforms import read_transform
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
+
+
+Box = tuple[float, float, float, float]
+"""x, y, width and height."""
+
+SAME_PAGE = 1e-6
+"""Difference between page and view box, over the longer side, that is the rounding of their decimals."""
 
 
 @dataclass(frozen=True)
 class Frame:
     """The view of a document; with the same frame, new shapes coincide with old ones."""
 
-    view_box: tuple[float, float, float, float] | None = None
+    view_box: Box | None = None
     """x, y, width and height in user units."""
     width: str = ""
     """Width of the page with its unit, as written in the document."""
@@ -25,15 +36,21 @@ class Frame:
     preserve_aspect_ratio: str = ""
 
     @property
-    def page(self) -> tuple[float, float, float, float] | None:
-        """x, y, width and height of the view, in user units; None if the document does not specify it."""
-        if self.view_box is not None:
-            return self.view_box
+    def page(self) -> Box | None:
+        """x, y, width and height of what viewers show, in user units; None if the document does not specify it.
+
+        More than the view box where it is fitted into a page of another shape, less where it is sliced.
+        """
         sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
         found = [float(size[1]) * UNITS_OF_LENGTH.get(size[2].lower(), 0.0) for size in sizes if size]
         if len(found) != 2 or not all(0.0 < size < float("inf") for size in found):
-            return None
-        return 0.0, 0.0, found[0], found[1]
+            return self.view_box
+        if self.view_box is None:
+            return 0.0, 0.0, found[0], found[1]
+        matrix = fitted(self.view_box, 0.0, 0.0, found[0], found[1], self.preserve_aspect_ratio)
+        (x, y), size = -matrix[:2, 2] / np.diag(matrix)[:2], np.array(found) / np.diag(matrix)[:2]
+        shown = float(x), float(y), float(size[0]), float(size[1])
+        return self.view_box if np.allclose(shown, self.view_box, 0.0, SAME_PAGE * max(shown[2:])) else shown
 
 
 class Document:
@@ -41,15 +58,18 @@ class Document:
 
     def __init__(self, text: str | bytes, limits: Limits) -> None:
         if not isinstance(text, str | bytes | bytearray):
-            raise NestedCagesError(f"An SVG document is read from text or bytes, not from {type(text).__name__}.")
+            raise NestedCagesError(
+                f"An SVG document is read from text or bytes, not from {type(text).__name__}.", code="file.invalid"
+            )
         limits.check("bytes", len(text))
         try:
             self.root = ET.fromstring(text)
         except (ET.ParseError, ValueError, LookupError) as error:
-            raise NestedCagesError(f"This is not an SVG document: {error}.") from error
+            raise NestedCagesError(f"This is not an SVG document: {error}.", code="file.invalid") from error
         if name_of(self.root) != "svg":
             raise NestedCagesError(
-                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'."
+                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'.",
+                code="file.invalid",
             )
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
         self.by_id: dict[str, ET.Element] = {}
@@ -61,8 +81,9 @@ class Document:
             self.root.get("height", ""),
             self.root.get("preserveAspectRatio", ""),
         )
-        page = self.frame.page
-        self.viewport = Viewport(page[2], page[3]) if page else Viewport()
+        units = self.frame.view_box or self.frame.page
+        self.faults = Faults()
+        self.viewport = Viewport(faults=self.faults).sized(*(units[2:] if units else (None, None)))
 
     @property
     def pixel(self) -> float:
@@ -70,13 +91,17 @@ class Document:
         box, size = self.frame.view_box, Viewport()
         if box is None:
             return 1.0
-        try:
-            width = measure(self.frame.width, "width", "width", size)
-            height = measure(self.frame.height, "height", "height", size)
-        except NestedCagesError:  # per cent: as large as the view box
-            return 1.0
+        width, height = (size.length(text, "r") or 0.0 for text in (self.frame.width, self.frame.height))
         scales = [given / whole for given, whole in ((width, box[2]), (height, box[3])) if given > 0.0]
         return 1.0 / min(scales) if scales else 1.0
+
+    def transform(self, text: str, what: str) -> FloatArray:
+        """The matrix of a list of transforms; of one that cannot be read the identity, which the faults say."""
+        try:
+            return read_transform(text)
+        except NestedCagesError:
+            self.faults.add(f"The transform of the {what} is {quoted(text)}, which cannot be read: it is left out")
+            return np.eye(3)
 
     def linked(self, link: str) -> ET.Element | None:
         """The element that `#id` names."""

@@ -106,7 +106,9 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
     for child in children:
         step.last = KNOWN[name_of(child)](step, child)
         if len(step.last) > MAX_LAYERS:
-            raise NestedCagesError(f"A filter merges more than {MAX_LAYERS} layers; simplify it.")
+            raise NestedCagesError(
+                f"A filter merges more than {MAX_LAYERS} layers; simplify it.", code="limit.exceeded"
+            )
         if child.get("result"):
             step.results[child.get("result", "")] = step.last
     seen = shapely.union_all([layer.seen(shapely, faintest) for layer in step.last] if children else [])
@@ -116,7 +118,7 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
 def _region(by: Filter, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
     """Corners of the filter region, given the box of the source."""
     of_box = by.item.get("filterUnits", "objectBoundingBox") == "objectBoundingBox"
-    viewport = Viewport(1.0, 1.0) if of_box else by.viewport
+    viewport = by.viewport.sized(1.0, 1.0) if of_box else by.viewport
     default = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
     x, y, width, height = (
         measure(by.item.get(key) or default[key], key, f"{key} of the filter", viewport) for key in default

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from .transforms import NUMBER, scaling, translation
 
@@ -33,24 +34,123 @@ LENGTH = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)",
 ALIGNED = {"xmin": 0.0, "xmid": 0.5, "xmax": 1.0, "ymin": 0.0, "ymid": 0.5, "ymax": 1.0}
 """Fraction of the empty space before the view box, for each part of preserveAspectRatio."""
 
+SHARES_OF_VIEW = ("%", "vw", "vh")
+"""Units that are hundredths of the viewport."""
+
+FONT_SIZE = 16.0
+"""Size of the font where none is given, in user units, as in browsers."""
+
+CALCULATED = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?(?:[a-z]+|%)?|\S")
+"""Terms and signs; in sums these have spaces around them, so that a sign before a digit belongs to it."""
+OPERATORS = {"+": float.__add__, "-": float.__sub__, "*": float.__mul__, "/": float.__truediv__}
+
+MAX_CALCULATED = 200
+"""Longest `calc()` that is read, in characters."""
+
+MAX_NAMED = 6
+"""Largest number of attributes that notes name."""
+
 MAX_SHOWN = 30
 """Maximum length of a value in a message."""
 
 
+class Faults:
+    """Attributes that cannot be read, and what is done instead, as browsers do; each sentence once."""
+
+    def __init__(self) -> None:
+        self.counts: Counter[str] = Counter()
+
+    def add(self, sentence: str) -> None:
+        self.counts[sentence] += 1
+
+    def notes(self) -> list[str]:
+        """The first sentences, and how many others there are."""
+        named = [f"{text} ({count} times)." if count > 1 else f"{text}." for text, count in self.counts.items()]
+        more = len(named) - MAX_NAMED
+        return [*named[:MAX_NAMED], *([f"{more} more attributes cannot be read."] if more > 0 else [])]
+
+
 @dataclass(frozen=True)
 class Viewport:
-    """Size in user units that percentages refer to; None if the document has none."""
+    """What lengths refer to: its size in user units, None if the document has none, and that of the font."""
 
     width: float | None = None
     height: float | None = None
+    em: float = FONT_SIZE
+    faults: Faults = field(default_factory=Faults, compare=False)
+
+    def sized(self, width: float | None, height: float | None) -> Viewport:
+        """The same with another size."""
+        return replace(self, width=width, height=height)
 
     def reference(self, key: str) -> float | None:
         """The value of 100 % of an attribute."""
+        if key == "font-size":
+            return self.em
         if self.width is None or self.height is None:
             return None
         if key in ACROSS:
             return self.width
         return self.height if key in DOWN else math.hypot(self.width, self.height) / math.sqrt(2.0)
+
+    def length(self, text: str, key: str) -> float | None:
+        """A length in user units, or a sum or product of some by `calc()`; None for anything else."""
+        text = text.strip().lower()
+        found = LENGTH.fullmatch(text)
+        value = self._scaled(found, key) if found else None
+        if text.startswith("calc("):
+            value = self._calculated(text, key)
+        return value if value is not None and math.isfinite(value) else None
+
+    def _scaled(self, found: re.Match[str], key: str) -> float | None:
+        unit = found[2].lower()
+        of_font = {"em": self.em, "rem": FONT_SIZE, "ex": self.em / 2.0, "ch": self.em / 2.0}
+        scale = {**UNITS_OF_LENGTH, **of_font}.get(unit)
+        if unit in SHARES_OF_VIEW:
+            reference = self.reference({"vw": "width", "vh": "height"}.get(unit, key))
+            scale = reference / 100.0 if reference is not None else None
+        return float(found[1]) * scale if scale is not None else None
+
+    def _calculated(self, text: str, key: str) -> float | None:
+        """The value of an expression of lengths, + - * / and parentheses."""
+        if len(text) > MAX_CALCULATED:
+            return None
+        words = CALCULATED.findall(text.replace("calc(", "("))
+        place = 0
+
+        def factor() -> float:
+            nonlocal place
+            word = words[place]
+            place += 1
+            if word == "(":
+                value = total()
+                if words[place] != ")":
+                    raise ValueError
+                place += 1
+                return value
+            found = LENGTH.fullmatch(word)
+            scaled = self._scaled(found, key) if found else None
+            if scaled is None:
+                raise ValueError
+            return scaled
+
+        def chain(operators: str, operand: Callable[[], float]) -> float:
+            nonlocal place
+            value = operand()
+            while place < len(words) and words[place] in operators:
+                operator = words[place]
+                place += 1
+                value = OPERATORS[operator](value, operand())
+            return value
+
+        def total() -> float:
+            return chain("+-", lambda: chain("*/", factor))
+
+        try:
+            value = total()
+        except (ValueError, IndexError, ZeroDivisionError):
+            return None
+        return value if place == len(words) else None
 
 
 def quoted(text: str) -> str:
@@ -64,28 +164,17 @@ def numbers(text: str) -> list[float]:
 
 
 def measure(text: str, key: str, what: str, viewport: Viewport, missing: float = 0.0) -> float:
-    """A length in user units. Raises NestedCagesError."""
-    text = text.strip()
-    if not text or text == "auto":
+    """A length in user units; `missing` if there is none, or none that can be read, which the viewport's faults say."""
+    if not text.strip() or text.strip() == "auto":
         return missing
-    found = LENGTH.fullmatch(text)
-    unit = found[2].lower() if found else ""
-    scale: float | None = UNITS_OF_LENGTH.get(unit)
-    if unit == "%":
-        reference = viewport.reference(key)
-        scale = reference / 100.0 if reference is not None else None
-    if found is None or scale is None:
-        raise NestedCagesError(
-            f"The {what} is {quoted(text)}; use a number, or one with {', '.join(filter(None, UNITS_OF_LENGTH))}."
-        )
-    value = float(found[1]) * scale
-    if not math.isfinite(value):
-        raise NestedCagesError(f"The {what} is {quoted(text)}, which is not finite; correct it.")
-    return value
+    value = viewport.length(text, key)
+    if value is None:
+        viewport.faults.add(f"The {what} is {quoted(text)}, which is not a length: {missing:g} is used")
+    return missing if value is None else value
 
 
 def attribute(item: ET.Element, key: str, viewport: Viewport, missing: float = 0.0) -> float:
-    """A length in user units, `missing` if the attribute is not there. Raises NestedCagesError."""
+    """A length in user units, `missing` if the attribute is not there or cannot be read."""
     return measure(item.get(key, ""), key, f"{key} of the {name_of(item)}", viewport, missing)
 
 
@@ -100,6 +189,11 @@ def share(text: str | None, missing: float = 1.0) -> float:
 def name_of(item: ET.Element) -> str:
     """The tag without its namespace; comments have none."""
     return item.tag.rpartition("}")[2] if isinstance(item.tag, str) else ""
+
+
+def title_of(item: ET.Element) -> str:
+    """An element in messages: its tag and its id."""
+    return f"{name_of(item)} {quoted(item.get('id', ''))}" if item.get("id") else f"{name_of(item)} without an id"
 
 
 def link_of(item: ET.Element) -> str:

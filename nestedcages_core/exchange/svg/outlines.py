@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from itertools import islice, pairwise
 from xml.etree import ElementTree as ET
 
@@ -11,21 +12,24 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..limits import Budget, Limits
 from .curves import ellipse, line
-from .lengths import Viewport, attribute, name_of
-from .path_data import Subpath, read_path
+from .lengths import Viewport, attribute, name_of, quoted, title_of
+from .path_data import PathReader, Subpath
 from .transforms import NUMBER
 
 OUTLINED = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "polygon"))
 """Elements with an outline."""
+
+NOT_POINTS = re.compile(r"[^\d\s,.eE+-].*", re.DOTALL)
+"""From the first character that is not part of a number."""
 
 POINTS_AT_ONCE = 1000
 """Points of a polygon that are read before they are counted."""
 
 
 def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) -> list[Subpath]:
-    """The outline of an element, in its own units; nothing for other elements.
+    """The outline of an element, in its own units, up to what cannot be read; nothing for other elements.
 
-    Raises NestedCagesError, also where points go beyond the budget.
+    Raises NestedCagesError where points go beyond the budget.
     """
     budget = budget or Budget(Limits())
     name = name_of(item)
@@ -34,9 +38,19 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
         return attribute(item, key, viewport)
 
     if name == "path":
-        return read_path(item.get("d", ""), budget)
+        reader = PathReader(item.get("d", ""), budget)
+        found = reader.read()
+        if reader.fault:
+            viewport.faults.add(f"The data of the {title_of(item)} {reader.fault}; the rest is left out")
+        return found
     if name in ("polygon", "polyline"):
-        return _through(_coordinates(item.get("points", ""), budget), closed=name == "polygon")
+        text = item.get("points", "")
+        end = NOT_POINTS.search(text)
+        if end:
+            where = quoted(end[0])
+            viewport.faults.add(f"The points of the {title_of(item)} go wrong at {where}; the rest is left out")
+            text = text[: end.start()]
+        return _through(_coordinates(text, budget), closed=name == "polygon")
     if name == "line":
         return [Subpath([line(np.array([length("x1"), length("y1")]), np.array([length("x2"), length("y2")]))])]
     if name == "rect":

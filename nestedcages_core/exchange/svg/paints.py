@@ -12,7 +12,6 @@ from ..libraries import load_colours
 from .document import Document
 from .lengths import attribute, link_of, name_of, share
 from .style import Style, Styles
-from .transforms import read_transform
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
 HEX = re.compile(r"#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})")
@@ -149,7 +148,7 @@ class Paints:
             radial,
             self._numbers(given, radial, of_box),
             of_box,
-            read_transform(given.get("gradientTransform", "")),
+            self.document.transform(given.get("gradientTransform", ""), name_of(item)),
             tuple(stops),
             given.get("spreadMethod", "pad") != "pad",
         )

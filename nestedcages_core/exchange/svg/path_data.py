@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
-from ..limits import Budget, Limits
+from ..limits import Budget
 from .curves import arc, line
 
 NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
@@ -32,6 +31,10 @@ class Subpath:
     closed: bool = False
 
 
+class _WrongDataError(Exception):
+    """What is missing."""
+
+
 class PathReader:
     """Follows path data command by command."""
 
@@ -39,6 +42,7 @@ class PathReader:
         self.data = data
         self.budget = budget
         self.place = 0
+        self.fault = ""
         self.subpaths: list[Subpath] = []
         self.at = np.zeros(2)
         self.begin = np.zeros(2)
@@ -46,9 +50,18 @@ class PathReader:
         self.handle_of = ""
 
     def read(self) -> list[Subpath]:
-        """The subpaths with at least one curve. Raises NestedCagesError with the place where the data go wrong, and for
-        more points than the budget has.
+        """The subpaths with at least one curve, up to the place where the data go wrong, which `fault` then says.
+
+        Raises NestedCagesError for more points than the budget has.
         """
+        try:
+            self._read()
+        except _WrongDataError as error:
+            rest = self.data[self.place : self.place + 20].strip() or "its end"
+            self.fault = f"go wrong at character {self.place} ({rest}): {error} is missing"
+        return [path for path in self.subpaths if path.curves]
+
+    def _read(self) -> None:
         command = ""
         while BLANK.match(self.data, self.place).end() < len(self.data):  # type: ignore[union-attr]
             found = COMMAND.match(self.data, self.place)
@@ -56,14 +69,13 @@ class PathReader:
                 command = found[1]
                 self.place = found.end()
             elif command in ("", "Z", "z"):
-                self._refuse("a command")
+                raise _WrongDataError("a command")
             elif command in "Mm":
                 command = "L" if command == "M" else "l"  # further points of a moveto are lines
             if not self.subpaths and command not in "Mm":
-                self._refuse("a path that begins with M")
+                raise _WrongDataError("a path that begins with M")
             self._follow(command)
             self.budget.spend("points", 1)
-        return [path for path in self.subpaths if path.curves]
 
     def _follow(self, command: str) -> None:
         kind = command.upper()
@@ -109,18 +121,6 @@ class PathReader:
         pattern = FLAG if kind == "A" and index in FLAGS_OF_ARC else NUMBER
         found = pattern.match(self.data, self.place)
         if not found:
-            self._refuse(f"argument {index + 1} of {kind}")
-            raise AssertionError
+            raise _WrongDataError(f"argument {index + 1} of {kind}")
         self.place = found.end()
         return float(found[1])
-
-    def _refuse(self, wanted: str) -> None:
-        rest = self.data[self.place : self.place + 20].strip() or "its end"
-        raise NestedCagesError(
-            f"The path data cannot be read at character {self.place} ({rest}): {wanted} is missing; correct the path."
-        )
-
-
-def read_path(data: str, budget: Budget | None = None) -> list[Subpath]:
-    """The subpaths of path data. Raises NestedCagesError."""
-    return PathReader(data, budget or Budget(Limits())).read()

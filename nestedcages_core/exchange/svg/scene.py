@@ -10,10 +10,23 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
+from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Budget
 from .document import Document
 from .filters import Filter, is_known
-from .lengths import Viewport, attribute, fitted, link_of, measure, name_of, numbers, quoted, share, view_box_of
+from .lengths import (
+    Viewport,
+    attribute,
+    fitted,
+    link_of,
+    measure,
+    name_of,
+    numbers,
+    quoted,
+    share,
+    title_of,
+    view_box_of,
+)
 from .markers import MARKED, PLACES, Vertex, vertices
 from .nodes import Clip, Group, Shape, attach, rectangular_clip
 from .options import SvgOptions
@@ -22,7 +35,7 @@ from .paints import Paint, Paints, link_in
 from .path_data import Subpath
 from .strokes import stroke_of
 from .style import Style, Styles
-from .transforms import read_transform, scaling, translation, turned
+from .transforms import moved, scaling, translation, turned
 
 GROUPS = frozenset(("svg", "g", "a", "switch"))
 """Elements that draw their children."""
@@ -80,12 +93,16 @@ class Scene:
         element = self.options.element
         if element is not None and element not in self.document.by_id:
             known = ", ".join(sorted(filter(None, self.document.by_id))[:12]) or "none"
-            raise NestedCagesError(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
+            raise NestedCagesError(
+                f"The drawing has no element with the id {quoted(element)}; its ids: {known}.", code="file.invalid"
+            )
         labels = [name for item in self.document.root if name_of(item) == "g" for name in _layer_names(item)]
         for layer in self.options.layers:
             if layer not in labels:
                 known = ", ".join(labels[:12]) or "none"
-                raise NestedCagesError(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
+                raise NestedCagesError(
+                    f"The drawing has no layer {quoted(layer)}; its layers: {known}.", code="file.invalid"
+                )
 
     def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
         """Add the drawing of an element to a group."""
@@ -94,14 +111,16 @@ class Scene:
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
             return
         if around.depth > MAX_DEPTH:
-            raise NestedCagesError("The drawing nests its elements too deeply; simplify its groups and references.")
+            raise NestedCagesError(
+                "The drawing nests its elements too deeply; simplify its groups and references.", code="limit.exceeded"
+            )
         style = self.styles.computed(item, around.style)
         opacity = around.opacity * share(style.get("opacity"))
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
             return
         matrix = around.matrix
         if around.depth or name != "svg":
-            matrix = matrix @ read_transform(style.get("transform") or "")
+            matrix = matrix @ self.document.transform(style.get("transform") or "", title_of(item))
         context = replace(
             around,
             matrix=matrix,
@@ -111,6 +130,10 @@ class Scene:
             in_layer=around.in_layer or (around.depth == 1 and bool({*_layer_names(item)} & {*self.options.layers})),
             depth=around.depth + 1,
         )
+        font = self.styles.own(item).get("font-size")
+        if font:
+            em = around.viewport.length(font, "font-size") or around.viewport.em
+            context = replace(context, viewport=replace(context.viewport, em=em))
         if name in LEFT_OUT:
             if style.get("visibility", "visible") == "visible" and context.in_element and context.in_layer:
                 self.left_out[LEFT_OUT[name]] += 1
@@ -134,12 +157,10 @@ class Scene:
         """Add the drawing of a `use` element."""
         link = link_of(item)
         target = self.document.linked(link)
-        if target is None:
-            raise NestedCagesError(
-                f"The drawing uses {quoted(link)}, which is not an element of it; embed it or remove it."
-            )
-        if any(target is user for user in context.users):
-            raise NestedCagesError(f"The element {quoted(link)} uses itself; remove one of the references.")
+        if target is None or any(target is user for user in context.users):
+            problem = "not an element of the drawing" if target is None else "used by itself"
+            self.document.faults.add(f"Left out: the use of {quoted(link)}, which is {problem}")
+            return
         x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
         context = replace(context, users=(*context.users, target))
         if name_of(target) not in ("symbol", "svg"):
@@ -174,7 +195,7 @@ class Scene:
             if not (width > 0.0 and height > 0.0):
                 return
         inside = fitted(box, x, y, width or 0.0, height or 0.0, item.get("preserveAspectRatio", ""))
-        viewport = Viewport(box[2], box[3]) if box else Viewport(width, height)
+        viewport = around.sized(*(box[2:] if box else (width, height)))
         if width is not None and height is not None and context.style.get("overflow", "hidden") in ("hidden", "scroll"):
             group.clips.append(rectangular_clip(x, y, width, height, context.matrix))
         context = replace(context, matrix=context.matrix @ inside, viewport=viewport)
@@ -192,7 +213,11 @@ class Scene:
         subpaths = self.outlines[key]
         if not subpaths:
             return
-        name = f"{name_of(item)} {quoted(item.get('id', ''))}" if item.get("id") else f"{name_of(item)} without an id"
+        name = title_of(item)
+        points = moved(np.concatenate([curve for path in subpaths for curve in path.curves]), context.matrix)
+        if not np.abs(points).max() < MAX_COORDINATE:
+            self.document.faults.add(f"Left out: the {name}, whose coordinates are not finite, or too large")
+            return
         if purpose == CLIP:
             rule = style.get("clip-rule", "nonzero")
             group.children.append(Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0)))
@@ -208,11 +233,16 @@ class Scene:
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
+                item.get("id") or "",
             )
         )
         marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)
         if marked and name_of(item) in MARKED:
-            width = stroke.width if stroke else measure(style.get("stroke-width", "1"), "r", "stroke-width", Viewport())
+            width = (
+                stroke.width
+                if stroke
+                else measure(style.get("stroke-width", "1"), "r", "stroke-width", context.viewport, 1.0)
+            )
             for vertex in vertices(subpaths):
                 self._add_marker(vertex, width, context, group)
 
@@ -245,7 +275,7 @@ class Scene:
             context,
             matrix=matrix @ inside,
             style=style,
-            viewport=Viewport(*box[2:]) if box else Viewport(across, down),
+            viewport=context.viewport.sized(*(box[2:] if box else (across, down))),
             users=(*context.users, marker),
         )
         for child in marker:
@@ -264,14 +294,14 @@ class Scene:
             own = self.styles.computed(item, {})
             inner = replace(
                 context,
-                matrix=read_transform(own.get("transform") or "") if purpose == CLIP else np.eye(3),
+                matrix=self.document.transform(own.get("transform") or "", tag) if purpose == CLIP else np.eye(3),
                 style=own,
                 opacity=1.0,
                 purpose=purpose,
                 in_element=True,
                 in_layer=True,
                 users=(*context.users, item),
-                viewport=Viewport(1.0, 1.0) if of_box else context.viewport,
+                viewport=context.viewport.sized(1.0, 1.0) if of_box else context.viewport,
             )
             if purpose == MASK and own.get("mask-type", "luminance") == "alpha":
                 inner = replace(inner, purpose=PAINT)
@@ -297,7 +327,7 @@ class Scene:
     def _mask_region(self, item: ET.Element, context: _Context) -> Clip:
         """The rectangle outside which a mask hides everything."""
         of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
-        viewport = Viewport(1.0, 1.0) if of_box else context.viewport
+        viewport = context.viewport.sized(1.0, 1.0) if of_box else context.viewport
         keys = ("x", "y", "width", "height")
         defaults = ("-10%", "-10%", "120%", "120%")
         size = [

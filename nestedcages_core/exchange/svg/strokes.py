@@ -12,7 +12,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..crossings import edges_in, spend_crossings
 from ..limits import Budget, Limits
-from .lengths import Viewport, measure, numbers
+from .lengths import Viewport, measure, numbers, quoted
 
 MAX_ARC_SEGMENTS = 64
 """Maximum number of chords of a quarter circle at a cap or join."""
@@ -51,22 +51,23 @@ class Polyline:
 
 
 def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
-    """The stroke of an element with these properties, None if it has none. Raises NestedCagesError."""
+    """The stroke of an element with these properties, None if it has none."""
     if style.get("stroke", "none") == "none":
         return None
 
-    def length(text: str, what: str) -> float:
-        return measure(text, "r", what, viewport)
-
-    width = length(style.get("stroke-width", "1"), "stroke-width")
+    width = measure(style.get("stroke-width", "1"), "r", "stroke-width", viewport, 1.0)
     if not width > 0.0:
         return None
     dashes: tuple[float, ...] = ()
     text = style.get("stroke-dasharray", "none")
     if text != "none":
-        dashes = tuple(length(part, "stroke-dasharray") for part in text.replace(",", " ").split())
-        if min(dashes, default=0.0) < 0.0:
-            dashes = ()
+        lengths = [viewport.length(part, "r") for part in text.replace(",", " ").split()]
+        if None in lengths:
+            viewport.faults.add(
+                f"The stroke-dasharray is {quoted(text)}, which is not a list of lengths: it is left out"
+            )
+        elif min(filter(None, lengths), default=0.0) >= 0.0:
+            dashes = tuple(length or 0.0 for length in lengths)
     limit = numbers(style.get("stroke-miterlimit", "4"))
     return Stroke(
         width,
@@ -74,7 +75,7 @@ def stroke_of(style: Mapping[str, str], viewport: Viewport) -> Stroke | None:
         style.get("stroke-linejoin", "miter"),
         limit[0] if limit and limit[0] >= 1.0 else 4.0,
         dashes,
-        length(style.get("stroke-dashoffset", "0"), "stroke-dashoffset"),
+        measure(style.get("stroke-dashoffset", "0"), "r", "stroke-dashoffset", viewport),
     )
 
 

@@ -13,9 +13,9 @@ from ...geometry.arrays import FloatArray
 CALL = re.compile(r"[\s,]*([A-Za-z]+)\s*\(([^)]*)\)[\s,]*")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
-VALUE = re.compile(rf"({NUMBER.pattern})(deg|rad|grad|turn)?")
-DEGREES = {"": 1.0, "deg": 1.0, "rad": 180.0 / math.pi, "grad": 0.9, "turn": 360.0}
-"""Units of angles, in style sheets only."""
+VALUE = re.compile(rf"({NUMBER.pattern})(deg|rad|grad|turn|px)?")
+DEGREES = {"": 1.0, "px": 1.0, "deg": 1.0, "rad": 180.0 / math.pi, "grad": 0.9, "turn": 360.0}
+"""Units of angles and lengths, in style sheets only."""
 
 MAX_TRANSFORM_SHOWN = 60
 """Maximum length of a transform in a message."""
@@ -29,11 +29,13 @@ def read_transform(text: str) -> FloatArray:
     while place < len(text) and text != "none":
         found = CALL.match(text, place)
         values = [float(x) * DEGREES[unit] for x, unit in VALUE.findall(found[2])] if found else []
-        matrix = _matrix(found[1], values) if found and np.isfinite(values).all() else None
+        whole = found is not None and not VALUE.sub("", found[2]).strip(" ,\t\r\n") and np.isfinite(values).all()
+        matrix = _matrix(found[1], values) if found and whole else None
         if found is None or matrix is None:
             raise NestedCagesError(
                 f"The transform '{text[:MAX_TRANSFORM_SHOWN]}' cannot be read; use matrix, translate, scale, "
-                "rotate, skewX and skewY with finite numbers."
+                "rotate, skewX and skewY with finite numbers.",
+                code="file.invalid",
             )
         product = product @ matrix
         place = found.end()

@@ -5,10 +5,11 @@ Section 3.1: the flow (Algorithms 1 and 2). Section 3.2: reinflation, its energy
 
 from __future__ import annotations
 
-from .contact import PaperContact, Repairs
-from .flow import PaperFlow
+from .contact import PROGRAM_RANGE, PaperContact, Repairs
+from .flow import PROGRAM_STEP, PaperFlow
 from .gradient_descent import GradientDescent
 from .potential import PaperWeights
+from .program import ProgramResult, as_published
 from .signed_distance_flow import SignedDistanceFlow
 
 __all__ = [  # noqa: RUF022 - in the order of the paper
@@ -18,4 +19,8 @@ __all__ = [  # noqa: RUF022 - in the order of the paper
     "PaperWeights",  # its weights of the terms of the energy
     "GradientDescent",  # its solver
     "Repairs",  # fixes of its program
+    "PROGRAM_STEP",  # the absolute lengths of its program
+    "PROGRAM_RANGE",
+    "as_published",  # its program from a fine and a coarse mesh to the last cage, uncertified
+    "ProgramResult",
 ]

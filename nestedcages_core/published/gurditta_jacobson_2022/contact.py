@@ -7,7 +7,7 @@ ensures that the fine mesh reaches its target before the next one is set, or its
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from ...tasks import Stage
 from .flow import PAPER_DIAGONAL
 from .gradient_descent import GradientDescent
 from .potential import PaperPotential, PaperWeights
+
+PROGRAM_RANGE = 0.1
+"""d̂ of the program, whatever the size of the meshes."""
 
 
 @dataclass(frozen=True)
@@ -43,15 +46,16 @@ class Repairs:
 class PaperContact:
     """The paper's energy, its gradient descent and its loop over the flow's steps.
 
-    Lengths are relative to the bounding-box diagonal of the fine mesh.
+    Lengths are relative to the bounding-box diagonal of the fine mesh, unless `absolute`.
     """
 
     solver: Solver = field(default_factory=GradientDescent)
     """Minimises the energy."""
     energy: Energy = field(default_factory=Area)
     """E_cages."""
-    d_hat: float = 0.1 / PAPER_DIAGONAL
-    """Range of the barrier; the program has 0.1 on the annulus of Table 1."""
+    d_hat: float = PROGRAM_RANGE / PAPER_DIAGONAL
+    """Range of the barrier: in units of the input if `absolute`; by default that of the program on the annulus of
+    Table 1."""
     weights: PaperWeights = field(default_factory=PaperWeights)
     """Weights of the terms of the energy."""
     repairs: Repairs = field(default_factory=Repairs)
@@ -60,13 +64,20 @@ class PaperContact:
     """Bounds each step before the line search."""
     broad_phase: BroadPhase = field(default_factory=AllPairs)
     """Finds the candidate pairs."""
+    absolute: bool = False
+    """Whether the range is a length in units of the input, as in the program."""
 
     def __post_init__(self) -> None:
         check_positive(self, "d_hat")
+        check_flag(self, "absolute")
         check_part(self, "solver", "minimise", "ProjectedNewton()")
         check_part(self, "energy", "at", "Area()")
         check_part(self, "step_filter", "fraction", "TimeOfImpact()")
         check_part(self, "broad_phase", "candidates", "UniformGrid()")
+
+    def scaled(self, factor: float) -> PaperContact:
+        """The same contact for meshes scaled by a factor."""
+        return replace(self, d_hat=self.d_hat * factor) if self.absolute else self
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

@@ -1,6 +1,7 @@
 """Containment as the paper's program tests it: parity along a ray, and crossing edges.
 
-For comparison only. Certificates use :func:`winding_number` and :func:`crossing_pairs`.
+For comparison only, in the order of operations of the program, whose roundings decide rays through a vertex: that is
+the inverse of a 2 x 2 matrix times a vector. Certificates use :func:`winding_number` and :func:`crossing_pairs`.
 """
 
 from __future__ import annotations
@@ -8,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
-from ...geometry.vectors import cross
 
 
 def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
@@ -17,20 +17,23 @@ def inside_by_parity(points: FloatArray, starts: FloatArray, ends: FloatArray) -
     A ray through a vertex crosses neither of its edges between their ends and is not counted, so the result is wrong,
     for instance for every vertex of a regular polygon at the height of a coarse vertex.
     """
-    edge = ends - starts
+    edge, away = ends - starts, points[:, None] - starts
     with np.errstate(divide="ignore", invalid="ignore"):
-        t = (points[:, None, 1] - starts[:, 1]) / edge[:, 1]
-        x = starts[:, 0] + t * edge[:, 0]
-    crosses = (t > 0.0) & (t < 1.0) & (x > points[:, None, 0])
+        inverse = 1.0 / edge[:, 1]
+        t = inverse * away[..., 1]
+        s = edge[:, 1] * inverse * away[..., 0] - edge[:, 0] * inverse * away[..., 1]
+    crosses = (edge[:, 1] != 0.0) & (t > 0.0) & (t < 1.0) & (s < 0.0)
     return np.asarray(crosses.sum(axis=1) % 2 == 1)
 
 
 def edges_meet(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> bool:
     """Whether any edge of a-b (E, 2) meets any of c-d (K, 2), in floating point; parallel edges are skipped."""
     u, w, apart = (b - a)[:, None], (d - c)[None], c[None] - a[:, None]
-    turn = cross(u, w)
+    turn = u[..., 1] * w[..., 0] - u[..., 0] * w[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        s, t = cross(apart, w) / turn, cross(apart, u) / turn
+        inverse = 1.0 / turn
+        s = w[..., 0] * inverse * apart[..., 1] - w[..., 1] * inverse * apart[..., 0]
+        t = u[..., 0] * inverse * apart[..., 1] - u[..., 1] * inverse * apart[..., 0]
     return bool(((turn != 0.0) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)).any())
 
 

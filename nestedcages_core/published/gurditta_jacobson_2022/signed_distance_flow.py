@@ -11,9 +11,10 @@ from ...flow.containment import Containment
 from ...flow.loop_matching import match_loops
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
-from ...geometry.quadrature import QuadraticFallOff, Quadrature, vertex_samples
+from ...geometry.quadrature import QuadraticFallOff, Quadrature, at_step, vertex_samples
 from ...geometry.signed_distance import SignedDistance
-from ...parameters import check_count, check_part, check_positive
+from ...geometry.vectors import bounds
+from ...parameters import check_count, check_flag, check_part, check_positive
 from ...tasks import Stage
 
 
@@ -22,15 +23,20 @@ class SignedDistanceFlow:
     """Algorithm 1: steps of fixed length along the averaged gradient of Algorithm 2, until the fine mesh is inside."""
 
     step: float = 5e-3
-    """Length of a step in bounding-box diagonals of the fine mesh."""
+    """Length of a step, in bounding-box diagonals of the fine mesh."""
     limit: int = 200
     """Maximum number of steps."""
     quadrature: Quadrature = field(default_factory=QuadraticFallOff)
-    """Sample points and weights of the gradient around a vertex."""
+    """Sample points and weights of the gradient around a vertex; `RandomSamples()` for new ones at every step."""
+    by_longest_side: bool = False
+    """Measure steps by the longest side of the box around both meshes, as the program of Sacht et al. (2015) does with
+    a step of 1e-3 and a limit of 1,000. That program keeps the edge lengths of the fine mesh as weights; here the
+    weights are those of the moving mesh."""
 
     def __post_init__(self) -> None:
         check_positive(self, "step")
         check_count(self, "limit")
+        check_flag(self, "by_longest_side")
         check_part(self, "quadrature", "rule", "Midpoint()")
 
     def run(self, fine: Mesh, coarse: Mesh) -> Stage[float, FlowResult]:
@@ -40,13 +46,14 @@ class SignedDistanceFlow:
         """
         containment = Containment(match_loops(fine, coarse))
         distance = SignedDistance.of(coarse)
-        length = self.step * fine.diagonal
+        length = self.step * (_longest_side(fine, coarse) if self.by_longest_side else fine.diagonal)
         steps = [fine.vertices]
         while (obstacle := containment.obstacle(steps[-1])) is not None:
             if len(steps) > self.limit:
                 raise stuck(FlowResult(np.array(steps), self.limit, "signed distance", obstacle))
             yield (len(steps) - 1) / self.limit
-            gradient = averaged_gradient(fine.moved(steps[-1]), distance, self.quadrature)
+            quadrature = at_step(self.quadrature, len(steps))
+            gradient = averaged_gradient(fine.moved(steps[-1]), distance, quadrature)
             steps.append(steps[-1] - length * gradient)
         return FlowResult(np.array(steps), len(steps) - 1, "signed distance")
 
@@ -56,3 +63,9 @@ def averaged_gradient(mesh: Mesh, distance: SignedDistance, quadrature: Quadratu
     points, weights = vertex_samples(mesh, quadrature)
     gradient = distance.at(points.reshape(-1, 2)).gradient.reshape(points.shape)
     return np.asarray((weights[..., None] * gradient).sum(axis=1), np.float64)
+
+
+def _longest_side(*meshes: Mesh) -> float:
+    """Of the bounding box around all meshes."""
+    low, high = bounds(np.concatenate([mesh.vertices for mesh in meshes]))
+    return float((high - low).max())

@@ -1,0 +1,140 @@
+"""Puts everything that a release needs into dist: zips of the extension and its listing, wheel, sdist, site, checksums.
+
+    python packaging/release.py            # or: make release
+    python packaging/release.py --listing  # only the texts and pictures for the extension's page, in build/listing
+
+Needs what `build_extension.py` needs, and the packages build and matplotlib.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from email.parser import BytesParser
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+DIST = ROOT / "dist"
+WHEELS = ROOT / "build" / "wheels"
+SITE = ROOT / "build" / "site"
+LISTING = ROOT / "build" / "listing"
+
+ICON, FEATURED = (256, 256), (1920, 1080)
+"""Sizes of the listing's pictures in pixels, as extensions.blender.org asks for."""
+
+SCREENSHOTS = ("panel", "result", "posed", "cutout", "export")
+"""Pictures of the guide that the listing shows."""
+
+LEVELS = 32, 16
+"""Vertices of the cages in the pictures."""
+
+CLEARANCE = 0.02
+"""Clearance in the pictures, as a fraction of the drawing's diagonal, so that gaps can be seen."""
+
+LINES_ACROSS = 150
+"""Width of a drawing in the pictures, in widths of a line."""
+
+DPI = 100
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--listing", action="store_true", help="only the texts and pictures for the extension's page")
+    options = parser.parse_args()
+    if not options.listing:
+        shutil.rmtree(DIST, ignore_errors=True)
+        run(sys.executable, str(ROOT / "packaging" / "build_extension.py"))
+        run(sys.executable, "-m", "build", "--outdir", str(DIST))
+        if SITE.is_dir():
+            shutil.make_archive(str(DIST / "nested_cages-site"), "zip", SITE)
+    listing(LISTING, sorted(WHEELS.rglob("*.whl")))
+    if options.listing:
+        return 0
+    shutil.make_archive(str(DIST / "nested_cages-listing"), "zip", LISTING)
+    sums = checksums(DIST)
+    (DIST / "SHA256SUMS").write_text(sums, encoding="utf-8")
+    print(sums, end="")
+    return 0
+
+
+def run(*command: str) -> None:
+    """Run a command of a release. Raises CalledProcessError if it fails."""
+    subprocess.run(command, cwd=ROOT, check=True)
+
+
+def listing(folder: Path, wheels: list[Path]) -> None:
+    """Texts and pictures for the extension's page: description, permissions, licences, icon, featured picture."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
+    shutil.copy(ROOT / "packaging" / "listing.md", folder / "description.md")
+    reasons = [f"{name}: {reason}" for name, reason in manifest["permissions"].items()]
+    (folder / "permissions.txt").write_text("\n".join(reasons) + "\n", encoding="utf-8")
+    (folder / "licences.txt").write_text("\n".join(licences(wheels)) + "\n", encoding="utf-8")
+    for name in SCREENSHOTS:
+        shutil.copy(ROOT / "docs" / "guide" / f"{name}.png", folder)
+    pictures(folder)
+
+
+def licences(wheels: list[Path]) -> list[str]:
+    """Name, version and licence of each bundled package, as its wheel says. Raises SystemExit where one says none."""
+    found = set()
+    for path in wheels:
+        with zipfile.ZipFile(path) as archive:
+            name = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+            told = BytesParser().parsebytes(archive.read(name))
+        classifiers = [entry.rpartition(":: ")[2] for entry in told.get_all("Classifier", []) if "License ::" in entry]
+        licence = told["License-Expression"] or ", ".join(classifiers) or (told["License"] or "").partition("\n")[0]
+        if not licence:
+            raise SystemExit(f"{path.name} does not say its licence.")
+        found.add(f"{told['Name']} {told['Version']}: {licence}")
+    return sorted(found)
+
+
+def pictures(folder: Path) -> None:
+    """The icon and the featured picture: a letter in its cages, and how it gets there."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot as plt
+
+    from nestedcages_core import nested_cages, read_svg
+
+    letter = read_svg(ROOT / "examples" / "letter_a.svg")
+    made = nested_cages(letter, LEVELS, clearance=CLEARANCE * letter.diagonal)
+    flow = made[0].flow.steps[-1]
+    stages = [(letter, made[0].coarse), (letter.moved(flow), made[0].coarse), made.meshes]
+    for name, size, shown in (("icon", ICON, stages[-1:]), ("featured", FEATURED, stages)):
+        figure, axes = plt.subplots(
+            1, len(shown), figsize=np.divide(size, DPI), squeeze=False, sharex=True, sharey=True
+        )
+        for axis, meshes in zip(axes[0], shown, strict=True):
+            for level, mesh in enumerate(meshes):
+                for ring in mesh.rings:
+                    closed = np.concatenate((ring, ring[:1])) * (1.0, -1.0)
+                    width = size[0] / len(shown) / LINES_ACROSS
+                    axis.plot(*closed.T, color=("#27364b", "#0072b2", "#009e73")[level], linewidth=width)
+            axis.set_aspect("equal")
+            axis.set_axis_off()
+        figure.subplots_adjust(0.03, 0.06, 0.97, 0.94, 0.03)
+        figure.savefig(folder / f"{name}.png", dpi=DPI, transparent=name == "icon")
+        plt.close(figure)
+
+
+def checksums(folder: Path) -> str:
+    """SHA-256 of every file of a folder, as `sha256sum --check` reads them."""
+    files = sorted(path for path in folder.iterdir() if path.is_file() and path.name != "SHA256SUMS")
+    return "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
