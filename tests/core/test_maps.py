@@ -216,7 +216,7 @@ def test_what_was_written_is_read_as_it_was_however_narrow() -> None:
     assert from_geojson(to_geojson(spiky)) == spiky
     assert from_svg(to_svg(spiky)) == spiky
     (cleaned,) = read_map(to_geojson(spiky), clean=True).features
-    assert len(cleaned.mesh.vertices) == 5
+    assert len(cleaned.mesh.vertices) == 6
     assert "1 spike cut off" in cleaned.repairs[0]
 
 
