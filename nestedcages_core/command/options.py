@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 from ..errors import NestedCagesError
@@ -98,9 +99,8 @@ class _Help(argparse.Action):
 
 class _Version(argparse.Action):
     def __call__(self, options: argparse.ArgumentParser, *_: Any) -> None:
-        from .. import __version__
-
-        print(f"nested-cages {__version__}")
+        whole = import_module(__name__.rpartition(".command.")[0])
+        print(f"nested-cages {whole.__version__}")
         options.exit()
 
 
