@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 from ..errors import NestedCagesError
@@ -99,7 +99,7 @@ class _Help(argparse.Action):
 
 class _Version(argparse.Action):
     def __call__(self, options: argparse.ArgumentParser, *_: Any) -> None:
-        whole = import_module(__name__.rpartition(".command.")[0])
+        whole = sys.modules[__name__.rpartition(".command.")[0]]
         print(f"nested-cages {whole.__version__}")
         options.exit()
 
