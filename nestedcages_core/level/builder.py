@@ -86,9 +86,11 @@ class LevelBuilder:
         raise (yield from self.settling.failure(level))
 
     def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
-        """The level on any numbers, of the first attempt that succeeds. Raises the error of the last one."""
+        """The level on any numbers, of the first attempt that succeeds. Raises the error of the last one that had a
+        start."""
         if self.plan.exact is not None:
             return (yield from self._exact(self.plan.exact, wanted, clearances))
+        started: list[NestedCagesError] = []
         failures: list[NestedCagesError] = []
         clamping = self.plan.remarks
         if not isinstance(wanted, Mesh):
@@ -113,7 +115,8 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-        raise failures[-1]
+                    started += [error] if self.starts else []
+        raise (started or failures)[-1]
 
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
