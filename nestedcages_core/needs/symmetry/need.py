@@ -137,9 +137,9 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     if orbits_of(fine, symmetry) is not None:
         return fine, ()
     images = [fine.moved(symmetry.image(fine.vertices, k)) for k in range(symmetry.order)]
-    if symmetry.reverses:
-        images = [Mesh(image.vertices, image.edges) for image in images]
     try:
+        if symmetry.reverses:
+            images = [Mesh(image.vertices, image.edges) for image in images]
         together = overlay(images, intersection=inside)
         if not inside:
             together = _without_pockets(together, images)
