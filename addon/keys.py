@@ -68,24 +68,20 @@ STORED_MESH = "nested_cages_mesh"
 STORED_ACTION = "nested_cages_action"
 STORED_STATE = "nested_cages_before"
 LINK = "nested_cages_link"
-# Of the original object: the collection that it follows.
-FOLLOWS = "nested_cages_follows"
-# Of hidden helper objects: what they show, and its height or thickness.
+# Of hidden helper objects: the cage whose motion they carry, or the object whose lines they show, and their thickness.
 HELPER = "nested_cages_helper"
-SURFACE_OF = "nested_cages_surface"
-PRISM_OF = "nested_cages_prism"
-PRISM_HEIGHT = "nested_cages_high"
+FIELD_OF = "nested_cages_field"
 LINES_OF = "nested_cages_lines_of"
 LINE_THICKNESS = "nested_cages_thickness"
 
-# Attributes of meshes. A prism's corner: the cage's vertex below it, and its height. A bound vertex: its position when
-# bound, its offset since, and its weights, one attribute per vertex of the cage.
-CORNER = "nested_cages_corner"
-HEIGHT = "nested_cages_height"
+# Attributes of meshes. A bound vertex: its position when bound. A vertex of a field: its weights, one attribute per
+# vertex of the cage, and how far they move it.
 REST = "nested_cages_rest"
-EDIT = "nested_cages_edit"
 WEIGHT = "nested_cages_weight_"
-# Attributes of strokes. A point: the number of the vertex that it follows, from 1 on, and its distance from that.
+MOTION = "nested_cages_motion"
+# In earlier versions, of the original object: the collection that it follows; of strokes: the number of the vertex
+# that a point follows, from 1 on, and its distance from that.
+FOLLOWS = "nested_cages_follows"
 FOLLOWED = "nested_cages_followed"
 OFFSET = "nested_cages_offset"
 

@@ -1,9 +1,8 @@
-"""All ways to bind a drawing in Blender on every shape: errors at rest and under affine poses, and the time to bind.
+"""Time to bind a figure of twelve parts to one cage in Blender, and to pose all its 20,000 vertices.
 
-    python benchmarks/binding.py --picture build/binding.png
+    python benchmarks/binding.py
 
-Needs Blender as a Python module (bpy) and matplotlib; the picture is a bent glyph by each, as Blender evaluates it.
-`--data FOLDER` takes your own shapes, pairs of files `name_V.csv` and `name_E.csv`.
+Needs Blender as a Python module (bpy). Prints processor and wall-clock time, in one thread if OMP_NUM_THREADS is 1.
 """
 
 from __future__ import annotations
@@ -12,18 +11,22 @@ import argparse
 import importlib.util
 import sys
 import time
-from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 
-from bent import BENT, arguments, bend, draw, left_outside
 from clone import ROOT
-from data import shape
 
 PACKAGE = "nested_cages_extension"  # any name: Blender gives extensions names of its own
+# Ends and radius of each limb of a figure 3.5 high.
+LIMBS = (
+    ((0.0, 0.2), (0.0, 1.0), 0.38), ((0.0, 1.2), (0.0, 1.5), 0.1), ((0.0, 1.62), (0.0, 1.75), 0.3),
+    ((-0.1, 1.7), (-0.1, 1.71), 0.04), ((0.1, 1.7), (0.1, 1.71), 0.04), ((-0.35, 1.2), (-0.95, 1.15), 0.12),
+    ((-0.95, 1.15), (-1.5, 1.1), 0.1), ((-1.55, 1.1), (-1.7, 1.1), 0.12), ((0.35, 1.2), (0.95, 1.15), 0.12),
+    ((0.95, 1.15), (1.5, 1.1), 0.1), ((-0.22, 0.0), (-0.28, -1.2), 0.15), ((0.22, 0.0), (0.28, -1.2), 0.15),
+)  # fmt: skip
 
 
 def extension() -> ModuleType:
@@ -36,56 +39,76 @@ def extension() -> ModuleType:
     return module
 
 
-def scene(fine: Any, cage: Any) -> tuple[Any, Any]:
-    """An empty scene with the drawing as a wire and its cage as filled faces."""
+def limb(start: tuple[float, float], end: tuple[float, float], radius: float, count: int) -> np.ndarray:
+    """A capsule (count, 2) around a segment."""
+    a, b = np.array(start), np.array(end)
+    turn = np.arctan2(*(b - a)[::-1])
+    half = np.linspace(-np.pi / 2.0, np.pi / 2.0, count // 2)
+    return np.concatenate(
+        [c + radius * np.column_stack([np.cos(t), np.sin(t)]) for c, t in ((b, turn + half), (a, turn + np.pi + half))]
+    )
+
+
+def figure(vertices: int) -> list[Any]:
+    """Twelve selected outlines of so many vertices altogether."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    filling = import_module(f"{PACKAGE}.addon.scene.filling")
-    wire = bpy.data.meshes.new("Fine")
-    wire.from_pydata([(*point, 0.0) for point in fine.vertices.tolist()], fine.edges.tolist(), [])
-    corners = np.column_stack([cage.vertices, np.zeros(len(cage.vertices))])
-    data = filling.filled("Cage", corners, cage)
-    made = [bpy.data.objects.new("Fine", wire), bpy.data.objects.new("Cage", data)]
-    for obj in made:
-        bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.update()
-    return made[0], made[1]
+    made = []
+    for number, (start, end, radius) in enumerate(LIMBS):
+        points = limb(start, end, radius, vertices // len(LIMBS))
+        mesh = bpy.data.meshes.new(f"Part {number}")
+        ring = np.arange(len(points))
+        mesh.from_pydata([(x, y, 0.0) for x, y in points], np.column_stack([ring, np.roll(ring, -1)]).tolist(), [])
+        made.append(bpy.data.objects.new(mesh.name, mesh))
+        bpy.context.scene.collection.objects.link(made[-1])
+        made[-1].select_set(True)
+    bpy.context.view_layer.objects.active = made[0]
+    return made
+
+
+def seconds(work: Any) -> tuple[float, float]:
+    """Processor and wall-clock time of a call."""
+    wall, processor = time.perf_counter(), time.process_time()
+    work()
+    return time.process_time() - processor, time.perf_counter() - wall
 
 
 def main() -> None:
-    given, names = arguments(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--vertices", type=int, default=20_000, help="of all parts together")
+    parser.add_argument("--frames", type=int, default=24, help="number of poses")
+    given = parser.parse_args()
     package = extension()
     package.register()
     try:
-        run(names, given)
+        run(given.vertices, given.frames)
     finally:
         package.unregister()  # some versions of bpy hang at exit otherwise
 
 
-def run(names: list[str], given: argparse.Namespace) -> None:
-    core = import_module(f"{PACKAGE}.nestedcages_core")
-    following = import_module(f"{PACKAGE}.addon.binding.deform_modifiers")
-    print(f"{'shape':12s} {'bound by':20s} {'at rest':>9s} {'affine':>9s} {'seconds':>8s}")
-    bent = {}
-    for name in names:
-        fine = shape(name, given.data)
-        fine = core.Mesh(fine.vertices, fine.edges)  # as the extension's own core knows it
-        cage = core.nested_cages(fine, [given.vertices]).cages[0]
-        for method, kind in following.NAMES.items():
-            drawing, control = scene(fine, cage)
-            began = time.perf_counter()
-            bound = following.attach(bpy.context, drawing, control, method)
-            seconds = time.perf_counter() - began
-            rest, affine = following.measure(bpy.context, drawing, control) if bound else (np.nan, np.nan)
-            print(f"{name:12s} {kind:20s} {rest:9.1e} {affine:9.1e} {seconds:8.2f}", flush=True)
-            if name == BENT and bound:
-                posed = bend(cage, fine.vertices.min(axis=0))
-                control.data.vertices.foreach_set("co", np.column_stack([posed, np.zeros(len(posed))]).ravel())
-                control.data.update()
-                points = following.evaluated_points(bpy.context, drawing)[:, :2]
-                moved, around = fine.moved(points), cage.moved(posed)
-                bent[f"{kind}, outside: {left_outside(moved, around)}"] = (moved, around)
-    if given.picture and bent:
-        draw(bent, given.picture)
+def run(vertices: int, frames: int) -> None:
+    parts = figure(vertices)
+    times = seconds(lambda: bpy.ops.object.nested_cages_generate(levels="31", together=True, show_flow=False))
+    print("generate: {:.2f} s of processor, {:.2f} s".format(*times))
+    cage = next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
+    print("bind:     {:.2f} s of processor, {:.2f} s".format(*seconds(bpy.ops.object.nested_cages_bind)))
+    rest = np.array([vertex.co for vertex in cage.data.vertices])
+    arm = rest[:, 0] < -0.9
+
+    def pose(turn: float) -> None:
+        bent = rest.copy()
+        cosine, sine = np.cos(turn), np.sin(turn)
+        bent[arm, :2] = (rest[arm, :2] - (-0.95, 1.15)) @ [[cosine, sine], [-sine, cosine]] + (-0.95, 1.15)
+        cage.data.vertices.foreach_set("co", bent.astype(np.float32).ravel())
+        cage.data.update()
+        bpy.context.view_layer.update()
+
+    pose(0.0)
+    times = seconds(lambda: [pose(np.pi / 3.0 * frame / frames) for frame in range(frames)])
+    count = sum(len(part.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices) for part in parts)
+    print(
+        f"pose {count} vertices of {len(parts)} parts under {len(rest)}: {1e3 * times[0] / frames:.1f} ms of CPU, "
+        f"{1e3 * times[1] / frames:.1f} ms, {frames / times[1]:.0f} frames a second"
+    )
 
 
 if __name__ == "__main__":

@@ -36,6 +36,7 @@ from .energies import NoEnergy as NoEnergy
 from .energies import ShapeKeeping as ShapeKeeping
 from .energies import StepDisplacement as StepDisplacement
 from .energies import WeightedSum as WeightedSum
+from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
@@ -70,6 +71,14 @@ if TYPE_CHECKING:
     from .batch import Outcome as Outcome
     from .batch import OutcomeFolder as OutcomeFolder
     from .batch import nested_cages_many
+    from .character import Bone as Bone
+    from .character import Character as Character
+    from .character import Skeleton as Skeleton
+    from .character import bone_weights as bone_weights
+    from .character import joints_of as joints_of
+    from .character import suggest_bones as suggest_bones
+    from .checker import Verdict as Verdict
+    from .checker import check
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
@@ -78,6 +87,8 @@ if TYPE_CHECKING:
     from .coordinates import grids as grids
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
+    from .exchange import character_from_engine_json as character_from_engine_json
+    from .exchange import character_to_engine_json as character_to_engine_json
     from .exchange import cut_at_borders as cut_at_borders
     from .exchange import (
         features_from_geojson,
@@ -147,6 +158,7 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     "verify_motion",
     "Certificate",
     "MotionCertificate",
+    "check",
     # cages that follow a moving drawing
     "animated_cages",
     "swept",
@@ -177,11 +189,15 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 
 _LATER = {
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
+    "character": ("Bone", "Character", "Skeleton", "bone_weights", "joints_of", "suggest_bones"),
+    "checker": ("Verdict", "check"),
     "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
     "exchange": (
         "Cut",
         "Feature",
         "cut_at_borders",
+        "character_from_engine_json",
+        "character_to_engine_json",
         "features_from_geojson",
         "frames_from_engine_json",
         "frames_to_engine_json",

@@ -1,26 +1,143 @@
-"""Errors. Each message is one sentence for users: what is wrong, where, and what to change."""
+"""Errors and notes: a sentence for people (what is wrong, where, what to change), and a code with data for programs."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
+
+CODES: Mapping[str, tuple[str, ...]] = {
+    # a shape, and the points that belong to it
+    "mesh.empty": (),
+    "mesh.unreadable": (),
+    "mesh.not_finite": ("vertex", "step"),
+    "mesh.out_of_range": ("vertex", "place"),
+    "mesh.edge_index": ("edges",),
+    "mesh.open": ("vertices",),
+    "mesh.repeated_vertex": ("loops", "vertices", "place"),
+    "mesh.spike": ("loops", "vertices", "place"),
+    "mesh.crossing": ("loops", "vertices", "place"),
+    "mesh.nesting": ("loops", "place"),
+    "coordinates.outside": ("vertex", "place"),
+    "overlay.empty": (),
+    # what is asked for
+    "setting.invalid": ("name", "value"),
+    "setting.conflict": ("names",),
+    "level.invalid": (),
+    "count.too_small": ("total", "least"),
+    "count.too_large": ("total", "largest"),
+    "count.per_loop": (),
+    "clearance.too_large": ("wanted", "largest"),
+    "clearance.no_room": ("wanted", "largest", "loops", "place"),
+    "priorities.mismatch": ("given", "available"),
+    "poses.invalid": ("pose",),
+    "coarse.not_nested": (),
+    # what cannot be made
+    "flow.loops_differ": ("loops", "place"),
+    "flow.stuck": ("place",),
+    "reinflation.blocked": ("vertices", "place"),
+    "certificate.failed": ("problems",),
+    "motion.collides": ("step", "pose"),
+    "motion.blocked": ("pose",),
+    "symmetry.not_found": (),
+    "convex.overlapping": ("loops",),
+    "numbers.no_room": ("spacing", "finer", "count", "clearance"),
+    "numbers.unresolved": ("spacing", "vertex", "place"),
+    "tolerance.unreachable": ("limit", "taken"),
+    "solver.not_finite": (),
+    # files, batches and what is around them
+    "file.invalid": (),
+    "limit.exceeded": ("what",),
+    "dependency.missing": ("library",),
+    "batch.invalid": (),
+    # problems of a certificate
+    "cage.invalid": ("loops", "vertices", "place"),
+    "fine.invalid": ("loops", "vertices", "place"),
+    "cage.turned": ("loops", "place"),
+    "cage.meets": ("vertices", "place"),
+    "cage.leaves_out": ("loops", "place"),
+    "cage.loops_differ": ("loops", "place"),
+    "cage.too_close": ("clearance", "wanted"),
+    # notes of a report
+    "note.count": ("asked", "given", "on"),
+    "note.start": ("source",),
+    "note.clearance": ("wanted", "given"),
+    "note.loops": (),
+    "note.energy": (),
+    "note.untightened": (),
+    "note.symmetry": ("symmetry", "difference"),
+    "note.outline": ("change",),
+    "note.pin": ("place", "distance"),
+    "note.edge": ("wanted", "given"),
+    "note.angle": ("wanted", "given"),
+    "note.tolerance": ("limit", "taken", "count", "fewest"),
+    "note.pose": ("pose",),
+    "note.cut": (),
+    "note.text": (),
+}
+"""All codes, each with the names of the data that it may carry. Places are (x, y) in the input's units; loops and
+vertices are lists of indices; lengths are in the input's units."""
+
+UNKNOWN = "unknown"
+"""Code of errors that name none, such as those of a user's own methods."""
+
+
+class Fault(str):
+    """A sentence with a code and data."""
+
+    __slots__ = ("code", "data")
+    code: str
+    data: Mapping[str, Any]
+
+    def __new__(cls, sentence: str, code: str = UNKNOWN, /, **data: Any) -> Fault:
+        made = super().__new__(cls, sentence)
+        made.code = code
+        made.data = {name: _plain(value) for name, value in data.items()}
+        return made
+
+    def __getnewargs_ex__(self) -> tuple[tuple[str, str], dict[str, Any]]:
+        """What a copy is made of."""
+        return (str(self), self.code), dict(self.data)
+
+    def said(self, sentence: str) -> Fault:
+        """The same fault in another sentence."""
+        return Fault(sentence, self.code, **self.data)
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and lists as tuples, numbers of numpy as plain ones."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    return tuple(map(_plain, value)) if isinstance(value, list | tuple) else value
 
 
 class NestedCagesError(Exception):
     """Base class of all errors of this package; `partial` is what was finished before it."""
 
+    fault: Fault
+    """The message, with its code and data."""
     partial: Any
 
-    def __init__(self, message: str, *, partial: Any = None) -> None:
+    def __init__(self, message: str, *, partial: Any = None, code: str = UNKNOWN, **data: Any) -> None:
         super().__init__(message)
+        self.fault = message if isinstance(message, Fault) and code == UNKNOWN else Fault(message, code, **data)
         self.partial = partial
 
+    @property
+    def code(self) -> str:
+        """One of `CODES`."""
+        return self.fault.code
+
+    @property
+    def data(self) -> Mapping[str, Any]:
+        """What the message refers to; see `CODES`."""
+        return self.fault.data
+
     def __reduce__(self) -> tuple[Any, ...]:
-        """Keep `partial` when the error is pickled."""
-        return _rebuilt, (type(self), str(self), self.partial)
+        """Keep code, data and `partial` when the error is pickled."""
+        return _rebuilt, (type(self), self.fault, self.partial)
 
 
-def _rebuilt(kind: type[NestedCagesError], message: str, partial: Any) -> NestedCagesError:
-    return kind(message, partial=partial)
+def _rebuilt(kind: type[NestedCagesError], fault: Fault, partial: Any) -> NestedCagesError:
+    return kind(fault, partial=partial)
 
 
 class InvalidMeshError(NestedCagesError):

@@ -70,4 +70,6 @@ def _check(method: object, names: tuple[str, ...], valid: Callable[[float], bool
 
 
 def _error(method: object, name: str, rule: str, value: object) -> NestedCagesError:
-    return NestedCagesError(f"{type(method).__name__}: {name} {rule}, not {value!r}.")
+    return NestedCagesError(
+        f"{type(method).__name__}: {name} {rule}, not {value!r}.", code="setting.invalid", name=name, value=value
+    )

@@ -18,6 +18,8 @@ CORE = "nestedcages_core"
 
 # The rooms of the core, files or packages, in the order of the data flow: each imports only from those before it.
 ROOMS = (
+    "checker_distance",
+    "checker",
     "errors",
     "tasks",
     "cache",
@@ -37,6 +39,7 @@ ROOMS = (
     "motion",
     "published",
     "coordinates",
+    "character",
     "exchange",
     "batch",
     "command",
@@ -98,6 +101,7 @@ PUBLIC = [
     "verify_motion",
     "Certificate",
     "MotionCertificate",
+    "check",
     "cage_coordinates",
     "deform",
     "read_svg",

@@ -6,7 +6,6 @@ are unbound. The artist's work on either mesh is transferred to the other.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,22 +18,34 @@ from .. import keys
 from ..animation import stage, visibility
 from ..animation.shape_keys import remove_mesh
 from ..core import core
-from ..errors import UserError
+from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
 from ..scene import display, filling, ownership
 from ..scene.plane import PLANARITY, size, space_to_space, transform
-from . import deform_modifiers, node_groups, originals
-from .deform_modifiers import Link
+from . import field, legacy, node_groups
 
 # What the job says.
 STAGE = "binding"
+# Largest error of a vertex at rest, as a fraction of the size: some roundings of float32.
+REST_ERROR = 1e-5
+# More drawings than this are counted, not named.
+MAX_NAMES = 3
+
+
+@dataclass(frozen=True)
+class Link:
+    """Follower, cage, and the largest error at rest as a fraction of the size."""
+
+    inner: str
+    cage: str
+    rest: float
 
 
 @dataclass(frozen=True)
 class Binding:
-    """The links from the inside out, and a sentence on how the original object follows, or why it does not."""
+    """The links from the inside out, and sentences on which drawings follow, or why they do not."""
 
     links: tuple[Link, ...]
     original: str
@@ -211,63 +222,83 @@ def _connect(
     levels: list[bpy.types.Object],
     method: str,
 ) -> Work[Binding]:
-    """Links the levels from the inside out: each link is measured before its cage follows another one."""
-    collection[keys.BOUND] = method
+    """Makes a field for each cage, which what is inside follows."""
+    kind = method if method in field.NAMES else field.HARMONIC
+    collection[keys.BOUND] = kind
     context.view_layer.update()
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage)
+    originals = ownership.originals(collection)
+    space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])
     links: list[Link] = []
     with unshaped(levels):
         for inner, cage in pairwise(levels):
             yield Progress((1.0 + len(links)) / len(levels), f"{STAGE}: '{inner.name}' follows '{cage.name}'")
-            links.append(deform_modifiers.link(context, inner, cage, method))
-        last = filling.mesh_of(levels[-1])
-        filling.add_attribute(last, keys.REST, "FLOAT_VECTOR", filling.points_of(last).astype(np.float32))
-        sentence = _finish(context, collection, levels, links)
-    return Binding(tuple(links), sentence)
-
-
-def _finish(
-    context: bpy.types.Context,
-    collection: bpy.types.Collection,
-    levels: list[bpy.types.Object],
-    links: list[Link],
-) -> str:
-    """Stores how each level follows, moves thick lines to helpers, and binds the original; returns how it follows."""
-    for obj, made in zip(levels, links, strict=False):
-        obj[keys.LINK] = (
-            f"{deform_modifiers.NAMES[made.method]}, error {made.rest:.1e} at rest, "
-            f"{made.affine:.1e} under affine poses"
-        )
+            made = field.make(cage, space, kind)
+            field.follow(inner, made, in_place=inner.matrix_world == made.matrix_world)
+            links.append(Link(inner.name, cage.name, _error(context, inner)))
     for obj in levels:
+        mesh = filling.mesh_of(obj)
+        filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
         _take_lines_out(obj, collection)
-    sentence = originals.follow(context, collection, levels, links[0].method)
-    _remove_helpers([obj for obj in ownership.helpers(collection) if not _used(obj)])
-    return sentence
+    for obj, made_link in zip(levels, links, strict=False):
+        obj[keys.LINK] = f"{field.NAMES[kind]}, error {made_link.rest:.1e} at rest"
+    return Binding(tuple(links), _take_along(context, originals, space, levels))
+
+
+def _error(context: bpy.types.Context, obj: bpy.types.Object) -> float:
+    """Largest displacement of the vertices of a bound object at rest, as a fraction of its size. Raises: UserError."""
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    points, shown = (filling.points_of(filling.mesh_of(each)) for each in (obj, evaluated))
+    error = float(np.abs(shown - points).max()) / size(points)
+    if not error <= REST_ERROR:
+        raise UserError(f"'{obj.name}' cannot follow its cage: it would move by {error:.1e} of its size at rest")
+    return error
+
+
+def _take_along(
+    context: bpy.types.Context,
+    originals: list[bpy.types.Object],
+    space: bpy.types.Object,
+    levels: list[bpy.types.Object],
+) -> str:
+    """Makes the drawings themselves follow; returns which do, and why others do not.
+
+    The fine mesh, a copy of them all, is hidden if it is not needed.
+    """
+    fine, made = levels[0], field.field_of(levels[1])
+    assert made is not None
+    problems = [] if originals else [f"The original object is gone; '{fine.name}' follows"]
+    for original in originals:
+        try:
+            if original.name not in context.view_layer.objects:
+                raise UserError(f"'{original.name}' is not in this view layer")
+            field.follow(original, made, in_place=original == space)
+        except UserError as error:
+            problems.append(f"'{fine.name}' follows in place of '{original.name}': {error}")
+    if not problems:
+        fine.hide_set(True)
+    followers = [f"'{original.name}'" for original in originals if field.followed(original) == made]
+    names = ", ".join(followers) if len(followers) <= MAX_NAMES else counted(len(followers), "drawing")
+    return "; ".join([*([f"{names} bound"] if followers else []), *problems])
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:
+    fields = ownership.helpers(collection)
     for obj in levels:
-        deform_modifiers.release(obj)
+        field.release(obj)
+        legacy.release(obj)
         display.render_lines(obj, True)
         keys.remove(obj, [keys.LINK])
-    originals.release(collection)
-    for helper in ownership.helpers(collection):
+    for obj in bpy.data.objects:
+        if field.followed(obj) in fields:
+            field.release(obj)
+    legacy.release_originals(collection)
+    for helper in fields:
         owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)
         if lines_back and owner is not None:
             thickness = keys.number(helper, keys.LINE_THICKNESS) or 0.0
             display.set_thickness(owner, thickness)
-    _remove_helpers(ownership.helpers(collection))
-
-
-def _used(helper: bpy.types.Object) -> bool:
-    """Whether a modifier follows a helper, or the helper shows lines."""
-    targets = [deform_modifiers.target_of(modifier) for obj in bpy.data.objects for modifier in obj.modifiers]
-    return helper in targets or keys.has(helper, keys.LINES_OF)
-
-
-def _remove_helpers(helpers: Iterable[bpy.types.Object]) -> None:
-    for helper in helpers:
         mesh = filling.mesh_of(helper)
         for modifier in list(helper.modifiers):
             display.remove_modifier(helper, modifier)

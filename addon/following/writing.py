@@ -72,7 +72,7 @@ def _report(cage: MovingCage) -> core.NestingReport:
         start="flow",
         iterations={},
         seconds={"following": cage.seconds},
-        notes=cage.notes,
+        notes=tuple(core.Fault(note, "note.text") for note in cage.notes),
     )
 
 

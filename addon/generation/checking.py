@@ -37,11 +37,14 @@ class Finding:
 
 @dataclass(frozen=True)
 class Chain:
-    """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of."""
+    """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of; ``instead``: only they
+    are displayed as they are, since they may have changed, not the copy.
+    """
 
     objects: Sequence[bpy.types.Object]
     originals: Sequence[bpy.types.Object] = ()
     fine: int = 0
+    instead: bool = False
 
 
 def check(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
@@ -63,8 +66,9 @@ def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, 
             yield (*found[chain.fine - 1], *copied)
         if chain.fine < len(found) - 1:
             yield (*copied, *found[chain.fine + 1])
-    for inner, outer in pairwise(found):
-        yield (*inner, *outer)
+    for place, (inner, outer) in enumerate(pairwise(found)):
+        if not (chain.instead and chain.fine in (place, place + 1)):
+            yield (*inner, *outer)
 
 
 def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work[list[Finding]]:

@@ -178,7 +178,8 @@ class Generation:
                 if isinstance(step, CageLevel):
                     cage = step.mesh
                     advice = () if step.inside or plan.settings.convex else _advice(plan, cage, wanted.level)
-                    notes = (*plan.request.places.notes, *wanted.notes, *step.report.notes, *advice)
+                    told = [core.Fault(text, "note.text") for text in (*plan.request.places.notes, *wanted.notes)]
+                    notes = (*told, *step.report.notes, *(core.Fault(text, "note.text") for text in advice))
                     finished.append(replace(step, report=replace(step.report, notes=tuple(dict.fromkeys(notes)))))
                     inner = cage
                 else:
@@ -231,7 +232,7 @@ class Generation:
                     made = run.hierarchy.levels[0]
                     level = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
                 except core.NestedCagesError as error:
-                    least = smallest_found(str(error))
+                    least = smallest_found(error)
                     if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):
                         note = f"{wanted} vertices are too few for loops in each other's way: the cage has {least}."
                         for step in self._level(plan, name, fine, least):
@@ -269,4 +270,4 @@ def _advice(plan: Plan, cage: core.Mesh, wanted: int | core.Mesh | core.Within) 
 
 def _noted(level: CageLevel, note: str) -> CageLevel:
     """The level with an additional note."""
-    return replace(level, report=replace(level.report, notes=(note, *level.report.notes)))
+    return replace(level, report=replace(level.report, notes=(core.Fault(note, "note.text"), *level.report.notes)))

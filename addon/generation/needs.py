@@ -56,4 +56,5 @@ def told(made: CageLevel, level: Level, drawing: core.Mesh, clearance: float, sc
             fewest_links = tolerance.fewest_links
             least = sum(fewest_links(drawing, k, level.distance, clearance) for k in range(len(drawing.loops)))
             need = f"{need}; no cage within it has fewer than {least}"
-    return replace(made, need=f"{need}.", report=replace(made.report, notes=made.report.notes[:-1]))
+    notes = tuple(note for note in made.report.notes if note.code != "note.tolerance")
+    return replace(made, need=f"{need}.", report=replace(made.report, notes=notes))

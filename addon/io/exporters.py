@@ -13,12 +13,19 @@ from mathutils import Matrix
 from .. import keys
 from ..animation import visibility
 from ..core import core, triangulation
-from ..errors import UserError
+from ..errors import UserError, told
 from ..scene import convert, display, filling, ownership, placement, strokes
 from ..scene.plane import PLANARITY, Frame, size
 
 # Radius of strokes, as a fraction of the size.
 STROKE_RADIUS = 0.004
+
+# Units of length in CSS with their metres: of Blender's units that CSS has, and of systems for all others.
+CSS_UNITS = {
+    **dict.fromkeys(("MILLIMETERS", "METRIC"), ("mm", 1e-3)),
+    "CENTIMETERS": ("cm", 1e-2),
+    **dict.fromkeys(("INCHES", "IMPERIAL"), ("in", 0.0254)),
+}
 
 
 def as_curve(name: str, points: filling.Points, mesh: core.Mesh, _height: float) -> bpy.types.ID:
@@ -151,12 +158,27 @@ def _seen(drawing: convert.Drawing) -> list[int]:
     return [axis for axis in range(3) if axis != away]
 
 
+def paper(context: bpy.types.Context, obj: bpy.types.Object, *, world: bool) -> tuple[float, str] | None:
+    """The length of a unit of `meshes` on paper and its CSS unit, as the scene shows lengths; None if it shows none."""
+    shown = context.scene.unit_settings
+    if shown.system == "NONE":
+        return None
+    unit = 1.0 if world else convert.fine_drawing(convert.read(context, obj)).frame.scale
+    name, metre = CSS_UNITS.get(shown.length_unit, CSS_UNITS[shown.system])
+    return unit * shown.scale_length / metre, name
+
+
 @dataclass(frozen=True)
 class Extras:
-    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none."""
+    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none.
+
+    levels: of the outlines of an SVG, inner ones below 0; size: as of ``to_svg``.
+    """
 
     triangles: bool = False
     pieces: int = 0
+    levels: Sequence[int] | None = None
+    size: tuple[float, str] | None = None
 
 
 def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, extras: Extras = Extras()) -> int:
@@ -168,12 +190,12 @@ def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, 
         text, count = WRITERS[kind](shapes, flip_y, extras)
         core.exchange.write_whole(path, text)
     except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be written: {error}") from error
+        raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
     return count
 
 
-def _svg(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:
-    return core.exchange.to_svg(_turned(shapes, flip_y)), len(shapes)
+def _svg(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
+    return core.exchange.to_svg(_turned(shapes, flip_y), levels=extras.levels, size=extras.size), len(shapes)
 
 
 def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tuple[str, int]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..core import core
-from ..errors import UserError
+from ..errors import UserError, told
 from ..generation.job import Progress, Work
 from ..scene.chains import without_doubles
 from ..scene.plane import size
@@ -23,12 +21,8 @@ SVG, MAPS = (".svg",), (".geojson", ".json")
 
 # Metres per unit: of drawings, whose unit is a pixel, and of files exported from Blender, which keep their size.
 PIXEL, EXPORTED = 0.01, 1.0
-# The mark of exported cages in SVG, and the elements with outlines in any SVG.
-OUR_SVG = re.compile(r"<svg\b[^>]*\bdata-outlines=")
-SHAPES = re.compile(r"<(path|rect|circle|ellipse|polygon|polyline)\b(?P<rest>[^>]*)")
-# Shapes that are read one by one at most: each of them reads the whole file.
-MAX_SHAPES = 1000
-ID = re.compile(r"\sid\s*=\s*[\"']([^\"']*)[\"']")
+# Whether an SVG becomes an outline of each shape, by the choices of the operator.
+EACH = {"ONE": False, "SEVERAL": True, "AUTO": None}
 
 
 @dataclass(frozen=True)
@@ -47,6 +41,8 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
     outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
     """
     exchange = core.exchange
+    if not path.exists():
+        raise UserError(f"There is no file '{path}'")
     try:
         if path.suffix.lower() in SVG:
             return _svg_shapes(path, outlines)
@@ -57,7 +53,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
             return [Shape(path.stem, exchange.from_engine_json(text), True, EXPORTED)]
         features = exchange.features_from_geojson(text)
     except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be read: {error}") from error
+        raise UserError(f"'{path.name}' cannot be read: {told(error)}") from error
     if not features:
         raise UserError(f"'{path.name}' has no polygons")
     return [
@@ -72,38 +68,10 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
 
 
 def _svg_shapes(path: Path, outlines: str) -> list[Shape]:
-    """The outlines of an SVG. Raises: UserError, core.NestedCagesError, OSError."""
-    exchange = core.exchange
-    content = exchange.read_whole(path, exchange.Limits())
-    text = content.decode("utf-8", errors="replace") if isinstance(content, bytes) else content
-    exported = OUR_SVG.search(text) is not None
-    scale = EXPORTED if exported else PIXEL
-    found: list[Shape] = []
-    if outlines == "SEVERAL" or (outlines == "AUTO" and exported):
-        numbered, names = _with_ids(text)
-        if len(names) > MAX_SHAPES:
-            raise UserError(
-                f"'{path.name}' has {len(names):,} shapes, more than the {MAX_SHAPES:,} that are read one by one: "
-                "choose One Outline, or delete shapes"
-            )
-        for name in names:
-            try:
-                found.append(Shape(name, exchange.from_svg(numbered, element=name), True, scale))
-            except core.NestedCagesError:
-                continue  # nothing of it is painted; if nothing is painted at all, reading the whole file says why
-    return found or [Shape(path.stem, exchange.from_svg(content), True, scale)]
-
-
-def _with_ids(text: str) -> tuple[str, list[str]]:
-    """An SVG in which every shape has an id, and these ids in order."""
-    names: list[str] = []
-
-    def named(match: re.Match[str]) -> str:
-        known = ID.search(match["rest"])
-        names.append(html.unescape(known[1]) if known else f"{match[1]} {len(names) + 1}")
-        return match[0] if known else f'<{match[1]} id="{names[-1]}"{match["rest"]}'
-
-    return SHAPES.sub(named, text), names
+    """The outlines of an SVG. Raises: core.NestedCagesError, OSError."""
+    content = core.exchange.read_whole(path, core.exchange.Limits())
+    found = core.exchange.svg_shapes(content, each=EACH[outlines])
+    return [Shape(name or path.stem, mesh, True, EXPORTED if found.written else PIXEL) for name, mesh in found.shapes]
 
 
 def place(

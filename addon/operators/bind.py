@@ -6,8 +6,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..binding import binding
-from ..binding.deform_modifiers import NAMES, PRISM, SURFACE
-from ..binding.weights import HARMONIC, LINEAR
+from ..binding.field import HARMONIC, LINEAR, NAMES
 from ..errors import UserError
 from ..generation.job import Work
 from ..scene import ownership
@@ -15,15 +14,9 @@ from ..scene.selection import output_of_active, select
 from .base import JobOperator, OnOutput, Outcome
 
 METHOD_ITEMS = (
-    ("AUTO", "Automatic", "The first method that proves exact at rest and under affine poses"),
-    (HARMONIC, NAMES[HARMONIC], "By weights in a node group: exact and smooth, also in concave cages and around holes"),
-    (
-        LINEAR,
-        NAMES[LINEAR],
-        "By weights, linear on the triangles of the cage: nothing leaves the cage unless a triangle flips",
-    ),
-    (SURFACE, NAMES[SURFACE], "By the triangles inside the cage: exact, and quick for the largest drawings"),
-    (PRISM, NAMES[PRISM], "By a closed prism over the cage: smooth across the whole cage, exact to a few per cent"),
+    ("AUTO", "Automatic", "Harmonic; linear where that would take too many weights to play"),
+    (HARMONIC, NAMES[HARMONIC], "Smooth, also in concave cages and around holes"),
+    (LINEAR, NAMES[LINEAR], "Linear on the triangles of the cage: nothing leaves it unless a triangle flips"),
 )
 
 # Wire threshold of a 3D view: all edges, Blender's default; or only borders and edges between faces at an angle.
@@ -69,8 +62,8 @@ class BindingOperator(OnBinding, JobOperator):
         select(context, cage)
         self.report(
             {"INFO"},
-            f"Move '{cage.name}' and the drawing follows; errors {max(link.rest for link in made.links):.1e} at rest "
-            f"and {max(link.affine for link in made.links):.1e} under affine poses. {made.original}",
+            f"Move '{cage.name}' and the drawing follows; error {max(link.rest for link in made.links):.1e} at rest. "
+            f"{made.original}",
         )
         return {"FINISHED"}
 

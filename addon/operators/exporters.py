@@ -105,7 +105,10 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     )
     scale: FloatProperty(
         name="Scale",
-        description="Units in the file per unit of the scene, such as pixels per metre",
+        description=(
+            "Units in the file per unit of the scene, such as pixels per metre; 1 writes an SVG at its size in the "
+            "scene's unit of length"
+        ),
         default=1.0,
         min=1e-9,
         soft_max=1000.0,
@@ -143,8 +146,14 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             if not self.filepath:
                 raise UserError("Choose a file to write")
             path = Path(bpy.path.abspath(self.filepath))
-            shapes = exporters.meshes(context, chosen(context), world=self.world, scale=self.scale)
-            extras = exporters.Extras(self.triangles, max(3, self.pieces) if self.pieces else 0)
+            objects = chosen(context)
+            shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
+            extras = exporters.Extras(
+                self.triangles,
+                max(3, self.pieces) if self.pieces else 0,
+                [ownership.depth_of(obj) for obj in objects] if any(map(ownership.level_of, objects)) else None,
+                exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
+            )
             count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, extras=extras)
         except UserError as error:
             return self.fail(error)

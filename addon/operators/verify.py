@@ -10,6 +10,7 @@ from bpy.props import BoolProperty
 
 from .. import keys
 from ..animation import bake, shape_keys
+from ..binding import field
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
@@ -94,9 +95,9 @@ def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Obje
         original
         for original in ownership.originals(collection)
         if original not in objects and original.visible_get() and _is_readable(context, original)
-        if not bound or (original.get(keys.FOLLOWS) == collection and not _is_in_prism(original))
+        if not bound or field.followed(original) is not None
     ]
-    return Chain(objects, originals, objects.index(fine))
+    return Chain(objects, originals, objects.index(fine), instead=bound and len(originals) > 0)
 
 
 def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
@@ -105,11 +106,6 @@ def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     except UserError:
         return False
     return True
-
-
-def _is_in_prism(obj: bpy.types.Object) -> bool:
-    """Whether an object follows its cage only to a few per cent."""
-    return any(modifier.type == "MESH_DEFORM" for modifier in obj.modifiers)
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
@@ -134,7 +130,7 @@ def _select_faults(
         points = [finding.cage_faults for finding in findings if finding.cage == obj.name]
         points += [finding.fine_faults for finding in findings if finding.fine == obj.name]
         editable = obj.type == "MESH" and obj.data.is_editable
-        if editable and select_points(context, obj, np.concatenate(points)):
+        if editable and select_points(context, obj, np.concatenate([np.empty((0, 3), np.float32), *points])):
             found.append(obj)
     return found
 

@@ -8,7 +8,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
 from ..core import core, triangulation
 from ..errors import UserError
 
@@ -84,8 +83,6 @@ def prism(name: str, points: Points, mesh: core.Mesh, half_height: float) -> bpy
     data = bpy.data.meshes.new(name)
     faces = [*below[:, ::-1].tolist(), *(below + count).tolist(), *walls.tolist()]
     data.from_pydata(np.concatenate([points - raised, points + raised]).tolist(), [], faces)
-    add_attribute(data, keys.CORNER, "INT", np.tile(start, 2).astype(np.int32))
-    add_attribute(data, keys.HEIGHT, "FLOAT", np.repeat([-half_height, half_height], count).astype(np.float32))
     data.update()
     return data
 

@@ -92,7 +92,8 @@ class Crew:
         self.deaths += 1
         if self.deaths > MAX_DEATHS:
             raise NestedCagesError(
-                f"The workers died {self.deaths} times in a row without one outcome; see whether they start at all."
+                f"The workers died {self.deaths} times in a row without one outcome; see whether they start at all.",
+                code="batch.invalid",
             )
         if not self.alone:
             self.alone.extend((task, 0) for task in lost)
@@ -101,7 +102,7 @@ class Crew:
             if tries + 1 < TRIES_ALONE:
                 self.alone.appendleft((task, tries + 1))
             else:
-                yield _failed(task, NestedCagesError(_blame(task, self.cause)))
+                yield _failed(task, NestedCagesError(_blame(task, self.cause), code="batch.invalid"))
         self.executor = self._another()
         self.own = True
 
@@ -125,7 +126,8 @@ class Crew:
             )
         raise NestedCagesError(
             f"The workers of the {type(dead).__name__} died, and another one cannot be made; give a function that "
-            "makes executors."
+            "makes executors.",
+            code="batch.invalid",
         )
 
 
@@ -144,6 +146,7 @@ def _failed(task: Task, error: BaseException) -> Outcome:
     if not isinstance(error, NestedCagesError):
         error = NestedCagesError(
             f"The shape {task.key!r} was lost on the way to or from its worker ({type(error).__name__}: {error}); give "
-            "shapes, levels, settings and a result that can be pickled."
+            "shapes, levels, settings and a result that can be pickled.",
+            code="batch.invalid",
         )
     return Outcome(task.key, None, error)

@@ -101,7 +101,9 @@ def _tasks(shapes: Shapes, levels: Levels, settings: Settings, keep: Keep | None
     for key, shape in keyed:
         if isinstance(levels, Mapping):
             if key not in levels:
-                raise NestedCagesError(f"The levels name no entry for the shape {key!r}; add one.")
+                raise NestedCagesError(
+                    f"The levels name no entry for the shape {key!r}; add one.", code="batch.invalid"
+                )
             yield Task(key, shape, _reusable(levels[key]), settings, keep)
         else:
             yield Task(key, shape, shared, settings, keep)

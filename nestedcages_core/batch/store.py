@@ -101,7 +101,9 @@ def _read(path: Path) -> tuple[Any, Outcome]:
 
 def _checked(key: Any) -> Any:
     if isinstance(key, bool) or not isinstance(key, str | int):
-        raise NestedCagesError(f"The key {key!r} cannot name a file; give texts or whole numbers as keys.")
+        raise NestedCagesError(
+            f"The key {key!r} cannot name a file; give texts or whole numbers as keys.", code="batch.invalid"
+        )
     return key
 
 
@@ -128,7 +130,8 @@ def _packed(value: Any, arrays: list[Any]) -> Any:
         parts = {field.name: _packed(getattr(value, field.name), arrays) for field in fields(value)}
         return {"record": type(value).__name__, "parts": parts}
     raise NestedCagesError(
-        f"a {type(value).__name__} has no form on the disk; keep meshes, arrays, numbers, texts, and lists of these."
+        f"a {type(value).__name__} has no form on the disk; keep meshes, arrays, numbers, texts, and lists of these.",
+        code="batch.invalid",
     )
 
 

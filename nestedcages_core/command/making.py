@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from ..batch import nested_cages_many
-from ..errors import NestedCagesError
+from ..errors import Fault, NestedCagesError
 from ..exchange import Limits, cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.arrays import AnyArray
@@ -136,7 +136,7 @@ def _at_borders(made: Sequence[Made], clearance: float | None) -> list[Made]:
         for k, (cage, cut) in enumerate(zip(given, cuts, strict=True)):
             if cage is not None:
                 excess = cut.cage.area / inner[k].area - 1.0
-                notes = (*cage.report.notes, cut.note)
+                notes = (*cage.report.notes, Fault(cut.note, "note.cut"))
                 report = replace(cage.report, clearance=cut.clearance, excess=excess, notes=notes)
                 cut_back[k].append(Cage(cut.cage, report))
         inner = [cut.cage for cut in cuts]

@@ -43,7 +43,8 @@ def check(path: str, source: Source, kind: str) -> None:
     if kind == "json" and several > 1:
         raise NestedCagesError(
             f"A collision outline is made of one feature, but {Path(source.path).name} has {several}; write "
-            ".geojson or .svg instead."
+            ".geojson or .svg instead.",
+            code="file.invalid",
         )
 
 
@@ -65,10 +66,12 @@ def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
     """
     missing = [Path(result.source.path).name for result in results if not result.made]
     if missing:
-        raise NestedCagesError(f"not written, since {', '.join(missing)} has no outline.")
+        raise NestedCagesError(f"not written, since {', '.join(missing)} has no outline.", code="file.invalid")
     heights = {result.source.height for result in results}
     if flip_y and len(heights) > 1:
-        raise NestedCagesError("the pictures differ in height, so their frames cannot be flipped alike.")
+        raise NestedCagesError(
+            "the pictures differ in height, so their frames cannot be flipped alike.", code="file.invalid"
+        )
     outlines = corresponding([result.made[0].cages[-1].mesh for result in results])
     return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
 

@@ -60,7 +60,7 @@ def expanded(patterns: Sequence[str]) -> list[str]:
             continue
         matches = sorted(path for path in glob.glob(pattern, recursive=True) if kind_of(path))
         if not matches:
-            raise NestedCagesError(f"{pattern}: no file that can be read has such a name.")
+            raise NestedCagesError(f"{pattern}: no file that can be read has such a name.", code="file.invalid")
         found.extend(matches)
     return list(dict.fromkeys(found))
 
@@ -90,7 +90,9 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         return Source(path, "outline", [Shape("drawing", from_engine_json(data, limits=limits))])
     found = read_map(data, limits)
     if not found.features and not found.refused:
-        raise NestedCagesError("There are no polygons; give a map with Polygon or MultiPolygon features.")
+        raise NestedCagesError(
+            "There are no polygons; give a map with Polygon or MultiPolygon features.", code="file.invalid"
+        )
     notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
     if found.without_polygons:
         notes.append(f"Features without polygons, left out: {found.without_polygons}.")
@@ -118,4 +120,6 @@ def _guessed(data: bytes) -> str:
         return "drawing"
     if start.startswith(b"{"):
         return "map"
-    raise NestedCagesError("The standard input is neither SVG, GeoJSON, a collision outline nor PNG.")
+    raise NestedCagesError(
+        "The standard input is neither SVG, GeoJSON, a collision outline nor PNG.", code="file.invalid"
+    )

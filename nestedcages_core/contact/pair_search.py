@@ -37,7 +37,10 @@ class AllPairs:
         """All pairs. Raises: NestedCagesError if they do not fit into memory."""
         count = bodies.m * (2 * bodies.n + bodies.m)
         if count > MAX_PAIRS:
-            raise NestedCagesError(f"AllPairs() cannot hold {count} pairs; use UniformGrid() for meshes of this size.")
+            raise NestedCagesError(
+                f"AllPairs() cannot hold {count} pairs; use UniformGrid() for meshes of this size.",
+                code="setting.invalid",
+            )
         return _Everything(find_pairs(bodies, np.zeros((bodies.m + bodies.n, 2)), np.inf))
 
 

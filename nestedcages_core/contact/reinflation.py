@@ -98,7 +98,7 @@ def reinflate(
     ``partial`` is the reinflation so far.
     """
     bodies = Bodies.of(coarse, fine, tie)
-    failure = ReinflationError("There is no contact to reinflate by.")
+    failure = ReinflationError("There is no contact to reinflate by.", code="setting.invalid")
     for contact in contacts:
         key = key_of(contact, clearance, flow_steps, fine, coarse) if tie is None else None
         try:
@@ -131,7 +131,7 @@ def _by(contact: Contact, bodies: Bodies, flow_steps: FloatArray, clearance: flo
         which = f"cage vertex {vertex}" if vertex < bodies.m else f"fine vertex {vertex - bodies.m}"
         reason = f"it ended in contact at {which}"
     sentence = f"Reinflation did not return the fine mesh to its position: {reason}; {REMEDY}."
-    raise ReinflationError(sentence, partial=_recorded(steps, bodies.m, 0))
+    raise ReinflationError(sentence, partial=_recorded(steps, bodies.m, 0), code="reinflation.blocked")
 
 
 def _size(made: Reinflation) -> int:

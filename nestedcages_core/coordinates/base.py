@@ -35,7 +35,9 @@ def cage_coordinates(fine: Mesh | ArrayLike, cage: Mesh, coordinates: CageCoordi
     """
     points = fine.vertices if isinstance(fine, Mesh) else np.asarray(fine, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise NestedCagesError(f"The points have shape {points.shape}, but (n, 2) finite numbers are needed.")
+        raise NestedCagesError(
+            f"The points have shape {points.shape}, but (n, 2) finite numbers are needed.", code="mesh.unreadable"
+        )
     return (coordinates if coordinates is not None else Harmonic()).weights(points, cage.validated())
 
 
@@ -51,7 +53,8 @@ def deform(weights: Weights, posed_cage: Mesh | ArrayLike) -> FloatArray:
     if posed.ndim < 2 or posed.shape[-2] != count:
         raise NestedCagesError(
             f"The posed cage has shape {posed.shape}, but the coordinates belong to a cage of {count} vertices; give "
-            f"({count}, 2) positions, one per vertex in the cage's order."
+            f"({count}, 2) positions, one per vertex in the cage's order.",
+            code="mesh.unreadable",
         )
     if posed.ndim == 2 or isinstance(weights, np.ndarray):
         return np.asarray(weights @ posed)

@@ -39,7 +39,7 @@ class Harmonic:
         require_inside(points, cage)
         cage, points = _centred(cage, points)
         grid = self._grid(cage)
-        (weights,) = _from_values(grid, [grid.interpolation(points)], len(cage.vertices))
+        (weights,) = from_values(grid, [grid.interpolation(points)], len(cage.vertices))
         np.maximum(weights, 0.0, out=weights)
         chunk = max(CHUNK_ENTRIES // weights.shape[1], 1)
         for first in range(0, len(points), chunk):
@@ -52,7 +52,7 @@ class Harmonic:
         require_inside(points, cage)
         cage, points = _centred(cage, points)
         grid = self._grid(cage)
-        return np.stack(_from_values(grid, grid.differentiation(points), len(cage.vertices)), axis=2)
+        return np.stack(from_values(grid, grid.differentiation(points), len(cage.vertices)), axis=2)
 
     def _grid(self, cage: Mesh) -> Triangulation:
         return triangulate(cage, Sampling(self.spacing * cage.diagonal, self.at_corners))
@@ -64,7 +64,7 @@ def _centred(cage: Mesh, points: FloatArray) -> tuple[Mesh, FloatArray]:
     return cage.moved(cage.vertices - centre).validated(), points - centre
 
 
-def _from_values(grid: Triangulation, operators: Sequence[scipy.sparse.csr_array], corners: int) -> list[FloatArray]:
+def from_values(grid: Triangulation, operators: Sequence[scipy.sparse.csr_array], corners: int) -> list[FloatArray]:
     """(P, m) each: operators (P, N) on what the m coordinates are at the N vertices of the grid."""
     boundary = grid.boundary_values(corners).tocsc()
     rim, inner = grid.on_boundary, len(grid.inside)

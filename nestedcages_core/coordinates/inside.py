@@ -17,5 +17,8 @@ def require_inside(points: FloatArray, cage: Mesh) -> None:
     if len(outside):
         raise NestedCagesError(
             f"Point {outside[0]} at {place(points[outside[0]])} is outside the cage, where these coordinates are not "
-            "defined; use a cage that encloses all points, or MeanValue()."
+            "defined; use a cage that encloses all points, or MeanValue().",
+            code="coordinates.outside",
+            vertex=outside[0],
+            place=points[outside[0]],
         )

@@ -33,7 +33,8 @@ class Grids:
         if not 0 <= finer <= coarser < len(self.grids):
             raise NestedCagesError(
                 f"There is no prolongation from grid {coarser} to grid {finer}: the {len(self.grids)} grids are "
-                "numbered from 0, the finest, and values go from a coarser to a finer one."
+                "numbered from 0, the finest, and values go from a coarser to a finer one.",
+                code="setting.invalid",
             )
         operator = scipy.sparse.csr_array(scipy.sparse.eye_array(len(self.grids[finer].vertices), format="csr"))
         for step in self.steps[finer:coarser]:
@@ -58,7 +59,8 @@ def grids(hierarchy: Hierarchy, spacing: float | Sequence[float] | None = None) 
         if len(spacing) != len(solids):
             raise NestedCagesError(
                 f"{len(spacing)} spacings were given for {len(solids)} grids; give one for the fine mesh and one for "
-                "each cage."
+                "each cage.",
+                code="setting.invalid",
             )
         samplings = [Sampling(each) for each in spacing]
     else:

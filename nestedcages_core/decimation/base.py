@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
-from ..errors import NestingError
+from ..errors import Fault, NestingError
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
 
@@ -58,21 +58,27 @@ class SeveralStarts(Protocol):
         ...
 
 
-def clamped(count: int, fine: Mesh) -> tuple[int, tuple[str, ...]]:
+def clamped(count: int, fine: Mesh) -> tuple[int, tuple[Fault, ...]]:
     """A number of vertices, clamped to that of the fine mesh, with a note if it was larger."""
     available = len(fine.vertices)
     if count <= available:
         return count, ()
     return available, (
-        f"{count} vertices were asked for, but the mesh inside has {available}: so the cage has as many.",
+        Fault(
+            f"{count} vertices were asked for, but the mesh inside has {available}: so the cage has as many.",
+            "note.count",
+            asked=count,
+            given=available,
+        ),
     )
 
 
-def shared_anew(count: Count, coarse: Mesh) -> tuple[str, ...]:
+def shared_anew(count: Count, coarse: Mesh) -> tuple[Fault, ...]:
     """A note if the numbers of vertices per loop of a coarse mesh differ from the request."""
     if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
         return ()
-    return ("The vertices per loop of the coarse mesh do not fit the mesh inside: their total is distributed anew.",)
+    said = "The vertices per loop of the coarse mesh do not fit the mesh inside: their total is distributed anew."
+    return (Fault(said, "note.count", asked=list(count), given=[len(loop) for loop in coarse.loops]),)
 
 
 @dataclass(frozen=True)
@@ -97,27 +103,39 @@ def checked_budget(fine: Mesh, count: Count) -> Budget:
             per_loop = None
             total = operator.index(count)
     except TypeError:
-        raise NestingError(f"A level needs a whole number of vertices, or one per loop, not {count!r}.") from None
+        raise NestingError(
+            f"A level needs a whole number of vertices, or one per loop, not {count!r}.", code="level.invalid"
+        ) from None
     if per_loop is not None:
         if len(per_loop) != loops:
             raise NestingError(
                 f"The level lists vertices for {len(per_loop)} loops, but the mesh inside it has {loops}; give one "
-                "number per loop, or only their sum."
+                "number per loop, or only their sum.",
+                code="count.per_loop",
             )
         if min(per_loop) < LEAST_PER_LOOP:
             k = int(np.argmin(per_loop))
             raise NestingError(
-                f"The level gives {per_loop[k]} vertices to loop {k}, but a loop needs at least {LEAST_PER_LOOP}."
+                f"The level gives {per_loop[k]} vertices to loop {k}, but a loop needs at least {LEAST_PER_LOOP}.",
+                code="count.too_small",
+                total=total,
+                least=LEAST_PER_LOOP * loops,
             )
     elif total < LEAST_PER_LOOP * loops:
         raise NestingError(
             f"A level of {total} vertices is too small: the mesh inside it has {loops} "
             f"loop{'s' if loops > 1 else ''} and each needs at least {LEAST_PER_LOOP}, so ask for at least "
-            f"{LEAST_PER_LOOP * loops}."
+            f"{LEAST_PER_LOOP * loops}.",
+            code="count.too_small",
+            total=total,
+            least=LEAST_PER_LOOP * loops,
         )
     elif total > available:
         raise NestingError(
             f"A level of {total} vertices has more than the {available} of the mesh inside it; ask for at most "
-            f"{available}."
+            f"{available}.",
+            code="count.too_large",
+            total=total,
+            largest=available,
         )
     return Budget(total, per_loop)

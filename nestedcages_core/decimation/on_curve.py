@@ -33,7 +33,7 @@ class OnCurve:
 
     def __post_init__(self) -> None:
         if not isinstance(self.hull, OuterHull):
-            raise NestingError(f"OnCurve: hull must be an OuterHull, not {self.hull!r}.")
+            raise NestingError(f"OnCurve: hull must be an OuterHull, not {self.hull!r}.", code="setting.invalid")
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh whose vertices lie on the fine one, whatever the clearance; loop k on loop k.

@@ -80,7 +80,9 @@ class Request:
         changed = (coarse.loop_signs != fine.loop_signs) | (coarse.component_of_loop != fine.component_of_loop)
         if changed.any():
             k = int(np.flatnonzero(changed)[0])
-            raise InvalidMeshError(f"Loop {k} comes to lie in another loop than in the mesh inside.")
+            raise InvalidMeshError(
+                f"Loop {k} comes to lie in another loop than in the mesh inside.", code="mesh.nesting"
+            )
         return coarse
 
 

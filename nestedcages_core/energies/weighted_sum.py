@@ -23,9 +23,13 @@ class WeightedSum:
     def __post_init__(self) -> None:
         for weight, energy in self.terms:
             if not 0.0 <= weight < np.inf:
-                raise NestedCagesError(f"WeightedSum: weights must be finite and at least 0, not {weight!r}.")
+                raise NestedCagesError(
+                    f"WeightedSum: weights must be finite and at least 0, not {weight!r}.", code="setting.invalid"
+                )
             if isinstance(energy, type) or not callable(getattr(energy, "at", None)):
-                raise NestedCagesError(f"WeightedSum: a term must be an energy such as Area(), not {energy!r}.")
+                raise NestedCagesError(
+                    f"WeightedSum: a term must be an energy such as Area(), not {energy!r}.", code="setting.invalid"
+                )
 
     def at(self, coarse: Mesh) -> BoundSum:
         """The sum for a cage whose rest shape is the coarse mesh."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .character_json import character_from_engine_json, character_to_engine_json
 from .engine_json import (
     frames_from_engine_json,
     frames_to_engine_json,
@@ -31,10 +32,12 @@ from .svg import (
     Frame,
     SvgDrawing,
     SvgOptions,
+    SvgShapes,
     from_svg,
     read_svg,
     read_svg_drawing,
     svg_drawing,
+    svg_shapes,
     to_svg,
     write_svg,
 )
@@ -50,6 +53,9 @@ __all__ = [
     "Painted",
     "SvgDrawing",
     "SvgOptions",
+    "SvgShapes",
+    "character_from_engine_json",
+    "character_to_engine_json",
     "cut_at_borders",
     "features_from_geojson",
     "frames_from_engine_json",
@@ -67,6 +73,7 @@ __all__ = [
     "read_whole",
     "solid",
     "svg_drawing",
+    "svg_shapes",
     "swept",
     "to_engine_json",
     "to_geojson",

@@ -25,7 +25,9 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
     if decimals is None:
         return
     if isinstance(decimals, bool) or not isinstance(decimals, int | np.integer) or not 0 <= decimals <= MAX_DECIMALS:
-        raise NestedCagesError(f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.")
+        raise NestedCagesError(
+            f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.", code="file.invalid"
+        )
     grid = Grid.of_decimals(int(decimals))
     for mesh in meshes:
         off = (grid.points(grid.places(mesh.vertices)) != mesh.vertices).any(axis=1)
@@ -33,7 +35,10 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
             vertex = int(off.argmax())
             raise NestedCagesError(
                 f"Vertex {vertex} at {place(mesh.vertices[vertex])} has more than {decimals} decimals, and rounding "
-                f"would undo what is certified; make the cage with Settings(grid={grid.spacing:g})."
+                f"would undo what is certified; make the cage with Settings(grid={grid.spacing:g}).",
+                code="numbers.unresolved",
+                vertex=vertex,
+                place=mesh.vertices[vertex],
             )
 
 

@@ -53,7 +53,7 @@ def to_engine_json(
     document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
     turn = 1 if flip_y is None else -1
     if triangles or pieces is not None:
-        document["points"] = _flipped(mesh.vertices, flip_y).tolist()
+        document["points"] = flipped(mesh.vertices, flip_y).tolist()
     if triangles:
         document["triangles"] = triangulate(mesh).triangles[:, ::turn].tolist()
     if pieces is not None:
@@ -76,10 +76,10 @@ def frames_to_engine_json(
     """
     check_decimals(outlines, decimals)
     if not outlines:
-        raise NestedCagesError("There are no frames to write.")
+        raise NestedCagesError("There are no frames to write.", code="file.invalid")
     moments = np.arange(len(outlines), dtype=float) if times is None else np.asarray(times, dtype=float)
     if moments.shape != (len(outlines),) or not np.isfinite(moments).all():
-        raise NestedCagesError(f"The times must be {len(outlines)} finite numbers, one per frame.")
+        raise NestedCagesError(f"The times must be {len(outlines)} finite numbers, one per frame.", code="file.invalid")
     frames = [
         {"time": time, "polygons": _polygons(outline, flip_y)}
         for time, outline in zip(moments.tolist(), outlines, strict=True)
@@ -95,22 +95,27 @@ def frames_from_engine_json(
     Raises NestedCagesError like `from_engine_json`, with the number of the frame.
     """
     limits = limits or Limits()
-    frames = _checked(text, FRAMES, "an animation of outlines", limits).get("frames")
+    frames = checked_document(text, FRAMES, "an animation of outlines", limits).get("frames")
     if not isinstance(frames, list):
-        raise NestedCagesError(f"The animation of outlines has {shown(frames)} where its list of frames belongs.")
+        raise NestedCagesError(
+            f"The animation of outlines has {shown(frames)} where its list of frames belongs.", code="file.invalid"
+        )
     budget = Budget(limits)
     budget.spend("elements", len(frames))
     read = []
     for k, frame in enumerate(frames):
         time = frame.get("time") if isinstance(frame, Mapping) else None
         if not isinstance(time, int | float) or isinstance(time, bool):
-            raise NestedCagesError(f"Frame {k} of the animation of outlines is not an object with a time and polygons.")
+            raise NestedCagesError(
+                f"Frame {k} of the animation of outlines is not an object with a time and polygons.",
+                code="file.invalid",
+            )
         try:
             read.append((float(time), _mesh_of(frame, flip_y, budget)))
         except LimitError:
             raise
         except (NestedCagesError, OverflowError) as error:
-            raise NestedCagesError(f"Frame {k}: {error}") from error
+            raise NestedCagesError(f"Frame {k}: {error}", code="file.invalid") from error
     return tuple(read)
 
 
@@ -143,7 +148,7 @@ def from_engine_json(text: str | bytes, *, flip_y: float | None = None, limits: 
     if loops cross or touch, or a hole is not inside its polygon.
     """
     limits = limits or Limits()
-    return _mesh_of(_checked(text, FORMAT, "a collision outline", limits), flip_y, Budget(limits))
+    return _mesh_of(checked_document(text, FORMAT, "a collision outline", limits), flip_y, Budget(limits))
 
 
 def pieces_from_engine_json(
@@ -154,10 +159,10 @@ def pieces_from_engine_json(
     Raises NestedCagesError like `from_engine_json`, and where there are no pieces.
     """
     limits = limits or Limits()
-    document = _checked(text, FORMAT, "a collision outline", limits)
+    document = checked_document(text, FORMAT, "a collision outline", limits)
     points, pieces = document.get("points"), document.get("pieces")
     if not isinstance(points, list) or not isinstance(pieces, list):
-        raise NestedCagesError("The collision outline has no convex pieces; export it with them.")
+        raise NestedCagesError("The collision outline has no convex pieces; export it with them.", code="file.invalid")
     budget = Budget(limits)
     budget.spend("points", len(points))
     budget.spend("elements", len(pieces))
@@ -167,22 +172,26 @@ def pieces_from_engine_json(
     for k, piece in enumerate(pieces):
         known = isinstance(piece, list) and all(type(i) is int and 0 <= i < len(points) for i in piece)
         if not known or len(piece) < 3:
-            raise NestedCagesError(f"Piece {k} of the collision outline is not a list of at least three of its points.")
+            raise NestedCagesError(
+                f"Piece {k} of the collision outline is not a list of at least three of its points.",
+                code="file.invalid",
+            )
         budget.spend("points", len(piece))
-        found.append(_flipped(places[piece], flip_y)[::turn])
+        found.append(flipped(places[piece], flip_y)[::turn])
     return found
 
 
-def _checked(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
+def checked_document(text: str | bytes, kind: str, what: str, limits: Limits) -> Mapping[str, Any]:
     """The document, checked for format and version."""
     document, _ = loaded_json(text, what, limits)
     if not isinstance(document, Mapping) or document.get("format") != kind:
-        raise NestedCagesError(f'This is not {what}: its format is not "{kind}".')
+        raise NestedCagesError(f'This is not {what}: its format is not "{kind}".', code="file.invalid")
     version = document.get("version")
     if type(version) is not int or version != VERSION:
         raise NestedCagesError(
             f"{what.replace(what.split()[0], 'The', 1)} is of version {shown(version)}, but version {VERSION} is read; "
-            "export it anew."
+            "export it anew.",
+            code="file.invalid",
         )
     return document
 
@@ -191,7 +200,7 @@ def _polygons(mesh: Mesh, flip_y: float | None) -> list[dict[str, Any]]:
     """Outer loop and holes of each component."""
     polygons: list[dict[str, Any]] = [{"outer": [], "holes": []} for _ in range(int(mesh.component_of_loop.max()) + 1)]
     for k, loop in enumerate(mesh.loops):
-        points = _flipped(mesh.vertices[loop], flip_y)
+        points = flipped(mesh.vertices[loop], flip_y)
         rows = (points if flip_y is None else points[::-1]).tolist()
         polygon = polygons[mesh.component_of_loop[k]]
         if mesh.loop_signs[k] > 0:
@@ -205,20 +214,24 @@ def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) 
     """The mesh of the polygons of a document or a frame."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
-        raise NestedCagesError(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
+        raise NestedCagesError(
+            f"The collision outline has {shown(parts)} where its list of polygons belongs.", code="file.invalid"
+        )
     budget.spend("elements", len(parts))
     rings = []
     for k, part in enumerate(parts):
         if not isinstance(part, Mapping) or not isinstance(part.get("holes", []), list) or "outer" not in part:
-            raise NestedCagesError(f"Polygon {k} of the collision outline is not an object with outer and holes.")
+            raise NestedCagesError(
+                f"Polygon {k} of the collision outline is not an object with outer and holes.", code="file.invalid"
+            )
         rings.append([part["outer"], *part.get("holes", [])])
     polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
     budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))
-    flipped = [[_flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
-    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": flipped})
+    turned = [[flipped(ring, flip_y) for ring in polygon] for polygon in polygons]
+    return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": turned})
 
 
-def _flipped(points: FloatArray, flip_y: float | None) -> FloatArray:
+def flipped(points: FloatArray, flip_y: float | None) -> FloatArray:
     """Points (n, 2) with y turned over at half of `flip_y`, in decimals; turned twice they are the same again."""
     if flip_y is None:
         return points

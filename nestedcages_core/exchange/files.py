@@ -35,7 +35,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
     except UnicodeEncodeError as error:
         character = error.object[error.start]
         raise NestedCagesError(
-            f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name."
+            f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name.",
+            code="file.invalid",
         ) from error
     target = Path(os.path.realpath(given))  # keep links
     if target.exists() and not target.is_file():  # devices and pipes have no content to lose

@@ -76,7 +76,9 @@ def solid(
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
-        raise InvalidMeshError("The shapes have no inside: every loop is shorter than three different points.")
+        raise InvalidMeshError(
+            "The shapes have no inside: every loop is shorter than three different points.", code="file.invalid"
+        )
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
@@ -85,7 +87,7 @@ def solid(
         return mesh_of(shapely, regions(shapely, cleaned, budget), **options)
     kept = _on_the_rim(mesh, cleaned)
     if not kept.any():
-        raise InvalidMeshError("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     return mesh if kept.all() else Mesh.from_loops([loops[k] for k in np.flatnonzero(kept)])
 
 
@@ -134,7 +136,7 @@ def mesh_of(
     bounds = shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
-        raise InvalidMeshError("The shapes have no inside.")
+        raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     unit = 2.0 ** np.ceil(np.log2(size))
     failed: InvalidMeshError | None = None
     found: tuple[Mesh, str] | None = None
@@ -145,7 +147,7 @@ def mesh_of(
         region = shapely.set_precision(clean.region, grid * unit) if grid else clean.region
         rings = rings_of(shapely, region)
         if not rings:
-            failed = failed or InvalidMeshError("The shapes have no inside.")
+            failed = failed or InvalidMeshError("The shapes have no inside.", code="mesh.empty")
             break
         if clean.gaps or clean.spikes:
             rings = [without_short_edges(ring, max(seam, spike)) for ring in rings]

@@ -86,7 +86,9 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     document, has_nan = _loaded(source, limits)
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
-        raise NestedCagesError(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
+        raise NestedCagesError(
+            f"The FeatureCollection has {shown(members)} where its list of features belongs.", code="file.invalid"
+        )
     degrees = _may_be_degrees(document)
     features, refused, without, budget = [], [], 0, Budget(limits)
     for number, member in enumerate(members):
@@ -132,7 +134,9 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     """
     features = _said(read_map(source, limits, tolerance)).features
     if not features:
-        raise NestedCagesError("The document has no polygons; give Polygon or MultiPolygon geometries.")
+        raise NestedCagesError(
+            "The document has no polygons; give Polygon or MultiPolygon geometries.", code="file.invalid"
+        )
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
@@ -165,7 +169,9 @@ def to_geojson(
         return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
     given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
-        raise NestedCagesError("GeoJSON is written from meshes and features; give a list of these.")
+        raise NestedCagesError(
+            "GeoJSON is written from meshes and features; give a list of these.", code="file.invalid"
+        )
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
     check_decimals([item.mesh for item in features], decimals)
     collection: dict[str, Any] = (
@@ -180,7 +186,7 @@ def to_geojson(
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:
-        raise NestedCagesError(f"The properties cannot be written as JSON: {error}.") from error
+        raise NestedCagesError(f"The properties cannot be written as JSON: {error}.", code="file.invalid") from error
 
 
 def write_geojson(
@@ -198,7 +204,8 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
         raise NestedCagesError(
-            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}."
+            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.",
+            code="file.invalid",
         )
     limits.check("bytes", len(text))
     constants: list[str] = []
@@ -210,7 +217,7 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise NestedCagesError(f"This is not {what}: {error}.") from error
+        raise NestedCagesError(f"This is not {what}: {error}.", code="file.invalid") from error
     return document, bool(constants)
 
 
@@ -220,10 +227,11 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     if not isinstance(document, Mapping):
         document, has_nan = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
-        raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.")
+        raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.", code="file.invalid")
     if document["type"] == "Topology":
         raise NestedCagesError(
-            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo."
+            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.",
+            code="file.invalid",
         )
     return document, has_nan
 
@@ -232,7 +240,7 @@ def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | in
     """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
-        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.")
+        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.", code="file.invalid")
     if mapping.get("type") != "Feature":
         return mapping, {}, None, ()
     properties, identity = mapping.get("properties"), mapping.get("id")
@@ -277,7 +285,9 @@ def _said(found: Map) -> Map:
     """Warn of repaired and rejected features. Raises NestedCagesError if all were rejected."""
     sentences = [*found.refused, *found.notes]
     if found.refused and not found.features:
-        raise InvalidMeshError("\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences))
+        raise InvalidMeshError(
+            "\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences), code="file.invalid"
+        )
     if sentences:
         warnings.warn("\n".join(sentences), NestedCagesWarning, stacklevel=3)
     return found

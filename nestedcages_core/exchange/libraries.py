@@ -16,7 +16,7 @@ def load_shapely(purpose: str) -> ModuleType:
     try:
         import shapely
     except ImportError as error:
-        raise NestedCagesError(f"Reading {purpose} needs shapely; {INSTALL}.") from error
+        raise NestedCagesError(f"Reading {purpose} needs shapely; {INSTALL}.", code="dependency.missing") from error
     return cast(ModuleType, shapely)
 
 
@@ -26,7 +26,9 @@ def load_css() -> tuple[ModuleType, ModuleType]:
         import cssselect2
         import tinycss2
     except ImportError as error:
-        raise NestedCagesError(f"Reading style sheets needs tinycss2 and cssselect2; {INSTALL}.") from error
+        raise NestedCagesError(
+            f"Reading style sheets needs tinycss2 and cssselect2; {INSTALL}.", code="dependency.missing"
+        ) from error
     return cast(ModuleType, tinycss2), cast(ModuleType, cssselect2)
 
 
@@ -35,5 +37,7 @@ def load_colours() -> ModuleType:
     try:
         import tinycss2.color4
     except ImportError as error:
-        raise NestedCagesError(f"Reading colours by function or in masks needs tinycss2; {INSTALL}.") from error
+        raise NestedCagesError(
+            f"Reading colours by function or in masks needs tinycss2; {INSTALL}.", code="dependency.missing"
+        ) from error
     return cast(ModuleType, tinycss2.color4)

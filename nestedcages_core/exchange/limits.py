@@ -34,7 +34,8 @@ class Limits:
         for name, value in vars(self).items():
             if not isinstance(value, int | np.integer) or isinstance(value, bool) or not 1 <= value <= GREATEST:
                 raise NestedCagesError(
-                    f"Limits: {name} must be a whole number from 1 to {GREATEST}, not {value!r:.60}."
+                    f"Limits: {name} must be a whole number from 1 to {GREATEST}, not {value!r:.60}.",
+                    code="file.invalid",
                 )
 
     def check(self, what: str, found: int) -> None:
@@ -45,7 +46,11 @@ class Limits:
 
     def exceeded(self, what: str, has: str) -> LimitError:
         """The error for an input that has more than the limit of a field."""
-        return LimitError(f"The input has {has}; raise the limit for {_words(what)}, or make the input smaller.")
+        return LimitError(
+            f"The input has {has}; raise the limit for {_words(what)}, or make the input smaller.",
+            code="limit.exceeded",
+            what=what,
+        )
 
 
 class LimitError(NestedCagesError):

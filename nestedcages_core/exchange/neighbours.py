@@ -68,9 +68,11 @@ def cut_at_borders(
     """
     inside = regions if inner is None else inner
     if not len(cages) == len(regions) == len(inside):
-        raise NestedCagesError(f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.")
+        raise NestedCagesError(
+            f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.", code="file.invalid"
+        )
     if clearance is not None and not 0.0 < clearance < np.inf:
-        raise NestedCagesError(f"The clearance must be a positive length, not {clearance!r}.")
+        raise NestedCagesError(f"The clearance must be a positive length, not {clearance!r}.", code="file.invalid")
     shapely = load_shapely(NEEDED_FOR)
     shapes = [_shape(region) for region in regions]
     tree = shapely.STRtree(shapes)

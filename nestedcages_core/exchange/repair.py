@@ -46,7 +46,7 @@ def mesh_of(
     """
     kept, notes = _cleaned(polygons)
     if not kept:
-        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.")
+        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
     corners = np.concatenate([np.concatenate(polygon) for polygon in kept])
     width = DEFAULT_HAIRLINE * float(np.hypot(*np.ptp(corners, axis=0))) if tolerance is None else HAIRLINE * tolerance
     faults, touching = [], []
@@ -65,7 +65,7 @@ def mesh_of(
         try:
             shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
         except shapely.errors.GEOSException as error:
-            raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).") from error
+            raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).", code="file.invalid") from error
         touching = [f"{fault}: repaired" for fault in faults]
         kept = polygons_in(shape)
     clean = without_hairlines(shapely, shape, gap=width, spike=width)
@@ -78,7 +78,7 @@ def mesh_of(
 def united(polygons: list[Polygon]) -> Mesh:
     """Polygons that may touch in points, each valid, as one mesh. Raises InvalidMeshError where no area is left."""
     if not polygons:
-        raise InvalidMeshError("No polygon encloses an area.")
+        raise InvalidMeshError("No polygon encloses an area.", code="file.invalid")
     try:
         return _strict(polygons)
     except InvalidMeshError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..errors import FlowError
+from ..errors import Fault, FlowError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
@@ -19,12 +19,16 @@ class Obstacle:
     place: tuple[float, float] | None = None
     remedy: str = "change the coarse mesh there or let it be generated"
 
-    def sentence(self, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> str:
+    code: str = "flow.stuck"
+    loops: tuple[int, ...] = ()
+
+    def fault(self, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> Fault:
         """The whole sentence, with the place converted to scale · place + shift."""
+        data = {"loops": self.loops} if self.loops else {}
         if self.place is None:
-            return f"{self.cause}; {self.remedy}."
+            return Fault(f"{self.cause}; {self.remedy}.", self.code, **data)
         x, y = (scale * coordinate + offset for coordinate, offset in zip(self.place, shift, strict=True))
-        return f"{self.cause} near ({x:.6g}, {y:.6g}); {self.remedy}."
+        return Fault(f"{self.cause} near ({x:.6g}, {y:.6g}); {self.remedy}.", self.code, place=(x, y), **data)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +45,9 @@ class FlowResult:
     """What blocks the last step; None if it is inside."""
 
     @property
-    def reason(self) -> str:
+    def reason(self) -> Fault:
         """Why the last step is not inside, as a sentence; empty if it is."""
-        return "" if self.obstacle is None else self.obstacle.sentence()
+        return Fault("") if self.obstacle is None else self.obstacle.fault()
 
 
 class FlowMethod(Protocol):

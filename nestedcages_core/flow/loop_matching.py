@@ -175,7 +175,7 @@ def _is_free(fine: Mesh, coarse: Mesh, hole: int) -> bool:
 
 
 def _mismatch(fine: Mesh, cause: str, place: tuple[float, float] | None, remedy: str) -> FlowError:
-    return stuck(FlowResult(fine.vertices[None], 0, "matching", Obstacle(cause, place, remedy)))
+    return stuck(FlowResult(fine.vertices[None], 0, "matching", Obstacle(cause, place, remedy, "flow.loops_differ")))
 
 
 def _hole_counts(mesh: Mesh) -> IntArray:

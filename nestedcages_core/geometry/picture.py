@@ -72,7 +72,9 @@ class Drawable:
             from matplotlib.patches import PathPatch
             from matplotlib.path import Path
         except ImportError as error:
-            raise NestedCagesError("Plots need matplotlib: pip install matplotlib.") from error
+            raise NestedCagesError(
+                "Plots need matplotlib: pip install matplotlib.", code="dependency.missing", library="matplotlib"
+            ) from error
         axes = plt.subplots()[1] if ax is None else ax
         for level, mesh in _largest_first(self.meshes):
             outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in map(_closed, mesh.rings)))

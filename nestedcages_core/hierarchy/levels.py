@@ -14,6 +14,9 @@ from ..tolerance.within import Within
 UNITS: Mapping[str, float] = {"px": 1.0, "u": 1.0}
 """Suffixes of distances with their lengths in input units: pixels and units of a file, which mean the same."""
 
+EITHER_WAY = r"(?<![\d.,%])\+?\d+,\d+[^\d\s.,;][^\s,;]*(?!,)"
+"""A number with a decimal comma and a unit, or a count and another level, where no further comma tells."""
+
 LEAST_OF_A_SHARE = 4
 """Minimum number of vertices per loop for a percentage, if the loop has them: a triangle around a rectangle is twice as
 large. For triangles, ask for 3 vertices."""
@@ -33,11 +36,16 @@ class Share:
 
 
 def level_words(text: str, units: Mapping[str, float] = UNITS) -> list[str]:
-    """The levels of a text such as "32, 8 %; 2 px +25 %": separators are commas, semicolons and spaces."""
+    """The levels of a text such as "32, 8 %; 2 px +25 %": separators are commas, semicolons and spaces.
+
+    A comma between digits with a unit behind them, as in "2,5 mm", is a decimal one where no count can stand before it;
+    "12,5 %" may be meant either way and stays one word, which `parse_level` rejects.
+    """
     names = "|".join(sorted(map(re.escape, units), key=len, reverse=True))
     joined = re.sub(rf"(?<=[\d.])\s+(?=%|(?:{names})(?![^\s,;]))", "", text.lower())
     joined = re.sub(r"\+\s+(?=[\d.])", "+", joined)
-    return re.findall(r"[^\s,;]+", joined)
+    joined = re.sub(r"(?<![\d.,])\+?[012],(?=\d+[^\d\s.,;])", lambda found: found[0].replace(",", "."), joined)
+    return re.findall(rf"{EITHER_WAY}|[^\s,;]+", joined)
 
 
 def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "") -> int | Share | Within:
@@ -48,6 +56,9 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
     """
     found = re.fullmatch(r"(\+?)(\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?)([^\d.]*)", word)
     sign, number, unit = found.groups() if found else ("", "nan", "")
+    if re.fullmatch(EITHER_WAY, word):
+        first, second = word.split(",")
+        raise NestedCagesError(f"{word!r} may be one level or two; write {first}.{second}, or {first}, {second}.")
     value = float(number)
     if isfinite(value) and value > 0.0:
         if unit in units and not sign:
@@ -60,7 +71,9 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
             return int(number)
     known = ("a whole number of at least 1", "a percentage such as 8%", f"a distance such as 2{next(iter(units))}")
     *kinds, last = (*known, "an excess such as +25%", *([others] if others else []))
-    raise NestedCagesError(f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.")
+    raise NestedCagesError(
+        f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.", code="level.invalid"
+    )
 
 
 def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import NestedCagesError, NestingError
+from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.group import Symmetry
 from ..geometry.lattice import Grid
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
@@ -137,7 +137,10 @@ def _hierarchy(
                 work = GridLevelBuilder(work, with_clearances, Grid(settings.grid), convex=settings.convex)
             if isinstance(level, Within):
                 if builder is InnerLevelBuilder:
-                    raise NestingError(f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.")
+                    raise NestingError(
+                        f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.",
+                        code="setting.conflict",
+                    )
                 made = (
                     fewest_convex(level, about, work)
                     if settings.convex
@@ -163,7 +166,8 @@ def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
     same = np.array_equal(about.vertices, fine.vertices) and np.array_equal(about.edges, fine.edges)
     if not same and not verify(*((about, fine) if inside else (fine, about)), same_loops=False):
         raise NestingError(
-            f"The mesh that the settings are about does not lie {'around' if inside else 'in'} the fine one."
+            f"The mesh that the settings are about does not lie {'around' if inside else 'in'} the fine one.",
+            code="coarse.not_nested",
         )
     return about
 
@@ -171,7 +175,10 @@ def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
 def _chosen(builder: type[AnyBuilder], settings: Settings) -> type[AnyBuilder]:
     """What makes levels with certain settings. Raises NestingError."""
     if settings.convex and builder is InnerLevelBuilder:
-        raise NestingError("Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.")
+        raise NestingError(
+            "Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.",
+            code="setting.conflict",
+        )
     return ConvexLevelBuilder if settings.convex else builder
 
 
@@ -186,11 +193,11 @@ def _builder(
     return builder(plan, clearances, settings, progress)
 
 
-def _needs(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[str, ...]]:
+def _needs(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
     """The needs of a run, methods that serve them, and notes. Raises NestingError for methods that cannot."""
     needs: list[Need] = []
     group: Symmetry | None = None
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Fault, ...] = ()
     if settings.symmetry is not None:
         group, remarks = found_for(settings.symmetry, about)
     if group is not None:
@@ -213,7 +220,9 @@ def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
     if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
         return [levels]  # type: ignore[list-item]
     if isinstance(levels, str) or not isinstance(levels, Iterable):
-        raise NestingError(f"The levels must be vertex counts or meshes, for instance [64, 16], not {levels!r}.")
+        raise NestingError(
+            f"The levels must be vertex counts or meshes, for instance [64, 16], not {levels!r}.", code="level.invalid"
+        )
     return list(levels)
 
 
@@ -223,7 +232,7 @@ def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
     """
     if not is_mesh_like(fine):
-        raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.")
+        raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
     loops = 1 if convex else len(fine.loops)  # convex cages have so many vertices around each part
@@ -239,11 +248,17 @@ def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple
             if count < LEAST_PER_LOOP * loops:
                 raise NestingError(
                     f"Level {number} asks for {count} vertices, but {loops} loop{'s need' if loops > 1 else ' needs'} "
-                    f"at least {LEAST_PER_LOOP * loops}{f', {LEAST_PER_LOOP} each' if loops > 1 else ''}."
+                    f"at least {LEAST_PER_LOOP * loops}{f', {LEAST_PER_LOOP} each' if loops > 1 else ''}.",
+                    code="count.too_small",
+                    total=count,
+                    least=LEAST_PER_LOOP * loops,
                 )
             checked.append(count)
         else:
-            raise NestingError(f"Level {number} must be a number of vertices, a Mesh or Within(…), not {level!r}.")
+            raise NestingError(
+                f"Level {number} must be a number of vertices, a Mesh or Within(…), not {level!r}.",
+                code="setting.invalid",
+            )
     if not checked:
-        raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
+        raise NestingError("There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid")
     return fine, checked

@@ -48,7 +48,9 @@ class Settings(Choices):
     def of(cls, settings: Settings | None, **options: Any) -> Settings:
         """Settings with fields replaced; the default ones for None. Raises NestedCagesError."""
         if not isinstance(settings, Settings | None):
-            raise NestingError(f"The settings must be Settings(…), not {type(settings).__name__}.")
+            raise NestingError(
+                f"The settings must be Settings(…), not {type(settings).__name__}.", code="setting.invalid"
+            )
         unknown = [name for name in options if name not in cls.__dataclass_fields__]
         if unknown:
             raise TypeError(f"There is no setting {unknown[0]!r}; see Settings for those there are.")
@@ -58,26 +60,34 @@ class Settings(Choices):
         super().__post_init__()
         if self.grid is not None and not (is_length(self.grid) and self.grid > 0.0):
             raise NestedCagesError(
-                f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none."
+                f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none.",
+                code="setting.invalid",
             )
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
-            raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.")
+            raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")
         _check_priorities(self)
         symmetry: object = self.symmetry
         if not (symmetry is None or isinstance(symmetry, Found) or has_method(symmetry, "image")):
             raise NestedCagesError(
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
-                f"not {symmetry!r}."
+                f"not {symmetry!r}.",
+                code="setting.invalid",
             )
         if symmetry is not None and self.grid is not None:
             raise NestedCagesError(
-                "A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid."
+                "A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid.",
+                code="setting.conflict",
             )
         if self.has_priorities and self.convex:
-            raise NestedCagesError("Convex cages have no weights, pins, joints or limits; leave these out or convex.")
+            raise NestedCagesError(
+                "Convex cages have no weights, pins, joints or limits; leave these out or convex.",
+                code="setting.conflict",
+            )
         if symmetry is not None and self.convex:
-            raise NestedCagesError("Convex cages have no symmetry of their own; leave out the symmetry or convex.")
+            raise NestedCagesError(
+                "Convex cages have no symmetry of their own; leave out the symmetry or convex.", code="setting.conflict"
+            )
 
     @property
     def has_priorities(self) -> bool:
@@ -91,7 +101,9 @@ def _check_priorities(settings: Settings) -> None:
     if settings.weights is not None:
         weights = _numbers(settings.weights, 1, "The weights must be a list of finite numbers, one per fine vertex")
         if (weights < 0.0).any() or not (weights > 0.0).any():
-            raise NestedCagesError("The weights must be numbers of at least 0, and some of them above 0.")
+            raise NestedCagesError(
+                "The weights must be numbers of at least 0, and some of them above 0.", code="setting.invalid"
+            )
         object.__setattr__(settings, "weights", tuple(weights.tolist()))
     pins: list[int | tuple[float, ...]] = []
     for pin in _listed(settings.pins, "pins"):
@@ -104,16 +116,20 @@ def _check_priorities(settings: Settings) -> None:
               for place in _listed(settings.joints, "joints")]  # fmt: skip
     object.__setattr__(settings, "joints", tuple(joints))
     if settings.min_edge is not None and not (is_length(settings.min_edge) and settings.min_edge > 0.0):
-        raise NestedCagesError(f"min_edge must be a finite length above 0, not {settings.min_edge!r}.")
+        raise NestedCagesError(
+            f"min_edge must be a finite length above 0, not {settings.min_edge!r}.", code="setting.invalid"
+        )
     if settings.min_angle is not None and not (is_length(settings.min_angle) and 0.0 < settings.min_angle < 60.0):
-        raise NestedCagesError(f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.")
+        raise NestedCagesError(
+            f"min_angle must be above 0 and below 60 degrees, not {settings.min_angle!r}.", code="setting.invalid"
+        )
 
 
 def _listed(values: object, name: str) -> list[object]:
     try:
         return list(values)  # type: ignore[call-overload, no-any-return]
     except TypeError:
-        raise NestedCagesError(f"The {name} must be a list, not {values!r}.") from None
+        raise NestedCagesError(f"The {name} must be a list, not {values!r}.", code="setting.invalid") from None
 
 
 def _numbers(values: object, dimensions: int, rule: str, size: int | None = None) -> FloatArray:
@@ -123,5 +139,5 @@ def _numbers(values: object, dimensions: int, rule: str, size: int | None = None
     except (TypeError, ValueError):
         numbers = np.array(np.nan)
     if numbers.ndim != dimensions or (size is not None and len(numbers) != size) or not np.isfinite(numbers).all():
-        raise NestedCagesError(f"{rule}, not {values!r}.")
+        raise NestedCagesError(f"{rule}, not {values!r}.", code="setting.invalid")
     return numbers

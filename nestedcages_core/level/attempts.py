@@ -172,7 +172,10 @@ def clearances_for(settings: Choices, fine: Mesh) -> tuple[float, ...]:
     if wanted > MAX_CLEARANCE * diagonal:
         raise NestingError(
             f"The clearance {wanted:.6g} is more than {MAX_CLEARANCE:.0g} times as long as the diagonal of the "
-            f"fine mesh, {diagonal:.6g}; ask for less."
+            f"fine mesh, {diagonal:.6g}; ask for less.",
+            code="clearance.too_large",
+            wanted=wanted,
+            largest=MAX_CLEARANCE * diagonal,
         )
     return (wanted,)
 

@@ -15,7 +15,7 @@ from ..decimation import Decimation, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import Area, CageEnergy, signed_area
-from ..errors import FlowError, NestedCagesError, NestingError, ReinflationError
+from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
@@ -75,7 +75,8 @@ class LevelBuilder:
                 notes = clamping
                 if attempt.fallback and self.starts:
                     start = self.starts[0]
-                    reason = f"Started from the {start.source} instead of the coarse mesh: {failures[0]}"
+                    said = f"Started from the {start.source} instead of the coarse mesh: {failures[0]}"
+                    reason = Fault(said, "note.start", source=start.source)
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
                 make = self._tightest if attempt.tightened else self._untightened
                 return (yield from make(attempt, notes))
@@ -85,7 +86,7 @@ class LevelBuilder:
                     failures.append(error)
         raise failures[-1]
 
-    def _tightest(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+    def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
         cages: list[_Cage] = []
@@ -115,9 +116,12 @@ class LevelBuilder:
         for cage in sorted(cages, key=lambda cage: cage.rank):
             source = cage.start.source
             if errors and source != tried[0]:
-                notes = (*notes, f"Started from the {source} instead of a coarse mesh {tried[0]}: {errors[0]}")
+                what = "shrink into" if isinstance(errors[0], FlowError) else "return from"
+                said = f"Started from the {source}: the mesh could not {what} a coarse mesh {tried[0]}."
+                notes = (*notes, Fault(said, "note.start", source=source))
             elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
-                notes = (*notes, f"Started from the {source}: with its vertices on the curve it would cross itself.")
+                said = f"Started from the {source}: with its vertices on the curve it would cross itself."
+                notes = (*notes, Fault(said, "note.start", source=source))
             try:
                 return (yield from self._certified(attempt, cage, notes))
             except NestingError as error:
@@ -155,7 +159,7 @@ class LevelBuilder:
             partial = error.partial
             if isinstance(partial, FlowResult) and partial.obstacle is not None:
                 x, y = self.units.centre
-                raise FlowError(partial.obstacle.sentence(self.units.scale, (float(x), float(y)))) from error
+                raise FlowError(partial.obstacle.fault(self.units.scale, (float(x), float(y)))) from error
             raise
         yield from self.progress.begin("reinflation")
         expansion = reinflate(
@@ -210,7 +214,7 @@ class LevelBuilder:
         excess = signed_area(vertices, successor) / self.unit_fine.area - 1.0
         return excess if len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
-    def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+    def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
         coarse, wanted = cage.start.coarse, attempt.clearances[0]
         # a user's own coarse mesh may wrap several parts in one loop or cover holes
@@ -231,26 +235,27 @@ class LevelBuilder:
         if not motion:
             raise NestingError(
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "
-                "use more cage vertices, or a coarse mesh closer to the fine one."
+                "use more cage vertices, or a coarse mesh closer to the fine one.",
+                code="motion.collides",
+                step=motion.step,
             )
         if clearance < wanted:
-            notes = (
-                *notes,
-                f"The gaps of the fine mesh leave room for a clearance of {clearance:.3g}, not {wanted:.3g}.",
-            )
+            said = f"The gaps of the fine mesh leave room for a clearance of {clearance:.3g}, not {wanted:.3g}."
+            notes = (*notes, Fault(said, "note.clearance", wanted=wanted, given=clearance))
         if not same_loops:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
-            notes = (*notes, f"The cage has {kept}, but the mesh in it has {given}.")
+            notes = (*notes, Fault(f"The cage has {kept}, but the mesh in it has {given}.", "note.loops"))
         notes = (*notes, *self.plan.notes(result, clearance))
         if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
             energy = type(self.settings.energy).__name__
-            notes = (*notes, f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.")
+            said = f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter."
+            notes = (*notes, Fault(said, "note.energy"))
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
         report = self._report(certificate, clearance, start=start, iterations=counts, notes=notes)
         return Level(self.fine, coarse, result, flow, reinflation, report)
 
-    def _untightened(self, attempt: Attempt, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+    def _untightened(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of the first coarse mesh that already is a cage.
 
         Details that are tiny relative to the whole may be resolved in input units only, near the origin. See
@@ -263,7 +268,10 @@ class LevelBuilder:
             certificate = verify(start.coarse, self.fine)
             clearance = min(wanted, certificate.clearance) if may_be_less else wanted
             if certificate.holds and certificate.clearance >= clearance:
-                note = "The coarse mesh is not tightened: details of the fine mesh are too small for that."
+                note = Fault(
+                    "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
+                    "note.untightened",
+                )
                 counts = {"flow": 0, "reinflation": 0}
                 report = self._report(
                     certificate, clearance, start=start.source, iterations=counts, notes=(note, *notes)
@@ -271,7 +279,7 @@ class LevelBuilder:
                 flow = FlowResult(self.fine.vertices[None], 0, "inside")
                 resting = Reinflation(self.fine.vertices[None], start.coarse.vertices[None], 0)
                 return Level(self.fine, start.coarse, start.coarse, flow, resting, report)
-        raise NestingError("None of the coarse meshes is a cage.")
+        raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
 
     def _report(
         self,
@@ -280,7 +288,7 @@ class LevelBuilder:
         *,
         start: str,
         iterations: Mapping[str, int],
-        notes: tuple[str, ...],
+        notes: tuple[Fault, ...],
     ) -> NestingReport:
         """The report: what is certified, and how long it took."""
         self.progress.stop_clock()
@@ -344,11 +352,15 @@ def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
     return sound and certificate.clearance < clearance
 
 
-def _failed(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> str:
+def _failed(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> Fault:
     """Why a cage was rejected; tried: the last clearance asked for."""
     if not _is_only_too_close(certificate, tried):
-        return "The cage could not be certified: " + " ".join(certificate.problems)
-    return too_narrow(fine, wanted) or (
+        said = "The cage could not be certified: " + " ".join(certificate.problems)
+        return Fault(said, "certificate.failed", problems=certificate.problems)
+    return too_narrow(fine, wanted) or Fault(
         f"No cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the best one comes as close "
-        f"as {certificate.clearance:.6g}; ask for less clearance or use more vertices."
+        f"as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+        "clearance.no_room",
+        wanted=wanted,
+        largest=certificate.clearance,
     )

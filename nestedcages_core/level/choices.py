@@ -57,21 +57,28 @@ class Choices:
         if self.clearance is not None and not is_length(self.clearance):
             raise NestedCagesError(
                 f"The clearance must be a finite length of at least 0, not {self.clearance!r}; leave it out for the "
-                f"default."
+                f"default.",
+                code="setting.invalid",
             )
         if not isinstance(self.starts, int | np.integer) or self.starts < 1:
-            raise NestedCagesError(f"The number of starts must be a whole number of at least 1, not {self.starts!r}.")
+            raise NestedCagesError(
+                f"The number of starts must be a whole number of at least 1, not {self.starts!r}.",
+                code="setting.invalid",
+            )
         for name, (method, example) in METHODS.items():
             chosen = getattr(self, name)
             if not has_method(chosen, method) and not (chosen is None and name == "fallback"):
                 what = name.replace("_", " ")
-                raise NestedCagesError(f"The {what} must be an object such as {example}, not {chosen!r}.")
+                raise NestedCagesError(
+                    f"The {what} must be an object such as {example}, not {chosen!r}.", code="setting.invalid"
+                )
         contact: object = self.contact
         several = contact if isinstance(contact, Sequence) and not isinstance(contact, str) else [contact]
         if contact is not None and not (several and all(has_method(each, "reinflate") for each in several)):
             raise NestedCagesError(
                 f"The contact must be an object such as IPC(), or several of them in a list, not {contact!r}; leave it "
-                "out for the default."
+                "out for the default.",
+                code="setting.invalid",
             )
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
 from ..decimation import OnCurve, OuterHull, Start
-from ..decimation.hull.inner_hull import inner_hulls
+from ..decimation.hull.inner_hull import SOURCE, inner_hulls
 from ..energies import inwards, signed_area
-from ..errors import NestingError
+from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -84,7 +84,7 @@ class InnerLevelBuilder:
                 errors.append(error)
         raise errors[0]
 
-    def _coarse_meshes(self, wanted: int | Mesh) -> Stage[Progress, tuple[list[Start], tuple[str, ...]]]:
+    def _coarse_meshes(self, wanted: int | Mesh) -> Stage[Progress, tuple[list[Start], tuple[Fault, ...]]]:
         """At least one mesh strictly inside the fine one, and notes."""
         notes = self.plan.remarks
         count: int | list[int]
@@ -94,8 +94,11 @@ class InnerLevelBuilder:
                 return [Start(wanted, "coarse mesh")], ()
             reason = "the coarse mesh does not lie strictly inside the fine one, loop by loop"
             if self.settings.fallback is None:
-                raise NestingError(f"No inner cage can start there: {reason}; move it inside, or give a vertex count.")
-            notes = (*notes, f"Started from the inner hull instead: {reason}.")
+                raise NestingError(
+                    f"No inner cage can start there: {reason}; move it inside, or give a vertex count.",
+                    code="coarse.not_nested",
+                )
+            notes = (*notes, Fault(f"Started from the inner hull instead: {reason}.", "note.start", source=SOURCE))
             same = np.array_equal(wanted.loop_signs, self.fine.loop_signs)
             count = (
                 [len(loop) for loop in wanted.loops] if same else max(len(wanted.vertices), 3 * len(self.fine.loops))
@@ -152,7 +155,7 @@ class InnerLevelBuilder:
         logger.debug("inner start from %s: lost %.9g", start.source, lost)
         return _Tightened(start, tuple(steps), lost, outcome.iterations, outcome.quadratic_programs, alike)
 
-    def _certified(self, cage: _Tightened, notes: tuple[str, ...]) -> Stage[Progress, Level]:
+    def _certified(self, cage: _Tightened, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance that can be certified. Raises NestingError."""
         coarse, wanted = cage.start.coarse, self.clearances[0]
         for clearance in self.clearances:
@@ -177,14 +180,16 @@ class InnerLevelBuilder:
         if not motion:
             raise NestingError(
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "
-                "use more cage vertices."
+                "use more cage vertices.",
+                code="motion.collides",
+                step=motion.step,
             )
         notes = (*notes, *self.plan.notes(result, clearance))
         if clearance < wanted:
-            notes = (
-                *notes,
-                f"The fine mesh is so narrow that there is room for a clearance of {clearance:.3g}, not {wanted:.3g}.",
+            said = (
+                f"The fine mesh is so narrow that there is room for a clearance of {clearance:.3g}, not {wanted:.3g}."
             )
+            notes = (*notes, Fault(said, "note.clearance", wanted=wanted, given=clearance))
         self.progress.stop_clock()
         report = NestingReport(
             strict=certificate.strict,
@@ -207,14 +212,19 @@ def _hull(settings: Choices) -> OuterHull:
     return chosen if isinstance(chosen, OuterHull) else OuterHull()
 
 
-def _failed(certificate: Certificate, clearance: float) -> str:
+def _failed(certificate: Certificate, clearance: float) -> Fault:
     """Why an inner cage was not returned."""
     if certificate.strict and certificate.simple and len(certificate.problems) == 1:
-        return (
+        return Fault(
             f"No inner cage with so few vertices was found that keeps the clearance of {clearance:.6g}: the best one "
-            f"comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices."
+            f"comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+            "clearance.no_room",
+            wanted=clearance,
+            largest=certificate.clearance,
         )
-    return (
+    return Fault(
         "The inner cage could not be certified; in the words of verify(fine, cage), which takes the fine mesh for the "
-        "cage: " + " ".join(certificate.problems)
+        "cage: " + " ".join(certificate.problems),
+        "certificate.failed",
+        problems=certificate.problems,
     )

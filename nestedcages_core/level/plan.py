@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from ..decimation.base import clamped
 from ..energies import CageEnergy
+from ..errors import Fault
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from .units import SolverUnits
@@ -19,7 +20,7 @@ class Need:
         """The plan with the slots of this need filled. Raises NestingError where it has no cage."""
         return plan
 
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[str, ...]]:
+    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
         """The closest possible number of vertices, and a note if it is another one."""
         return count, ()
 
@@ -32,7 +33,7 @@ class Need:
         """
         return None
 
-    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[str, ...]:
+    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""
         return ()
 
@@ -49,7 +50,7 @@ class Plan:
     """What is decimated: the fine mesh, or it and its images."""
     group: Symmetry | None = None
     """Symmetries that cages have exactly."""
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Fault, ...] = ()
     """Notes of the report."""
 
     @classmethod
@@ -65,11 +66,11 @@ class Plan:
         """Whether cages lie inside the fine mesh."""
         return self.side < 0
 
-    def with_remarks(self, *remarks: str) -> Plan:
+    def with_remarks(self, *remarks: Fault) -> Plan:
         """The plan with further notes."""
         return replace(self, remarks=(*self.remarks, *remarks))
 
-    def possible(self, wanted: int) -> tuple[int, tuple[str, ...]]:
+    def possible(self, wanted: int) -> tuple[int, tuple[Fault, ...]]:
         """A number of vertices that the outline and all needs allow, and a note for each replacement."""
         count, notes = clamped(wanted, self.outline)
         tried: set[int] = set()
@@ -89,6 +90,6 @@ class Plan:
                 energy, changed = other, True
         return energy, changed
 
-    def notes(self, cage: Mesh, clearance: float) -> tuple[str, ...]:
+    def notes(self, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""
         return tuple(note for need in self.needs for note in need.notes(self, cage, clearance))

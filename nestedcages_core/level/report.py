@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import overload
 
 from ..contact.reinflation import Reinflation
+from ..errors import Fault
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
@@ -47,8 +48,8 @@ class NestingReport:
     """Iterations per phase."""
     seconds: Mapping[str, float]
     """Wall-clock seconds per phase."""
-    notes: tuple[str, ...] = ()
-    """Sentences about deviations from the request, for instance why the fallback was used."""
+    notes: tuple[Fault, ...] = ()
+    """Deviations from the request, for instance why the fallback was used: sentences with a code and data."""
     fewest: int | None = None
     """No cage within the distance asked for has fewer vertices; None where none was asked for."""
     grid: float | None = None

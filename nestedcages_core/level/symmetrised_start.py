@@ -45,7 +45,8 @@ def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Ali
     if orbits is None:
         raise NestingError(
             f"The coarse mesh does not have {symmetry}; give a mesh whose vertices are images of each other, or a "
-            "vertex count."
+            "vertex count.",
+            code="symmetry.not_found",
         )
     on_curve = start.on_curve
     if on_curve is not None and orbits_of(on_curve, symmetry) is None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..decimation.hull.small_holes import largest_circle
+from ..errors import Fault
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
@@ -25,12 +26,19 @@ class Bound:
     where: str
     why: str
     remedy: str
+    loops: tuple[int, ...]
+    place: tuple[float, float]
 
-    def message(self, wanted: float) -> str:
+    def message(self, wanted: float) -> Fault:
         """The message for a larger clearance."""
-        return (
+        return Fault(
             f"No cage keeps the clearance of {wanted:.6g} {self.where}: {self.why}; ask for less than "
-            f"{self.clearance:.6g}, or {self.remedy}."
+            f"{self.clearance:.6g}, or {self.remedy}.",
+            "clearance.no_room",
+            wanted=wanted,
+            largest=self.clearance,
+            loops=self.loops,
+            place=self.place,
         )
 
 
@@ -39,10 +47,10 @@ def tightest_place(fine: Mesh) -> Bound | None:
     return min(_bounds(fine), key=lambda bound: bound.clearance, default=None)
 
 
-def too_narrow(fine: Mesh, wanted: float) -> str:
-    """Why no cage with the loops of a mesh can keep a clearance, as a sentence; empty if no bound says so."""
+def too_narrow(fine: Mesh, wanted: float) -> Fault | None:
+    """Why no cage with the loops of a mesh can keep a clearance; None if no bound says so."""
     bound = tightest_place(fine)
-    return "" if bound is None or bound.clearance > (1.0 + BOUND_ROUNDING) * wanted else bound.message(wanted)
+    return None if bound is None or bound.clearance > (1.0 + BOUND_ROUNDING) * wanted else bound.message(wanted)
 
 
 def _bounds(fine: Mesh) -> Iterator[Bound]:
@@ -79,6 +87,8 @@ def _between(fine: Mesh, loops: IntArray) -> Bound:
         f"between loops {one} and {other} of the mesh inside it",
         f"they are {least:.6g} apart near {place(middle)}, and a loop of the cage runs along each",
         "move them apart or join them",
+        (one, other),
+        (float(middle[0]), float(middle[1])),
     )
 
 
@@ -90,4 +100,6 @@ def _within(fine: Mesh, hole: int) -> Bound:
         f"in loop {hole} of the mesh inside it, a hole",
         f"the largest circle in it, around {place(circle.centre)}, has the radius {circle.radius:.6g}",
         "fill the hole",
+        (hole,),
+        (float(circle.centre[0]), float(circle.centre[1])),
     )

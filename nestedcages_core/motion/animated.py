@@ -63,7 +63,9 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         self._fine, self._cyclic = Mesh.of(fine), cyclic
         self._levels = [levels] if isinstance(levels, int | np.integer | Mesh) else list(levels)
         if not self._levels:
-            raise NestingError("There are no levels: give at least one vertex count or coarse mesh.")
+            raise NestingError(
+                "There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid"
+            )
         self._settings = Settings.of(settings, **options)
         self._poses, self._count = (
             read_poses(self._fine, poses, times),

@@ -121,7 +121,9 @@ class Straightener:
             else:
                 raise NestingError(
                     f"The motion from pose {begin.pose.number} to the next could not be certified free of collisions; "
-                    "give more poses between them, a larger clearance or more cage vertices."
+                    "give more poses between them, a larger clearance or more cage vertices.",
+                    code="motion.collides",
+                    pose=begin.pose.number,
                 )
 
     def _pushed(self, begin: Instant, end: Instant) -> tuple[FloatArray, FloatArray] | None:
@@ -172,7 +174,9 @@ class Straightener:
         if cages is None:
             raise NestingError(
                 f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it half-way; "
-                "give more poses between them, or use more cage vertices."
+                "give more poses between them, or use more cage vertices.",
+                code="motion.blocked",
+                pose=begin.pose.number,
             )
         middle = self.instant(pose, cages)
         middle.part = begin.part = 0.5 * begin.part

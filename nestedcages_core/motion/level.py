@@ -8,7 +8,7 @@ from itertools import chain, islice
 
 import numpy as np
 
-from ..errors import NestedCagesError, NestingError
+from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, nested_cages
@@ -38,18 +38,24 @@ class LevelMotion:
 
     def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
         if settings.symmetry is not None:
-            raise NestingError("A cage that follows a motion has no symmetry; leave it out.")
+            raise NestingError("A cage that follows a motion has no symmetry; leave it out.", code="setting.conflict")
         if settings.has_priorities:
-            raise NestingError("A cage that follows a motion has no weights, pins, joints or limits; leave them out.")
+            raise NestingError(
+                "A cage that follows a motion has no weights, pins, joints or limits; leave them out.",
+                code="setting.conflict",
+            )
         if settings.grid is not None:
             raise NestingError(
                 "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "
-                "leave out the grid."
+                "leave out the grid.",
+                code="setting.conflict",
             )
         if settings.convex:
-            raise NestingError("A cage that follows a motion does not stay convex; leave out convex.")
+            raise NestingError(
+                "A cage that follows a motion does not stay convex; leave out convex.", code="setting.conflict"
+            )
         self.fine, self.wanted, self.settings, self.cyclic = fine, wanted, settings, cyclic
-        self.notes: list[str] = []
+        self.notes: list[Fault] = []
 
     def keys(self, poses: Iterator[Pose]) -> Iterator[Key]:
         """The keys of all poses, and those added between them. Raises NestedCagesError that names the pose."""
@@ -137,9 +143,12 @@ class LevelMotion:
         except NestedCagesError as error:
             raise NestingError(
                 f"The cage cannot follow to pose {pose.number}: the drawing blocks its way, and no cage with the same "
-                "vertices was found there; give more poses before it, or use more cage vertices."
+                "vertices was found there; give more poses before it, or use more cage vertices.",
+                code="motion.blocked",
+                pose=pose.number,
             ) from error
-        self.notes.append(f"The way to pose {pose.number} is blocked: a new cage was made there.")
+        said = f"The way to pose {pose.number} is blocked: a new cage was made there."
+        self.notes.append(Fault(said, "note.pose", pose=pose.number))
         return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
@@ -154,7 +163,11 @@ class LevelMotion:
         wanted = 0.0 if self.settings.clearance is None else self.clearance
         certificate = verify(self.topology.moved(cage), self.fine.moved(pose.vertices), wanted)
         if not certificate:
-            raise NestingError(f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}")
+            raise NestingError(
+                f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}",
+                code="certificate.failed",
+                problems=certificate.problems,
+            )
         return Key(pose.number, pose.time, pose.vertices, cage, certificate, pose.given)
 
 

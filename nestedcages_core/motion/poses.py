@@ -37,27 +37,39 @@ def read_poses(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike], times: ArrayL
     for number, given in enumerate(_rows(poses)):
         time = next(moments, None)
         if time is None:
-            raise NestingError(f"There are fewer times than poses: pose {number} has none.")
+            raise NestingError(
+                f"There are fewer times than poses: pose {number} has none.", code="poses.invalid", pose=number
+            )
         if not time > last:
-            raise NestingError(f"The times must increase, but that of pose {number} is {time:g} after {last:g}.")
+            raise NestingError(
+                f"The times must increase, but that of pose {number} is {time:g} after {last:g}.",
+                code="poses.invalid",
+                pose=number,
+            )
         last = time
         try:
             moved = fine.moved(given)
             standing = moved.validated()
         except InvalidMeshError as error:
-            raise InvalidMeshError(f"Pose {number}: {error}") from error
+            raise InvalidMeshError(f"Pose {number}: {error}", code="poses.invalid") from error
         if not np.array_equal(standing.successor, fine.successor):
-            raise InvalidMeshError(f"Pose {number} is turned inside out, or its loops lie in each other differently.")
+            raise InvalidMeshError(
+                f"Pose {number} is turned inside out, or its loops lie in each other differently.",
+                code="poses.invalid",
+                pose=number,
+            )
         yield Pose(number, time, moved.vertices)
     if number < 1:
-        raise NestingError(f"A motion needs at least two poses, not {number + 1}.")
+        raise NestingError(f"A motion needs at least two poses, not {number + 1}.", code="poses.invalid")
 
 
 def _rows(poses: ArrayLike | Iterable[ArrayLike]) -> Iterator[ArrayLike]:
     try:
         return iter(poses)  # type: ignore[arg-type]
     except TypeError:
-        raise NestingError(f"The poses must be an array (T, n, 2) or an iterable of (n, 2), not {poses!r}.") from None
+        raise NestingError(
+            f"The poses must be an array (T, n, 2) or an iterable of (n, 2), not {poses!r}.", code="poses.invalid"
+        ) from None
 
 
 def _checked_times(times: ArrayLike | None, poses: int | None) -> Iterator[float]:
@@ -69,5 +81,5 @@ def _checked_times(times: ArrayLike | None, poses: int | None) -> Iterator[float
         moments = np.full((), np.nan)
     if moments.ndim != 1 or not np.isfinite(moments).all() or (poses is not None and len(moments) != poses):
         wanted = "one finite number per pose" if poses is None else f"{poses} finite numbers, one per pose"
-        raise NestingError(f"The times must be {wanted}.")
+        raise NestingError(f"The times must be {wanted}.", code="poses.invalid")
     return iter(moments.tolist())

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import Fault
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from ..geometry.picture import Drawable
@@ -43,7 +44,7 @@ class MotionReport:
     """Unit: the input's."""
     seconds: float
     """Wall-clock seconds."""
-    notes: tuple[str, ...] = ()
+    notes: tuple[Fault, ...] = ()
     """Sentences about deviations from the request."""
 
     @property

@@ -58,7 +58,7 @@ def negative_curvature(program: QuadraticProgram, order: BandOrder, active: Bool
             break
         shift *= SPECTRAL_SHIFT_GROWTH
     else:
-        raise NestedCagesError(NOT_FINITE)
+        raise NestedCagesError(NOT_FINITE, code="solver.not_finite")
     v = np.cos(np.arange(size) ** 2)  # generic: not orthogonal to the eigenvectors of symmetric shapes
     growth = 1.0
     for _ in range(INVERSE_ITERATIONS):

@@ -151,7 +151,7 @@ class _Iteration:
         self.damping = 0.0
         self.first_damping = FIRST_DAMPING * block_scale(program.hessian) or FIRST_DAMPING
         if not (np.isfinite(self.scale) and np.isfinite(self.first_damping)):
-            raise NestedCagesError(NOT_FINITE)
+            raise NestedCagesError(NOT_FINITE, code="solver.not_finite")
 
         # start: slacks inside their bounds, multipliers such that no complementarity product stands out
         self.K = K
@@ -201,7 +201,7 @@ class _Iteration:
                 break
             damping = max(DAMPING_GROWTH * damping, self.first_damping)
         else:
-            raise NestedCagesError(NOT_FINITE)
+            raise NestedCagesError(NOT_FINITE, code="solver.not_finite")
         if damping > least:
             damping *= DAMPING_MARGIN
             self.system.factorise(damping)

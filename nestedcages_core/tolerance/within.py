@@ -11,7 +11,7 @@ import numpy as np
 from ..contact.reinflation import Reinflation
 from ..decimation import OuterHull
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import InvalidMeshError, NestedCagesError, NestingError
+from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..level.report import Level, Progress
@@ -52,12 +52,15 @@ class Within:
     def __post_init__(self) -> None:
         given = [value for value in (self.distance, self.excess) if value is not None]
         if len(given) != 1:
-            raise NestedCagesError("Within needs either a distance or an excess, for instance Within(distance=2.0).")
+            raise NestedCagesError(
+                "Within needs either a distance or an excess, for instance Within(distance=2.0).",
+                code="setting.invalid",
+            )
         value = given[0]
         if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-            raise NestedCagesError(f"Within: a number above 0 is needed, not {value!r}.")
+            raise NestedCagesError(f"Within: a number above 0 is needed, not {value!r}.", code="setting.invalid")
         if not (isfinite(float(value)) and value > 0.0):
-            raise NestedCagesError(f"Within: a finite number above 0 is needed, not {value!r}.")
+            raise NestedCagesError(f"Within: a finite number above 0 is needed, not {value!r}.", code="setting.invalid")
 
     @property
     def limit(self) -> float:
@@ -100,7 +103,8 @@ def fewest(need: Within, fine: Mesh, builder: Builder, *, strictly: float) -> St
         least = f"no cage {need} has fewer than {search.bound}"
         note = f"{count} vertices, {need}: {taken:.6g}; {least}."
     fewest_possible = search.bound if need.distance is not None else None
-    report = replace(level.report, fewest=fewest_possible, notes=(*level.report.notes, note))
+    told = Fault(note, "note.tolerance", limit=need.limit, taken=float(taken), count=count, fewest=fewest_possible)
+    report = replace(level.report, fewest=fewest_possible, notes=(*level.report.notes, told))
     return replace(level, report=report)
 
 
@@ -113,11 +117,13 @@ def fewest_convex(need: Within, fine: Mesh, builder: Builder) -> Stage[Progress,
             taken = need.measured(level.cage, fine)
             said = f"{taken:.6g}" if need.distance is not None else f"{100.0 * taken:.4g} %"
             note = f"{len(level.cage.vertices)} vertices, {need}: {said}."
-            return replace(level, report=replace(level.report, notes=(*level.report.notes, note)))
+            told = Fault(note, "note.tolerance", limit=need.limit, taken=float(taken), count=len(level.cage.vertices))
+            return replace(level, report=replace(level.report, notes=(*level.report.notes, told)))
         if len(level.cage.vertices) < count:  # the whole hull
             break
     raise NestingError(
-        f"No convex cage {need} was found: even the hull goes beyond it; ask for more, or not for convex."
+        f"No convex cage {need} was found: even the hull goes beyond it; ask for more, or not for convex.",
+        code="tolerance.unreachable",
     )
 
 
@@ -199,7 +205,10 @@ class _Search:
         taken = f"{self.taken:.6g}" if self.need.distance is not None else f"{100.0 * self.taken:.6g} %"
         return NestingError(
             f"No cage {self.need} was found with at most the {len(self.inner.vertices)} vertices of the mesh inside: "
-            f"the best one takes {taken}; ask for more, or for less clearance."
+            f"the best one takes {taken}; ask for more, or for less clearance.",
+            code="tolerance.unreachable",
+            limit=self.need.limit,
+            taken=float(self.taken),
         )
 
     def _filled(self, polygons: list[list[FloatArray]], bounds: list[int]) -> list[list[FloatArray]]:

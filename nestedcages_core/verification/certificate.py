@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InvalidMeshError
+from ..errors import Fault, InvalidMeshError
 from ..geometry.arrays import IntArray
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, Nesting, is_mesh_like
 from ..geometry.mesh.validation import crossing_point, place
@@ -30,8 +30,8 @@ class Certificate:
     """Measured smallest distance between the two boundaries; 0 where they meet, nan where it cannot be measured."""
     excess: float
     """area(cage) / area(fine) - 1; nan if one of them is not valid."""
-    problems: tuple[str, ...]
-    """A sentence for each requirement that is not met."""
+    problems: tuple[Fault, ...]
+    """A sentence, with a code and data, for each requirement that is not met."""
 
     @property
     def holds(self) -> bool:
@@ -52,13 +52,16 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
 
     Raises InvalidMeshError for input that is not a shape; for an invalid shape, the certificate says so.
     """
-    problems: list[str] = []
+    problems: list[Fault] = []
     judged, judged_fine = (_at_the_door(mesh, name, problems) for mesh, name in ((cage, "cage"), (fine, "fine mesh")))
     if judged is None or judged_fine is None:
         return Certificate(judged is not None, False, False, float("nan"), float("nan"), tuple(problems))
     pair = _Pair(judged, judged_fine)
     turned = _turned_loops(cage, judged) if isinstance(cage, Mesh) else np.zeros(0, np.int64)
-    problems += [f"Loop {k} of the cage near {pair.of_cage(k)} is turned inside out." for k in turned]
+    problems += [
+        pair.fault(f"Loop {k} of the cage near {{}} is turned inside out.", "cage.turned", judged, int(k))
+        for k in turned
+    ]
     contact = pair.contact()
     problems += contact
     strict = loops_kept = False
@@ -72,19 +75,22 @@ def verify(cage: MeshLike, fine: MeshLike, clearance: float = 0.0, *, same_loops
             problems += misplaced
     measured = 0.0 if contact else pair.gap()
     if not contact and not measured >= clearance * (1.0 - CLEARANCE_TOLERANCE):  # nor is a clearance of nan kept
-        problems.append(f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for.")
+        said = f"The cage comes as near as {measured:.6g} to the fine mesh; {clearance:.6g} is asked for."
+        problems.append(Fault(said, "cage.too_close", clearance=measured, wanted=clearance))
     excess = judged.area / judged_fine.area - 1.0
     return Certificate(True, loops_kept, strict, measured, excess, tuple(problems))
 
 
-def _at_the_door(shape: MeshLike, name: str, problems: list[str]) -> Mesh | None:
+def _at_the_door(shape: MeshLike, name: str, problems: list[Fault]) -> Mesh | None:
     """The validated mesh, or None and a sentence."""
     if not is_mesh_like(shape):
-        raise InvalidMeshError(f"The {name} must be {MESH_LIKE}, not {type(shape).__name__}.")
+        raise InvalidMeshError(f"The {name} must be {MESH_LIKE}, not {type(shape).__name__}.", code="mesh.unreadable")
     try:
         return Mesh.of(shape).validated()
     except InvalidMeshError as error:
-        problems.append(f"The {name} is not a valid mesh: {error}")
+        where = {key: error.data[key] for key in ("loops", "vertices", "place") if key in error.data}
+        code = "cage.invalid" if name == "cage" else "fine.invalid"
+        problems.append(Fault(f"The {name} is not a valid mesh: {error}", code, **where))
         return None
 
 
@@ -108,37 +114,37 @@ class _Pair:
         self.cage, self.fine = cage, fine
         self.nesting = Nesting(cage, fine)
 
-    def of_cage(self, loop: int) -> str:
-        """A loop of the cage and its place, in words."""
-        return place(self.cage.vertices[self.cage.loops[loop][0]])
+    def fault(self, sentence: str, code: str, mesh: Mesh, loop: int) -> Fault:
+        """A fault of a loop; {} in the sentence is its place."""
+        at = mesh.vertices[mesh.loops[loop][0]]
+        return Fault(sentence.format(place(at)), code, loops=[loop], place=at)
 
-    def of_fine(self, loop: int) -> str:
-        """A loop of the fine mesh and its place, in words."""
-        return place(self.fine.vertices[self.fine.loops[loop][0]])
-
-    def contact(self) -> list[str]:
+    def contact(self) -> list[Fault]:
         """A sentence if the boundaries touch or cross."""
         if self.nesting.contact is None:
             return []
         u, v = self.nesting.contact
         ends = self.cage.successor[u], self.fine.successor[v]
         corners = self.cage.vertices[[u, ends[0]]], self.fine.vertices[[v, ends[1]]]
-        return [
-            f"The cage meets the fine mesh near {place(crossing_point(*corners[0], *corners[1]))}: edge {u}-{ends[0]} "
-            f"of the cage touches edge {v}-{ends[1]} of the fine mesh."
-        ]
+        point = crossing_point(*corners[0], *corners[1])
+        said = (
+            f"The cage meets the fine mesh near {place(point)}: edge {u}-{ends[0]} of the cage touches edge "
+            f"{v}-{ends[1]} of the fine mesh."
+        )
+        return [Fault(said, "cage.meets", vertices=[u, ends[0], v, ends[1]], place=point)]
 
-    def outside(self) -> list[str]:
+    def outside(self) -> list[Fault]:
         """A sentence for each part of the fine solid that the cage's solid does not cover."""
         outside, inside = self.nesting.uncovered
-        leaks = [f"Loop {k} of the fine mesh near {self.of_fine(k)} lies outside the cage." for k in outside]
-        gaps = [
-            f"Loop {k} of the cage near {self.of_cage(k)} lies inside the fine mesh and leaves a part of it uncovered."
-            for k in inside
+        code, uncovered = "cage.leaves_out", "lies inside the fine mesh and leaves a part of it uncovered."
+        leaks = [
+            self.fault(f"Loop {k} of the fine mesh near {{}} lies outside the cage.", code, self.fine, int(k))
+            for k in outside
         ]
+        gaps = [self.fault(f"Loop {k} of the cage near {{}} {uncovered}", code, self.cage, int(k)) for k in inside]
         return leaks + gaps
 
-    def misplaced_loops(self) -> list[str]:
+    def misplaced_loops(self) -> list[Fault]:
         """A sentence if the loops of the two meshes do not correspond one to one.
 
         In the forest of all loops, an outer fine loop must be the only child of an outer cage loop, and a hole of the
@@ -147,7 +153,7 @@ class _Pair:
         kept = len(self.cage.loops)
         ours, theirs = loops_in_words(self.cage), loops_in_words(self.fine)
         if ours != theirs:
-            return [f"The cage has {ours}, but the fine mesh has {theirs}."]
+            return [Fault(f"The cage has {ours}, but the fine mesh has {theirs}.", "cage.loops_differ")]
         signs = np.concatenate((self.cage.loop_signs, self.fine.loop_signs))
         is_cage = np.arange(2 * kept) < kept
         parent = self.nesting.parents
@@ -161,8 +167,10 @@ class _Pair:
         k = int(lower[~alone][0])
         if k >= kept:
             k -= kept
-            return [f"Loop {k} of the fine mesh near {self.of_fine(k)} has no loop of the cage for itself."]
-        return [f"Loop {k} of the cage near {self.of_cage(k)} has no loop of the fine mesh for itself."]
+            said = f"Loop {k} of the fine mesh near {{}} has no loop of the cage for itself."
+            return [self.fault(said, "cage.loops_differ", self.fine, k)]
+        said = f"Loop {k} of the cage near {{}} has no loop of the fine mesh for itself."
+        return [self.fault(said, "cage.loops_differ", self.cage, k)]
 
     def gap(self) -> float:
         """Smallest distance between the two boundaries."""

@@ -58,7 +58,8 @@ def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_st
     cage_steps, fine_steps = _checked_steps(cage, cage_steps, "cage"), _checked_steps(fine, fine_steps, "fine")
     if len(cage_steps) != len(fine_steps):
         raise NestedCagesError(
-            f"There are {len(cage_steps)} steps of the cage, but {len(fine_steps)} of the fine mesh; give as many."
+            f"There are {len(cage_steps)} steps of the cage, but {len(fine_steps)} of the fine mesh; give as many.",
+            code="mesh.unreadable",
         )
     return certify_motion(Bodies.of(cage, fine), list(cage_steps), list(fine_steps))
 
@@ -172,9 +173,13 @@ def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
     if checked.ndim != 3 or checked.shape[1:] != wanted or len(checked) == 0:
         raise NestedCagesError(
             f"The {name} steps have shape {np.shape(checked)}, but (steps, {wanted[0]}, {wanted[1]}) is needed: one "
-            "place per vertex in each step."
+            "place per vertex in each step.",
+            code="mesh.unreadable",
         )
     bad = np.argwhere(~np.isfinite(checked).all(axis=2))
     if len(bad):
-        raise NestedCagesError(f"Vertex {bad[0][1]} of {name} step {bad[0][0]} is not finite; correct its coordinates.")
+        raise NestedCagesError(
+            f"Vertex {bad[0][1]} of {name} step {bad[0][0]} is not finite; correct its coordinates.",
+            code="mesh.not_finite",
+        )
     return checked

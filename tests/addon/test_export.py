@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from xml.etree import ElementTree as ET
 
 import bpy
 import numpy as np
@@ -89,6 +91,27 @@ def test_a_drawing_goes_to_svg_with_all_its_cages(cages, core, tmp_path) -> None
     for obj in (fine, *both):
         back = core.exchange.read_svg(path, element=obj.name)
         assert shapely.equals(shapely.normalize(shapely.geometry.shape(back)), shapely.normalize(solid(obj)))
+
+
+@pytest.mark.parametrize(
+    ("unit", "scale_length", "per_metre"),
+    [("METERS", 1.0, 1e3), ("MILLIMETERS", 0.001, 1e3), ("CENTIMETERS", 1.0, 1e2), ("INCHES", 1.0, 1 / 0.0254)],
+)
+def test_an_svg_has_its_size_in_the_unit_of_the_scene(cages, tmp_path, unit, scale_length, per_metre) -> None:
+    shown = bpy.context.scene.unit_settings
+    shown.system = "IMPERIAL" if unit == "INCHES" else "METRIC"
+    shown.length_unit, shown.scale_length = unit, scale_length
+    choose(cages[0])
+    path = tmp_path / "cages.svg"
+    bpy.ops.object.nested_cages_export(filepath=str(path), kind="SVG")
+    root = ET.fromstring(path.read_text())
+    width, name = re.fullmatch(r"([\d.e+]+)(mm|cm|in)", root.get("width")).groups()
+    assert name == {"CENTIMETERS": "cm", "INCHES": "in"}.get(unit, "mm")
+    per_unit = float(width) / float(root.get("viewBox").split()[2])
+    assert per_unit == pytest.approx(2.0 * scale_length * per_metre, rel=1e-5)  # the drawing is scaled by 2
+    shown.system = "NONE"
+    bpy.ops.object.nested_cages_export(filepath=str(path), kind="SVG")
+    assert "width" not in ET.fromstring(path.read_text()).attrib
 
 
 def test_geojson_comes_back_certified(cages, core, tmp_path) -> None:
@@ -259,7 +282,7 @@ def test_points_that_float32_cannot_tell_apart_become_one(tmp_path) -> None:
         ("a.svg", "hello", "not an SVG"),
         ("a.geojson", "{", "not GeoJSON"),
         ("b.geojson", '{"type": "FeatureCollection", "features": []}', "no polygons"),
-        ("none.svg", None, "cannot be read"),
+        ("none.svg", None, "There is no file '.*none.svg'"),
     ],
 )
 def test_files_that_cannot_be_read_are_refused(tmp_path, name, text, sentence) -> None:

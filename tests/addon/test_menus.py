@@ -60,11 +60,14 @@ def test_shapes_of_any_svg_can_be_read_one_by_one(addon, tmp_path) -> None:
     assert bpy.data.objects["rect 1"].dimensions.x == pytest.approx(0.1)
 
 
-def test_thousands_of_shapes_are_not_read_one_by_one(addon, tmp_path) -> None:
+def test_every_drawn_shape_is_an_outline_whatever_the_spelling(addon, tmp_path) -> None:
     path = tmp_path / "many.svg"
-    circles = '<circle r="1"/>' * 1001
-    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg">{circles}</svg>')
-    with pytest.raises(RuntimeError, match="has 1,001 shapes, more than the 1,000 that are read one by one"):
-        bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL")
-    assert not bpy.data.objects
+    shapes = '<s:g id="dot"><s:circle id="dot" r="1"/></s:g><s:defs><s:rect id="r" width="1" height="1"/></s:defs>'
+    copies = "".join(f'<s:use href="#r" x="{3 * k}"/>' for k in range(1, 400))
+    document = f'<s:svg xmlns:s="http://www.w3.org/2000/svg">{shapes}<s:path id="dot" d="M0 5h1v1z"/>{copies}</s:svg>'
+    path.write_text(f'<?xml version="1.0" encoding="UTF-16"?>{document}', encoding="utf-16")
+    assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="SEVERAL") == {"FINISHED"}
+    assert len(bpy.data.objects) == 401
+    assert {"dot", "dot.001", "r", "r.398"} <= {obj.name for obj in bpy.data.objects}
     assert bpy.ops.object.nested_cages_import(filepath=str(path), outlines="ONE") == {"FINISHED"}
+    assert len(bpy.data.objects) == 402

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import bpy
@@ -252,6 +253,7 @@ def test_both_sides_are_exported_with_one_drawing(tmp_path) -> None:
     assert text.count("<path") == 3
     places = [text.index(name) for name in ("Drawing Cage 1", "Drawing Fine", "Drawing Inner Cage 1")]
     assert places == sorted(places)
+    assert re.findall(r'class="([\w-]+)"', text) == ["level-1", "level-0", "inner-1"]
     assert obj.select_get()
 
 

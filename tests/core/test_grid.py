@@ -13,7 +13,6 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from judge import faults_of_cage
 from nestedcages_core import (
     Level,
     Mesh,
@@ -22,6 +21,7 @@ from nestedcages_core import (
     Settings,
     Within,
     animated_cages,
+    check,
     from_engine_json,
     from_geojson,
     from_svg,
@@ -55,7 +55,7 @@ def assert_on_grid(level: Level, grid: float) -> None:
         assert number == float(k * step)
     outer, inner = (fine, cage) if level.inside else (cage, fine)
     assert verify(outer, inner, report.wanted_clearance, same_loops=True)
-    assert not faults_of_cage(outer, inner, report.wanted_clearance)
+    assert check(fine, level, grid=grid)
     assert report.grid == grid
     assert f"on a grid of {grid:g}" in str(report)
     motion = level.reinflation

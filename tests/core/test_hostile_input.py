@@ -19,7 +19,6 @@ from benchmarks.hostile import grammars
 from benchmarks.hostile.attacks import ATTACKS
 from benchmarks.hostile.outcome import outcome
 from benchmarks.hostile.readers import READERS
-from judge import Outline, self_contacts, whole_numbers
 from nestedcages_core import (
     ArcLength,
     DouglasPeucker,
@@ -31,6 +30,7 @@ from nestedcages_core import (
     Visvalingam,
     nested_cages,
 )
+from nestedcages_core.checker import Loops
 from nestedcages_core.command import main
 from nestedcages_core.published.gurditta_jacobson_2022 import PaperFlow, SignedDistanceFlow
 from nestedcages_core.published.sacht_2015 import ElTopo
@@ -43,17 +43,14 @@ SEED = 20_260_101
 """Of the thorough ones."""
 
 JUDGED_VERTICES = 300
-"""Vertices of the largest mesh that the judge looks at here."""
+"""Vertices of the largest mesh that the checker looks at here."""
 
 
 def check_mesh(mesh: Mesh) -> None:
-    """What a reader returns has closed loops that neither cross nor touch, says the judge."""
+    """What a reader returns has closed loops that neither cross nor touch, says the checker."""
     assert isinstance(mesh, Mesh)
     if len(mesh.vertices) <= JUDGED_VERTICES:
-        (whole,), _ = whole_numbers(mesh.vertices)
-        outline = Outline(mesh.vertices, whole, mesh.edges)
-        assert not outline.faults
-        assert not self_contacts(outline)
+        assert not Loops(mesh).contacts()
 
 
 def check_features(features: Any) -> None:
@@ -107,7 +104,7 @@ DECIMATIONS = [OuterHull(), OnCurve(), ArcLength(), EdgeCollapse(), DouglasPeuck
 
 @pytest.mark.parametrize("amount", AMOUNTS)
 def test_cages_around_extreme_loops(amount: int) -> None:
-    """Every decimation, from coordinates at the limits of float64: certified, as the judge of all tests sees, or
+    """Every decimation, from coordinates at the limits of float64: certified, as the checker sees, or
     refused."""
 
     def check(drawn: tuple[Any, int, Any]) -> None:

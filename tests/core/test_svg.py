@@ -23,6 +23,7 @@ from nestedcages_core.exchange import (
     read_svg_drawing,
     solid,
     svg_drawing,
+    svg_shapes,
     to_svg,
     write_svg,
 )
@@ -302,6 +303,23 @@ def test_what_is_seen_next_to_the_view_box_stays(page: str, expected: float) -> 
     assert found.mesh.area == pytest.approx(expected)
     again = from_svg(to_svg(found.mesh, frame=found.frame))  # in the same frame
     assert again.area == pytest.approx(expected)
+
+
+def test_shapes_one_by_one_keep_their_clips_and_copies() -> None:
+    body = """<clipPath id="left" clipPathUnits="objectBoundingBox"><rect width=".5" height="1"/></clipPath>
+        <g clip-path="url(#left)"><rect id="a" width="4" height="2"/><rect x="6" width="4" height="2"/></g>
+        <use href="#a" y="5"/><path id="a" d="M0 9h3v1H0z" fill="none" stroke="red" stroke-width="2"/>
+        <rect id="hidden" width="1" height="1" fill="none"/>"""
+    found = svg_shapes(svg(body), each=True)
+    assert [name for name, _ in found.shapes] == ["a", "a", "a"]
+    assert [mesh.area for _, mesh in found.shapes] == pytest.approx([8.0, 8.0, 15.0])
+    assert not found.written
+    whole = svg_shapes(svg(body))
+    assert len(whole.shapes) == 1
+    assert whole.shapes[0][1] == from_svg(svg(body))
+    again = svg_shapes(to_svg({"one": whole.shapes[0][1], "two": letter_a()}))
+    assert again.written
+    assert [name for name, _ in again.shapes] == ["two", "one"]
 
 
 def test_a_switch_draws_its_first_usable_child() -> None:

@@ -159,6 +159,9 @@ def test_levels_as_people_write_them() -> None:
             32, 8, Within(distance=2.0), Within(distance=0.5), Within(excess=0.25)
         ]  # fmt: skip
     assert level_words("2 m 3 mm 4m", {"m": 1.0, "mm": 1e-3}) == ["2m", "3mm", "4m"]
+    assert level_words("2,5 px 0,5% +1,5% 64,24,8%") == ["2.5px", "0.5%", "+1.5%", "64", "24", "8%"]
+    with pytest.raises(NestedCagesError, match="may be one level or two; write 12"):
+        parse_level(*level_words("12,5 %"))
     assert parse_level("3mm", {"m": 1.0, "mm": 1e-3}) == Within(distance=0.003)
     for word in ("0", "2.5", "+25", "-2px", "px", "+%", "+3px", "nan", "infpx", "101%", "2m", "1e3", "+", "0px", "."):
         with pytest.raises(NestedCagesError, match=r"such as 2px, or an excess such as \+25%;"):

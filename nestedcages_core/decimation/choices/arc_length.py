@@ -41,7 +41,8 @@ class ArcLength:
                 problem = problem or str(error)
         raise NestingError(
             f"{request.total} evenly spaced vertices are too few to follow the mesh: {problem} Ask for more vertices, "
-            "or use the outer hull."
+            "or use the outer hull.",
+            code="count.too_small",
         )
 
 

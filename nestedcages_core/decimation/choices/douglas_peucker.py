@@ -50,7 +50,8 @@ class DouglasPeucker:
             crossing |= found
         raise NestingError(
             f"{total} vertices are too few for chords that follow the mesh without crossing; ask for more, or use the "
-            "outer hull."
+            "outer hull.",
+            code="count.too_small",
         )
 
 

@@ -22,7 +22,9 @@ class OwnDecimation:
 
     def __post_init__(self) -> None:
         if not callable(self.function):
-            raise NestingError(f"OwnDecimation: function must be callable, not {self.function!r}.")
+            raise NestingError(
+                f"OwnDecimation: function must be callable, not {self.function!r}.", code="setting.invalid"
+            )
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """The result of the function as a mesh. Raises NestingError where it is not valid or has too many vertices."""
@@ -30,9 +32,12 @@ class OwnDecimation:
         try:
             mesh = Mesh.from_loops(self.function([fine.vertices[loop] for loop in fine.loops], count))
         except InvalidMeshError as error:
-            raise NestingError(f"The coarse mesh of your own decimation is not valid: {error}") from error
+            raise NestingError(
+                f"The coarse mesh of your own decimation is not valid: {error}", code="certificate.failed"
+            ) from error
         if len(mesh.vertices) > budget.total:
             raise NestingError(
-                f"Your own decimation returned {len(mesh.vertices)} vertices where {budget.total} are wanted."
+                f"Your own decimation returned {len(mesh.vertices)} vertices where {budget.total} are wanted.",
+                code="count.per_loop",
             )
         return mesh

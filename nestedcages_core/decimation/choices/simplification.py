@@ -72,7 +72,8 @@ def simplified(fine: Mesh, count: Count, method: type[Simplification]) -> Mesh:
     if len(left.vertices) > request.target:
         raise NestingError(
             f"{request.target} vertices are too few to follow the mesh without crossings: the loops are in each "
-            f"other's way at {len(left.vertices)}; ask for at least as many, or use the outer hull."
+            f"other's way at {len(left.vertices)}; ask for at least as many, or use the outer hull.",
+            code="count.too_small",
         )
     return followed(request, left)
 
@@ -83,5 +84,6 @@ def followed(request: Request, outline: Outline) -> Mesh:
         return request.same_roles(request.coarse(outline))
     except InvalidMeshError as error:
         raise NestingError(
-            f"{request.total} vertices are too few to follow the mesh: {error} Ask for more, or use the outer hull."
+            f"{request.total} vertices are too few to follow the mesh: {error} Ask for more, or use the outer hull.",
+            code="count.too_small",
         ) from error

@@ -9,7 +9,7 @@ from itertools import islice
 
 import numpy as np
 
-from ...errors import InvalidMeshError, NestingError
+from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
@@ -118,9 +118,12 @@ class OuterHull:
             raise NestingError(search.unreachable(min(too_large, key=search.rank)))
         if asymmetric is not None:
             raise asymmetric
+        tightest = search.tightest()
         raise NestingError(
-            f"There is no room for a cage near {in_words(search.tightest())}: a gap there is as small as "
-            "floating-point numbers can tell at these coordinates; widen it, or move the shape closer to the origin."
+            f"There is no room for a cage near {in_words(tightest)}: a gap there is as small as "
+            "floating-point numbers can tell at these coordinates; widen it, or move the shape closer to the origin.",
+            code="clearance.no_room",
+            place=tightest,
         )
 
 
@@ -211,14 +214,17 @@ class _Search:
         place: FloatArray = starts[vertex[distance.argmin()] if len(vertex) else 0]
         return place
 
-    def unreachable(self, best: Outline) -> str:
+    def unreachable(self, best: Outline) -> Fault:
         """The message for a count that even the smallest hull exceeds."""
         sizes = [best.sizes[k] for k in np.argsort(self.request.loop_order)]
         per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= MAX_LOOPS_LISTED else ""
         smallest = len(best.vertices)
-        return (
+        return Fault(
             f"A level of {self.request.total} vertices is too small for this shape, whose loops are in each other's "
-            f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}."
+            f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}.",
+            "count.too_small",
+            total=self.request.total,
+            least=smallest,
         )
 
     def _greedy(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> ProgressiveHull:

@@ -42,7 +42,8 @@ def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:
     if orbits is None:
         raise AsymmetricError(
             f"No symmetric hull was found: where gaps are narrow, an offset of the outline does not have {symmetry}; "
-            "leave out the symmetry, or widen the gaps."
+            "leave out the symmetry, or widen the gaps.",
+            code="symmetry.not_found",
         )
     return orbits
 

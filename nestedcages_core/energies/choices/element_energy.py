@@ -49,7 +49,9 @@ class ElementEnergy:
     def __post_init__(self) -> None:
         for name in ("elements", "formula"):
             if not callable(getattr(self, name)):
-                raise NestedCagesError(f"ElementEnergy: {name} must be a function, not {getattr(self, name)!r}.")
+                raise NestedCagesError(
+                    f"ElementEnergy: {name} must be a function, not {getattr(self, name)!r}.", code="setting.invalid"
+                )
 
     @classmethod
     def per_vertex(cls, formula: Formula) -> ElementEnergy:

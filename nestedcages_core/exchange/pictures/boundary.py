@@ -27,7 +27,9 @@ def boundary_of_pixels(opaque: BoolArray, *, limits: Limits | None = None) -> Me
     """
     solid = np.pad(np.asarray(opaque, dtype=bool), 1)
     if solid.ndim != 2 or not solid.any():
-        raise InvalidMeshError("The picture has no opaque pixel; choose another picture or a lower threshold.")
+        raise InvalidMeshError(
+            "The picture has no opaque pixel; choose another picture or a lower threshold.", code="file.invalid"
+        )
     # unit edges with the opaque pixel to the right when walking with y downwards, by direction and starting corner
     above, below = solid[:-1, 1:-1], solid[1:, 1:-1]
     left, right = solid[1:-1, :-1], solid[1:-1, 1:]

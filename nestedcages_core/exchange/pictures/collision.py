@@ -27,7 +27,8 @@ def alpha_channel(picture: AnyArray) -> FloatArray:
     if given.ndim != 2 or given.dtype.kind not in "buif":
         raise NestedCagesError(
             f"A picture of shape {given.shape} and type {given.dtype} has no alpha channel; give (H, W, 4), or (H, W) "
-            "opacities."
+            "opacities.",
+            code="file.invalid",
         )
     if given.dtype.kind in "ui":
         return given.astype(np.float64) / float(np.iinfo(given.dtype).max)
@@ -97,7 +98,9 @@ def picture_cages_run(
 ) -> Generator[Progress, None, Hierarchy]:
     """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
-        raise NestedCagesError(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
+        raise NestedCagesError(
+            f"The padding must be a length of at least 0 pixels, not {padding!r}.", code="file.invalid"
+        )
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
 

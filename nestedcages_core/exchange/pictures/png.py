@@ -58,7 +58,9 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     Raises NestedCagesError for what is not one, or has more pixels than the limits allow.
     """
     if not isinstance(data, bytes | bytearray | memoryview):
-        raise NestedCagesError(f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.")
+        raise NestedCagesError(
+            f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.", code="file.invalid"
+        )
     limits = limits or Limits()
     limits.check("bytes", len(data))
     chunks = _chunks(bytes(data))
@@ -67,7 +69,9 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     try:  # never decompress more data than the picture has
         raw = zlib.decompressobj().decompress(chunks.get(b"IDAT", b""), _size(header))
     except zlib.error as error:
-        raise NestedCagesError(f"The picture's data cannot be unpacked ({error}); save the PNG again.") from error
+        raise NestedCagesError(
+            f"The picture's data cannot be unpacked ({error}); save the PNG again.", code="file.invalid"
+        ) from error
     samples = _samples(np.frombuffer(raw, dtype=np.uint8), header)
     if header.colour == PALETTE:
         return _looked_up(samples[:, :, 0], chunks)
@@ -77,21 +81,21 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
 def _chunks(data: bytes) -> dict[bytes, bytes]:
     """The contents of the chunks; those of the same kind joined."""
     if not data.startswith(SIGNATURE):
-        raise NestedCagesError("This is not a PNG picture; save it as PNG.")
+        raise NestedCagesError("This is not a PNG picture; save it as PNG.", code="file.invalid")
     chunks: dict[bytes, bytes] = {}
     parts: list[bytes] = []
     place = len(SIGNATURE)
     while b"IEND" not in chunks:
         if place + 12 > len(data):
-            raise NestedCagesError("The PNG ends too early; save it again.")
+            raise NestedCagesError("The PNG ends too early; save it again.", code="file.invalid")
         length, kind = struct.unpack_from(">I4s", data, place)
         content = data[place + 8 : place + 8 + length]
         stored = data[place + 8 + length : place + 12 + length]
         if len(stored) < 4:
-            raise NestedCagesError("The PNG ends too early; save it again.")
+            raise NestedCagesError("The PNG ends too early; save it again.", code="file.invalid")
         if zlib.crc32(kind + content) != int.from_bytes(stored, "big"):
             name = kind.decode("ascii") if kind.isalpha() else "unnamed"
-            raise NestedCagesError(f"The {name} part of the PNG is damaged; save it again.")
+            raise NestedCagesError(f"The {name} part of the PNG is damaged; save it again.", code="file.invalid")
         if kind == b"IDAT":
             parts.append(content)
         else:
@@ -103,11 +107,13 @@ def _chunks(data: bytes) -> dict[bytes, bytes]:
 def _header(chunks: dict[bytes, bytes]) -> Header:
     content = chunks.get(b"IHDR", b"")
     if len(content) != 13:
-        raise NestedCagesError("The PNG has no header; save it again.")
+        raise NestedCagesError("The PNG has no header; save it again.", code="file.invalid")
     header = Header(*struct.unpack(">IIBBBBB", content))
     right = header.depth in DEPTHS.get(header.colour, ()) and header.interlaced < 2
     if not right or header.compression or header.filtering or not header.width or not header.height:
-        raise NestedCagesError("The header of the PNG has values that the standard does not know; save it again.")
+        raise NestedCagesError(
+            "The header of the PNG has values that the standard does not know; save it again.", code="file.invalid"
+        )
     return header
 
 
@@ -134,11 +140,15 @@ def _samples(raw: NDArray[np.uint8], header: Header) -> Pixels:
     for rows, columns, height, stride in _passes(header):
         target = samples[rows, columns]
         if place + height * (stride + 1) > len(raw):
-            raise NestedCagesError("The picture's data are shorter than its size; save the PNG again.")
+            raise NestedCagesError(
+                "The picture's data are shorter than its size; save the PNG again.", code="file.invalid"
+            )
         lines = raw[place : place + height * (stride + 1)].reshape(height, stride + 1)
         place += lines.size
         if lines[:, 0].max() > 4:
-            raise NestedCagesError("The picture's data use a filter that the standard does not know; save it again.")
+            raise NestedCagesError(
+                "The picture's data use a filter that the standard does not know; save it again.", code="file.invalid"
+            )
         content = unfiltered(lines, max(channels * header.depth // 8, 1))
         target[...] = _unpacked(content, header.depth, target.shape[1] * channels).reshape(target.shape)
     return samples
@@ -165,7 +175,9 @@ def _looked_up(index: Pixels, chunks: dict[bytes, bytes]) -> NDArray[np.uint8]:
     alpha = chunks.get(b"tRNS", b"")[:256]
     table[: len(alpha), 3] = np.frombuffer(alpha, dtype=np.uint8)
     if int(index.max()) >= count:
-        raise NestedCagesError("The picture uses a colour that its palette does not have; save the PNG again.")
+        raise NestedCagesError(
+            "The picture uses a colour that its palette does not have; save the PNG again.", code="file.invalid"
+        )
     return np.asarray(table[index])
 
 

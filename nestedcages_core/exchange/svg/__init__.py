@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .document import Frame
 from .options import DRAWING_LIMITS, SvgOptions
-from .reading import SvgDrawing, from_svg, read_svg, read_svg_drawing, svg_drawing
+from .reading import SvgDrawing, SvgShapes, from_svg, read_svg, read_svg_drawing, svg_drawing, svg_shapes
 from .writing import to_svg, write_svg
 
 __all__ = [
@@ -12,10 +12,12 @@ __all__ = [
     "Frame",
     "SvgDrawing",
     "SvgOptions",
+    "SvgShapes",
     "from_svg",
     "read_svg",
     "read_svg_drawing",
     "svg_drawing",
+    "svg_shapes",
     "to_svg",
     "write_svg",
 ]

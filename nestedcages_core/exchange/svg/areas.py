@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -49,14 +49,27 @@ class Areas:
         """The areas that a node paints. outer: from its units to those of the document."""
         if isinstance(node, Shape):
             return self._of_shape(node, outer)
-        areas = [area for child in node.children for area in self.of(child, outer)]
-        for each in node.filters:
+        return self._kept([area for child in node.children for area in self.of(child, outer)], node, outer)
+
+    def parts(self, node: Group | Shape, outer: FloatArray) -> Iterator[tuple[Shape, list[Area]]]:
+        """Each shape of a node with the areas that it paints, those that paint none left out."""
+        if isinstance(node, Shape):
+            yield node, self._of_shape(node, outer)
+            return
+        for child in node.children:
+            for shape, areas in self.parts(child, outer):
+                kept = self._kept(areas, node, outer)
+                if kept:
+                    yield shape, kept
+
+    def _kept(self, areas: list[Area], group: Group, outer: FloatArray) -> list[Area]:
+        """Areas of a group after its filters, clip paths and masks."""
+        for each in group.filters:
             if areas:
-                areas = [self._filtered(areas, node, each, outer)]
-        for clip in node.clips:
-            if not areas:
-                break
-            areas = self._clipped(areas, node, clip, outer)
+                areas = [self._filtered(areas, group, each, outer)]
+        for clip in group.clips:
+            if areas:
+                areas = self._clipped(areas, group, clip, outer)
         return areas
 
     def _of_shape(self, shape: Shape, outer: FloatArray) -> list[Area]:
@@ -81,7 +94,9 @@ class Areas:
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
         curves = [moved(curve, matrix) for curve in path.curves]
         if not np.abs(np.concatenate(curves)).max() < MAX_COORDINATE:
-            raise NestedCagesError("The drawing has coordinates that are not finite, or too large; correct them.")
+            raise NestedCagesError(
+                "The drawing has coordinates that are not finite, or too large; correct them.", code="file.invalid"
+            )
         points = flattened(curves, tolerance)
         self.budget.spend("points", len(points))
         return points

@@ -58,15 +58,18 @@ class Document:
 
     def __init__(self, text: str | bytes, limits: Limits) -> None:
         if not isinstance(text, str | bytes | bytearray):
-            raise NestedCagesError(f"An SVG document is read from text or bytes, not from {type(text).__name__}.")
+            raise NestedCagesError(
+                f"An SVG document is read from text or bytes, not from {type(text).__name__}.", code="file.invalid"
+            )
         limits.check("bytes", len(text))
         try:
             self.root = ET.fromstring(text)
         except (ET.ParseError, ValueError, LookupError) as error:
-            raise NestedCagesError(f"This is not an SVG document: {error}.") from error
+            raise NestedCagesError(f"This is not an SVG document: {error}.", code="file.invalid") from error
         if name_of(self.root) != "svg":
             raise NestedCagesError(
-                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'."
+                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'.",
+                code="file.invalid",
             )
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
         self.by_id: dict[str, ET.Element] = {}

@@ -106,7 +106,9 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
     for child in children:
         step.last = KNOWN[name_of(child)](step, child)
         if len(step.last) > MAX_LAYERS:
-            raise NestedCagesError(f"A filter merges more than {MAX_LAYERS} layers; simplify it.")
+            raise NestedCagesError(
+                f"A filter merges more than {MAX_LAYERS} layers; simplify it.", code="limit.exceeded"
+            )
         if child.get("result"):
             step.results[child.get("result", "")] = step.last
     seen = shapely.union_all([layer.seen(shapely, faintest) for layer in step.last] if children else [])

@@ -33,6 +33,7 @@ class Shape:
     stroke_paint: Paint | None = None
     scales: bool = True
     """Whether the width of its stroke follows its transforms."""
+    id: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,7 +40,7 @@ class SvgOptions:
         if self.tolerance is not None:
             check_positive(self, "tolerance")
         if not 0.0 <= self.opacity <= 1.0:
-            raise NestedCagesError(f"The opacity must be from 0 to 1, not {self.opacity!r}.")
+            raise NestedCagesError(f"The opacity must be from 0 to 1, not {self.opacity!r}.", code="file.invalid")
 
     @property
     def faintest(self) -> float:

@@ -48,6 +48,18 @@ class SvgDrawing:
     """Sentences about omissions, and about what may be unintended."""
 
 
+@dataclass(frozen=True)
+class SvgShapes:
+    """The shapes of a document that was read."""
+
+    shapes: tuple[tuple[str, Mesh], ...]
+    """Names and meshes, in user units, y pointing down; names are ids, which may repeat, and empty for all as one."""
+    written: bool
+    """Whether this package has written the document."""
+    notes: tuple[str, ...]
+    """Sentences about omissions."""
+
+
 def read_svg(path: str | os.PathLike[str], **options: Any) -> Mesh:
     """The painted area of an SVG file; see `from_svg`."""
     return read_svg_drawing(path, **options).mesh
@@ -69,37 +81,90 @@ def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing
     return svg_drawing(read_whole(path, SvgOptions(**options).limits), **options)
 
 
-@np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is an error that names the shape
 def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     """`from_svg`, with the document's frame and notes on omissions."""
-    chosen = SvgOptions(**options)
-    document = Document(text, chosen.limits)
-    if not document.strokes_count:
-        chosen = replace(chosen, strokes=False)
-    scene = Scene(document, chosen)
-    notes: list[str] = []
-    root = _what_counts(scene, notes)
-    page = document.frame.page if chosen.crop and document.root.get("overflow") != "visible" else None
-    tolerance = chosen.tolerance or DEFAULT_TOLERANCE * _size(root, page)
-    if not tolerance > 0.0:
-        raise NestedCagesError("All points of the drawing coincide; draw closed paths with an inside.")
-    try:
-        reading = Areas(chosen, tolerance, document.pixel)
-        areas = reading.of(root, np.eye(3))
-        if page is not None:
-            areas = _on_page(areas, page, notes, reading.budget)
-        width = HAIRLINE * tolerance
+    reading = _Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options))
+    mesh = reading.made(reading.whole)
+    return SvgDrawing(mesh, reading.document.frame, reading.said())
+
+
+def svg_shapes(text: str | bytes, *, each: bool | None = None, **options: Any) -> SvgShapes:
+    """The shapes of a document by name, each painted area by itself, in the order in which they are drawn.
+
+    each: False for all shapes as one; None for all as one, except in documents that this package has written.
+    options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
+    """
+    document = Document(text, SvgOptions(**options).limits)
+    reading = _Reading(document, SvgOptions(**options))
+    written = not document.strokes_count
+    named = reading.made(reading.each) if each or (each is None and written) else [("", reading.made(reading.whole))]
+    return SvgShapes(tuple(named), written, reading.said())
+
+
+class _Reading:
+    """What both have in common: the tree of what counts, its areas, and the notes."""
+
+    def __init__(self, document: Document, options: SvgOptions) -> None:
+        self.document = document
+        self.options = options if document.strokes_count else replace(options, strokes=False)
+        self.notes: list[str] = []
+
+    def said(self) -> tuple[str, ...]:
+        return (*self.document.faults.notes(), *self.notes)
+
+    @np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is a fault
+    def made(self, work: Callable[[Group, Areas, Box | None], Any]) -> Any:
+        """What is made of the tree and its areas on the page. Raises NestedCagesError with the notes."""
+        root = _what_counts(Scene(self.document, self.options), self.notes)
+        page = self.document.frame.page
+        if not self.options.crop or self.document.root.get("overflow") == "visible":
+            page = None
+        tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _size(root, page)
+        if not tolerance > 0.0:
+            raise NestedCagesError(
+                "All points of the drawing coincide; draw closed paths with an inside.", code="file.invalid"
+            )
+        try:
+            return work(root, Areas(self.options, tolerance, self.document.pixel), page)
+        except InvalidMeshError as error:
+            raise InvalidMeshError(error.fault.said(" ".join((str(error), *self.said())))) from error
+        except Exception as error:
+            if type(error).__module__.partition(".")[0] != "shapely":
+                raise
+            problem = "The drawing's coordinates are too large or too close together to unite its shapes"
+            raise NestedCagesError(
+                f"{problem} ({error}); scale the drawing, or simplify it.", code="file.invalid"
+            ) from error
+
+    def whole(self, root: Group, reading: Areas, page: Box | None) -> Mesh:
+        """Everything as one."""
+        return self._solid(reading.of(root, np.eye(3)), reading, page)
+
+    def each(self, root: Group, reading: Areas, page: Box | None) -> list[tuple[str, Mesh]]:
+        """Every shape that has an inside on the page, by its id or its number. Raises InvalidMeshError for none."""
+        found: list[tuple[str, Mesh]] = []
+        failed = InvalidMeshError("The shapes have no inside.", code="mesh.empty")
+        for number, (shape, areas) in enumerate(reading.parts(root, np.eye(3)), 1):
+            try:
+                found.append(
+                    (shape.id or f"{shape.name.partition(' ')[0]} {number}", self._solid(areas, reading, page))
+                )
+            except InvalidMeshError as error:
+                failed = error
+        if not found:
+            raise failed
+        return found
+
+    def _solid(self, areas: list[Area], reading: Areas, page: Box | None) -> Mesh:
+        cut_off: list[str] = []
         narrow: list[str] = []
+        if page is not None:
+            areas = _on_page(areas, page, cut_off, reading.budget)
+        width = HAIRLINE * reading.tolerance
         mesh = solid(areas, seam=width, spike=width, budget=reading.budget, notes=narrow)
-        notes += [f"{note.capitalize()}." for note in narrow]
-        return SvgDrawing(mesh, document.frame, (*document.faults.notes(), *notes))
-    except InvalidMeshError as error:
-        raise InvalidMeshError(" ".join((str(error), *document.faults.notes(), *notes))) from error
-    except Exception as error:
-        if type(error).__module__.partition(".")[0] != "shapely":
-            raise
-        problem = "The drawing's coordinates are too large or too close together to unite its shapes"
-        raise NestedCagesError(f"{problem} ({error}); scale the drawing, or simplify it.") from error
+        new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
+        self.notes += [note for note in new if note not in self.notes]
+        return mesh
 
 
 def _what_counts(scene: Scene, notes: list[str]) -> Group:
@@ -166,7 +231,8 @@ def _controls(shape: Shape) -> FloatArray:
     points = np.concatenate([moved(curve, shape.matrix) for path in shape.subpaths for curve in path.curves])
     if not np.abs(points).max() < MAX_COORDINATE:
         raise NestedCagesError(
-            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing."
+            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing.",
+            code="file.invalid",
         )
     return points
 

@@ -93,12 +93,16 @@ class Scene:
         element = self.options.element
         if element is not None and element not in self.document.by_id:
             known = ", ".join(sorted(filter(None, self.document.by_id))[:12]) or "none"
-            raise NestedCagesError(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
+            raise NestedCagesError(
+                f"The drawing has no element with the id {quoted(element)}; its ids: {known}.", code="file.invalid"
+            )
         labels = [name for item in self.document.root if name_of(item) == "g" for name in _layer_names(item)]
         for layer in self.options.layers:
             if layer not in labels:
                 known = ", ".join(labels[:12]) or "none"
-                raise NestedCagesError(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
+                raise NestedCagesError(
+                    f"The drawing has no layer {quoted(layer)}; its layers: {known}.", code="file.invalid"
+                )
 
     def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
         """Add the drawing of an element to a group."""
@@ -107,7 +111,9 @@ class Scene:
         if name not in GROUPS and name not in OUTLINED and name != "use" and name not in LEFT_OUT:
             return
         if around.depth > MAX_DEPTH:
-            raise NestedCagesError("The drawing nests its elements too deeply; simplify its groups and references.")
+            raise NestedCagesError(
+                "The drawing nests its elements too deeply; simplify its groups and references.", code="limit.exceeded"
+            )
         style = self.styles.computed(item, around.style)
         opacity = around.opacity * share(style.get("opacity"))
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
@@ -227,6 +233,7 @@ class Scene:
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
+                item.get("id") or "",
             )
         )
         marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)

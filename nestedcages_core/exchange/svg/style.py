@@ -57,7 +57,9 @@ class Styles:
             try:
                 self.sheets = _matched(document.root, "\n".join(texts))
             except RecursionError as error:
-                raise NestedCagesError("The style sheets nest blocks too deeply; simplify them.") from error
+                raise NestedCagesError(
+                    "The style sheets nest blocks too deeply; simplify them.", code="limit.exceeded"
+                ) from error
 
     def own(self, item: ET.Element) -> dict[str, str]:
         """The element's own properties."""
@@ -135,7 +137,9 @@ def _element_class(cssselect2: ModuleType) -> Any:
                 setattr(self, cache, found)
             Element.looked_through += len(found) + 1
             if Element.looked_through > MAX_LOOKED_THROUGH:
-                raise NestedCagesError("The selectors of the style sheets take too long to match; simplify them.")
+                raise NestedCagesError(
+                    "The selectors of the style sheets take too long to match; simplify them.", code="limit.exceeded"
+                )
             return found
 
     return Element

@@ -34,7 +34,8 @@ def read_transform(text: str) -> FloatArray:
         if found is None or matrix is None:
             raise NestedCagesError(
                 f"The transform '{text[:MAX_TRANSFORM_SHOWN]}' cannot be read; use matrix, translate, scale, "
-                "rotate, skewX and skewY with finite numbers."
+                "rotate, skewX and skewY with finite numbers.",
+                code="file.invalid",
             )
         product = product @ matrix
         place = found.end()

@@ -39,24 +39,29 @@ def to_svg(
     levels: Sequence[int] | None = None,
     y_up: bool = False,
     decimals: int | None = None,
+    size: tuple[float, str] | None = None,
 ) -> str:
     """An SVG document with one path per mesh, with holes and exact coordinates.
 
     shapes: a mesh, a level, a hierarchy, several meshes, or meshes by the id that each path gets.
     view_box: x, y, width and height of the view; default: all shapes.
     frame: of a document that was read, so that the output coincides with it.
-    levels: of each shape, 0 for a drawing, 1 for its innermost cage; default: in order. Levels differ in colour and in
-    class, "level-0" and so on; the highest is drawn first, so that cages lie below their contents.
+    levels: of each shape, 0 for a drawing, 1 for its innermost cage, -1 for the first one inside; default: in order.
+    Levels differ in colour and in class, "level-0", "inner-1" and so on; the highest is drawn first, so that cages lie
+    below their contents.
     y_up: whether y points up, as in maps.
     decimals: the most that a coordinate of a cage may have, as of `to_geojson`; a drawing is written as it is.
+    size: length of a unit on paper with its CSS unit, such as (1.0, "mm"); default: as in the frame, or none.
     """
     named = _named(shapes)
     if not named:
-        raise NestedCagesError("There is nothing to write; give at least one mesh.")
+        raise NestedCagesError("There is nothing to write; give at least one mesh.", code="file.invalid")
     level_of = list(range(len(named)) if levels is None else levels)
     if len(level_of) != len(named):
-        raise NestedCagesError(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
-    cages = [mesh for level, mesh in zip(level_of, named.values(), strict=True) if level > 0]
+        raise NestedCagesError(
+            f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.", code="file.invalid"
+        )
+    cages = [mesh for level, mesh in zip(level_of, named.values(), strict=True) if level != 0]
     check_decimals(cages or named.values(), decimals)
     points = np.concatenate([mesh.vertices for mesh in named.values()]) * (1.0, -1.0 if y_up else 1.0)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -64,15 +69,16 @@ def to_svg(
     if view_box is None and (frame is None or frame.page is None):
         frame = None
         view_box = (*(low - PAGE_MARGIN * diagonal), *(high - low + 2.0 * PAGE_MARGIN * diagonal))
-    page = _page(view_box, frame)
+    page = _page(view_box, frame, size)
     width = STROKE * diagonal / math.sqrt(max(Counter(level_of).values()))
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" {page} overflow="visible" {OUTLINES}="{DECORATION}">']
     if y_up:
         lines.append('<g transform="scale(1 -1)">')
     for level, (name, mesh) in sorted(zip(level_of, named.items(), strict=True), key=lambda each: -each[0]):
-        colour = COLOURS[level % len(COLOURS)]
+        colour = COLOURS[abs(level) % len(COLOURS)]
+        kind = f"level-{level}" if level >= 0 else f"inner-{-level}"
         lines.append(
-            f'  <path id="{html.escape(NOT_XML.sub("_", name))}" class="level-{level}" fill="{colour}" '
+            f'  <path id="{html.escape(NOT_XML.sub("_", name))}" class="{kind}" fill="{colour}" '
             f'fill-opacity="{CAGE_OPACITY if level else DRAWING_OPACITY}" fill-rule="evenodd" stroke="{colour}" '
             f'stroke-width="{width:.3g}" stroke-linejoin="round"\n    d="{path_data(mesh)}"/>'
         )
@@ -84,11 +90,14 @@ def write_svg(path: str | os.PathLike[str], shapes: Shapes, **options: Any) -> N
     write_whole(path, to_svg(shapes, **options))
 
 
-def _page(view_box: Sequence[float] | None, frame: Frame | None) -> str:
-    """Attributes that define the view."""
+def _page(view_box: Sequence[float] | None, frame: Frame | None, size: tuple[float, str] | None) -> str:
+    """Attributes that define the view; size: of a unit."""
     seen = view_box if view_box is not None else frame.view_box if frame else None
     found = {"viewBox": " ".join(f"{float(number):.9g}" for number in seen)} if seen is not None else {}
-    if frame is not None:
+    if size is not None and seen is not None:
+        for key, length in (("width", seen[2]), ("height", seen[3])):
+            found[key] = f"{float(length) * size[0]:.9g}{html.escape(size[1])}"
+    elif frame is not None:
         given = {"width": frame.width, "height": frame.height, "preserveAspectRatio": frame.preserve_aspect_ratio}
         found.update({key: html.escape(value) for key, value in given.items() if value})
     return " ".join(f'{key}="{value}"' for key, value in found.items())

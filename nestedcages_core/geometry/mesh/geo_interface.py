@@ -28,7 +28,7 @@ def rings_of(geometry: Any) -> list[list[Any]]:
     polygons: list[list[Any]] = []
     _collect(geometry, polygons, 0)
     if not polygons:
-        raise InvalidMeshError("The geometry is empty; give at least one polygon.")
+        raise InvalidMeshError("The geometry is empty; give at least one polygon.", code="mesh.empty")
     return polygons
 
 
@@ -37,7 +37,8 @@ def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
     if not isinstance(mapping, Mapping) or depth > MAX_NESTING_DEPTH:
         raise InvalidMeshError(
             f"A {type(geometry).__name__} does not describe a geometry; give an object with __geo_interface__, "
-            "such as a shapely Polygon."
+            "such as a shapely Polygon.",
+            code="mesh.unreadable",
         )
     kind = mapping.get("type")
     if kind == "Polygon":
@@ -55,14 +56,18 @@ def _collect(geometry: Any, polygons: list[list[Any]], depth: int) -> None:
         for member in _items(mapping, "geometries"):
             _collect(member, polygons, depth + 1)
     else:
-        raise InvalidMeshError(f"A geometry of type {kind} has no inside; give Polygon or MultiPolygon geometries.")
+        raise InvalidMeshError(
+            f"A geometry of type {kind} has no inside; give Polygon or MultiPolygon geometries.", code="mesh.unreadable"
+        )
 
 
 def _items(mapping: Mapping[str, Any], key: str) -> list[Any]:
     try:
         return list(mapping[key])
     except Exception as error:
-        raise InvalidMeshError(f"The {mapping['type']} has no list of {key}; give one.") from error
+        raise InvalidMeshError(
+            f"The {mapping['type']} has no list of {key}; give one.", code="mesh.unreadable"
+        ) from error
 
 
 def _add(rings: Any, polygons: list[list[Any]]) -> None:
@@ -71,7 +76,8 @@ def _add(rings: Any, polygons: list[list[Any]]) -> None:
         polygon = [[tuple(point)[:2] for point in ring] for ring in rings]
     except TypeError as error:
         raise InvalidMeshError(
-            "The coordinates of a Polygon are a list of rings of points; these are something else."
+            "The coordinates of a Polygon are a list of rings of points; these are something else.",
+            code="mesh.unreadable",
         ) from error
     if any(polygon):
         polygons.append(polygon)

@@ -112,7 +112,8 @@ class Mesh(Drawable):
         if not self.area > 0.0:
             raise InvalidMeshError(
                 f"The area inside the loops around {place(checked[0])} is too small for floating-point numbers; "
-                "scale the shape up or make it wider."
+                "scale the shape up or make it wider.",
+                code="mesh.out_of_range",
             )
 
     @classmethod
@@ -122,22 +123,27 @@ class Mesh(Drawable):
             given = [np.asarray(loop) for loop in loops]
         except Exception as error:
             raise InvalidMeshError(
-                f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y)."
+                f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y).",
+                code="mesh.unreadable",
             ) from error
         if not given:
-            raise InvalidMeshError("The mesh is empty: there are no loops; give at least one loop of three points.")
+            raise InvalidMeshError(
+                "The mesh is empty: there are no loops; give at least one loop of three points.", code="mesh.empty"
+            )
         rings = []
         for k, points in enumerate(given):
             if points.ndim != 2 or points.shape[1] != 2:
                 raise InvalidMeshError(
                     f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows "
-                    "(x, y)."
+                    "(x, y).",
+                    code="mesh.unreadable",
                 )
             ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
             if len(ring) < 3:
                 at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
                 raise InvalidMeshError(
-                    f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it."
+                    f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it.",
+                    code="mesh.open",
                 )
             rings.append(ring)
         sizes = np.array([len(ring) for ring in rings])
@@ -149,7 +155,9 @@ class Mesh(Drawable):
             together = np.concatenate(rings)
         except TypeError as error:
             kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
-            raise InvalidMeshError(f"The loops hold different kinds of values ({kinds}); give numbers.") from error
+            raise InvalidMeshError(
+                f"The loops hold different kinds of values ({kinds}); give numbers.", code="mesh.unreadable"
+            ) from error
         mesh = object.__new__(cls)
         mesh._build(as_vertices(together), np.stack((starts, ends), axis=1), LoopOrder(starts, sizes))
         return mesh
@@ -168,11 +176,13 @@ class Mesh(Drawable):
             components = mesh.component_of_loop[first : first + len(polygon)]
             if roles[0] < 0:
                 raise InvalidMeshError(
-                    f"Polygon {k} near {place(polygon[0][0])} lies inside another polygon; unite them or remove one."
+                    f"Polygon {k} near {place(polygon[0][0])} lies inside another polygon; unite them or remove one.",
+                    code="mesh.nesting",
                 )
             if (roles[1:] > 0).any() or (components != components[0]).any():
                 raise InvalidMeshError(
-                    f"A hole of polygon {k} near {place(polygon[0][0])} is not directly inside it; move or remove it."
+                    f"A hole of polygon {k} near {place(polygon[0][0])} is not directly inside it; move or remove it.",
+                    code="mesh.nesting",
                 )
             first += len(polygon)
         return mesh
@@ -186,7 +196,7 @@ class Mesh(Drawable):
         if isinstance(shape, cls):
             return shape
         if not is_mesh_like(shape):
-            raise InvalidMeshError(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.")
+            raise InvalidMeshError(f"A shape must be {MESH_LIKE}, not {type(shape).__name__}.", code="mesh.unreadable")
         if not isinstance(shape, list | tuple | np.ndarray):
             return cls.from_geometry(shape)
         return cls.from_loops([shape] if _is_loop(shape) else shape)
@@ -231,7 +241,8 @@ class Mesh(Drawable):
         moved = np.array(vertices, dtype=np.float64)
         if moved.shape != self.vertices.shape:
             raise InvalidMeshError(
-                f"The moved vertices have shape {moved.shape}, but the mesh has {self.vertices.shape}; give as many."
+                f"The moved vertices have shape {moved.shape}, but the mesh has {self.vertices.shape}; give as many.",
+                code="mesh.unreadable",
             )
         mesh = object.__new__(Mesh)
         kept = {name: value for name, value in vars(self).items() if name in TOPOLOGY}

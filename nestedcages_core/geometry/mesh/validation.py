@@ -20,29 +20,40 @@ def as_vertices(data: Any) -> FloatArray:
     """A read-only copy as (n, 2) float64, finite and of a workable size. Raises InvalidMeshError."""
     given = _as_array(data, "vertices")
     if given.size == 0:
-        raise InvalidMeshError("The mesh is empty: it has no vertices; give at least one loop of three vertices.")
+        raise InvalidMeshError(
+            "The mesh is empty: it has no vertices; give at least one loop of three vertices.", code="mesh.empty"
+        )
     if given.ndim != 2 or given.shape[1] != 2:
         raise InvalidMeshError(
-            f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex."
+            f"The vertices have shape {given.shape}, but (n, 2) is needed; give two coordinates per vertex.",
+            code="mesh.unreadable",
         )
     vertices = _converted(given, np.float64, "vertices")
     if not np.isfinite(vertices).all():
         bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
         raise InvalidMeshError(
-            f"Vertex {bad[0]} has the coordinates {place(vertices[bad[0]])}; give finite numbers, or remove the vertex."
+            f"Vertex {bad[0]} has the coordinates {place(vertices[bad[0]])}; give finite numbers, or remove the "
+            "vertex.",
+            code="mesh.not_finite",
+            vertex=bad[0],
         )
     extent = float(np.abs(vertices).max())
     if extent > MAX_COORDINATE:
         far = int(np.abs(vertices).max(axis=1).argmax())
         raise InvalidMeshError(
             f"Vertex {far} at {place(vertices[far])} is farther out than {MAX_COORDINATE:g}, where areas leave the "
-            "range of floating-point numbers; scale the shape down."
+            "range of floating-point numbers; scale the shape down.",
+            code="mesh.out_of_range",
+            vertex=far,
+            place=vertices[far],
         )
     size = max(np.ptp(vertices[:, 0]), np.ptp(vertices[:, 1]))
     if len(vertices) > 1 and 0.0 < size < MIN_EXTENT:
         raise InvalidMeshError(
             f"The whole shape around {place(vertices[0])} is smaller than {MIN_EXTENT:g}, where areas leave the "
-            "range of floating-point numbers; scale it up."
+            "range of floating-point numbers; scale it up.",
+            code="mesh.out_of_range",
+            place=vertices[0],
         )
     vertices.flags.writeable = False
     return vertices
@@ -52,10 +63,11 @@ def as_edges(data: Any, count: int) -> IntArray:
     """A copy as (m, 2) int64 that joins `count` vertices into closed loops. Raises InvalidMeshError."""
     given = _as_array(data, "edges")
     if given.size == 0:
-        raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.")
+        raise InvalidMeshError("The mesh has no edges; join the vertices into closed loops.", code="mesh.empty")
     if given.ndim != 2 or given.shape[1] != 2:
         raise InvalidMeshError(
-            f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge."
+            f"The edges have shape {given.shape}, but (m, 2) is needed; give two vertex indices per edge.",
+            code="mesh.unreadable",
         )
     if given.dtype.kind not in "iu":
         numbers = _converted(given, np.float64, "edges")
@@ -63,7 +75,9 @@ def as_edges(data: Any, count: int) -> IntArray:
         if len(bad):
             raise InvalidMeshError(
                 f"Edge {bad[0]} joins {place(numbers[bad[0]])}, but vertex indices are whole numbers; "
-                "give an array of integers."
+                "give an array of integers.",
+                code="mesh.edge_index",
+                edges=[bad[0]],
             )
         given = numbers
     if given.min() < 0 or given.max() >= count:
@@ -71,7 +85,9 @@ def as_edges(data: Any, count: int) -> IntArray:
         i, j = (f"{k:.17g}" if given.dtype.kind == "f" else str(k) for k in given[outside[0]].tolist())
         raise InvalidMeshError(
             f"Edge {outside[0]} joins vertices {i} and {j}, but the {count} vertices are numbered from 0 to "
-            f"{count - 1}; correct the index."
+            f"{count - 1}; correct the index.",
+            code="mesh.edge_index",
+            edges=[outside[0]],
         )
     edges: IntArray = given.astype(np.int64)
     _check_degrees(edges, count)
@@ -83,7 +99,8 @@ def _as_array(data: Any, what: str) -> AnyArray:
         return np.asarray(data)
     except Exception as error:
         raise InvalidMeshError(
-            f"The {what} cannot be read as an array ({error}); give one row of two numbers each."
+            f"The {what} cannot be read as an array ({error}); give one row of two numbers each.",
+            code="mesh.unreadable",
         ) from error
 
 
@@ -95,14 +112,20 @@ def _converted(given: AnyArray, dtype: type[np.float64], what: str) -> FloatArra
         with np.errstate(all="ignore"):
             return np.array(given, dtype=dtype, order="C", subok=False)
     except Exception as error:
-        raise InvalidMeshError(f"The {what} are not all real numbers ({error}); give numbers only.") from error
+        raise InvalidMeshError(
+            f"The {what} are not all real numbers ({error}); give numbers only.", code="mesh.unreadable"
+        ) from error
 
 
 def _check_degrees(edges: IntArray, count: int) -> None:
     """Raise unless every vertex is the end of exactly two different edges."""
     selfish = np.flatnonzero(edges[:, 0] == edges[:, 1])
     if len(selfish):
-        raise InvalidMeshError(f"Edge {selfish[0]} joins vertex {edges[selfish[0], 0]} to itself; remove the edge.")
+        raise InvalidMeshError(
+            f"Edge {selfish[0]} joins vertex {edges[selfish[0], 0]} to itself; remove the edge.",
+            code="mesh.edge_index",
+            edges=[selfish[0]],
+        )
     degree = np.bincount(edges.ravel(), minlength=count)
     wrong = np.flatnonzero(degree != 2)
     if len(wrong) or _has_two_gon(edges, count):
@@ -113,17 +136,29 @@ def _check_degrees(edges: IntArray, count: int) -> None:
             i, j = sorted(order[same[0] : same[0] + 2])
             raise InvalidMeshError(
                 f"Edges {i} and {j} both join vertices {low[i]} and {high[i]}; remove one: a loop has each edge once "
-                "and at least three vertices."
+                "and at least three vertices.",
+                code="mesh.edge_index",
+                edges=[i, j],
             )
     if not len(wrong):
         return
     vertex, found = wrong[0], degree[wrong[0]]
     if found == 0:
-        raise InvalidMeshError(f"Vertex {vertex} belongs to no edge; remove it, or join it into a loop.")
+        raise InvalidMeshError(
+            f"Vertex {vertex} belongs to no edge; remove it, or join it into a loop.",
+            code="mesh.open",
+            vertices=[vertex],
+        )
     if found == 1:
-        raise InvalidMeshError(f"The loop is open at vertex {vertex}, where only one edge ends; close it with an edge.")
+        raise InvalidMeshError(
+            f"The loop is open at vertex {vertex}, where only one edge ends; close it with an edge.",
+            code="mesh.open",
+            vertices=[vertex],
+        )
     raise InvalidMeshError(
-        f"At vertex {vertex} meet {found} edges, but loops pass each vertex once; split the vertex or remove an edge."
+        f"At vertex {vertex} meet {found} edges, but loops pass each vertex once; split the vertex or remove an edge.",
+        code="mesh.open",
+        vertices=[vertex],
     )
 
 
@@ -155,7 +190,11 @@ def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
         k = flat[0]
         raise InvalidMeshError(
             f"Vertices {vertex[k]} and {vertex[ahead[k]]} follow each other in loop {loop[k]} and both lie at "
-            f"{place(points[k])}; remove one of them."
+            f"{place(points[k])}; remove one of them.",
+            code="mesh.repeated_vertex",
+            loops=[loop[k]],
+            vertices=[vertex[k], vertex[ahead[k]]],
+            place=points[k],
         )
     _check_fold_back(points, order)
     tree = BoxTree(points, ends)
@@ -180,7 +219,11 @@ def _check_fold_back(points: FloatArray, order: LoopOrder) -> None:
         k = ahead[straight[back.argmax()]]
         raise InvalidMeshError(
             f"Loop {order.loop[k]} turns back over its own edge at vertex {order.vertices[k]}, {place(points[k])}; "
-            "move or remove the vertex."
+            "move or remove the vertex.",
+            code="mesh.spike",
+            loops=[order.loop[k]],
+            vertices=[order.vertices[k]],
+            place=points[k],
         )
 
 
@@ -198,22 +241,39 @@ def _raise_contact(points: FloatArray, order: LoopOrder, i: IntArray, j: IntArra
             k, m = int(here[same[0]]), int(there[same[0]])
             raise InvalidMeshError(
                 f"Vertices {vertex[k]} of loop {loop[k]} and {vertex[m]} of loop {loop[m]} both lie at "
-                f"{place(points[k])}; move one of them, so that the boundary does not touch itself."
+                f"{place(points[k])}; move one of them, so that the boundary does not touch itself.",
+                code="mesh.repeated_vertex",
+                loops=[loop[k], loop[m]],
+                vertices=[vertex[k], vertex[m]],
+                place=points[k],
             )
     first = int(np.lexsort((j, i))[0])
     k, m = int(i[first]), int(j[first])
     for a, b in ((k, m), (int(ahead[k]), m), (m, k), (int(ahead[m]), k)):
         if segments_intersect(points[[a]], points[[a]], points[[b]], ends[[b]])[0]:
             raise InvalidMeshError(
-                f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {place(points[a])}; move it off the edge."
+                f"Vertex {vertex[a]} of loop {loop[a]} lies on {edge(b)} at {place(points[a])}; move it off the edge.",
+                code="mesh.crossing",
+                loops=[loop[a], loop[b]],
+                vertices=[vertex[a], vertex[b], vertex[ahead[b]]],
+                place=points[a],
             )
-    where = place(crossing_point(points[k], ends[k], points[m], ends[m]))
+    point = crossing_point(points[k], ends[k], points[m], ends[m])
+    where, corners = place(point), [vertex[k], vertex[ahead[k]], vertex[m], vertex[ahead[m]]]
     if loop[k] == loop[m]:
         raise InvalidMeshError(
-            f"Loop {loop[k]} crosses itself near {where}: {edge(k)} meets {edge(m)}; move their vertices apart."
+            f"Loop {loop[k]} crosses itself near {where}: {edge(k)} meets {edge(m)}; move their vertices apart.",
+            code="mesh.crossing",
+            loops=[loop[k]],
+            vertices=corners,
+            place=point,
         )
     raise InvalidMeshError(
-        f"Loops {loop[k]} and {loop[m]} cross near {where}: {edge(k)} meets {edge(m)}; move them apart, or unite them."
+        f"Loops {loop[k]} and {loop[m]} cross near {where}: {edge(k)} meets {edge(m)}; move them apart, or unite them.",
+        code="mesh.crossing",
+        loops=[loop[k], loop[m]],
+        vertices=corners,
+        place=point,
     )
 
 

@@ -52,7 +52,11 @@ def _check_different(points: FloatArray) -> None:
     order = np.lexsort((points[:, 1], points[:, 0]))
     same = np.flatnonzero((points[order[1:]] == points[order[:-1]]).all(axis=1))
     if len(same):
-        raise InvalidMeshError(f"Two points lie at {place(points[order[same[0]]])}; remove one of them.")
+        raise InvalidMeshError(
+            f"Two points lie at {place(points[order[same[0]]])}; remove one of them.",
+            code="mesh.repeated_vertex",
+            place=points[order[same[0]]],
+        )
 
 
 def _delaunay(framed: FloatArray, exact: FloatArray) -> IntArray:

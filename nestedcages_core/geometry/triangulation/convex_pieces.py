@@ -36,7 +36,9 @@ def convex_pieces(mesh: Mesh, most: int = 8) -> list[FloatArray]:
 def piece_vertices(mesh: Mesh, most: int = 8, *, orders: int = ORDERS) -> list[Piece]:
     """The same as numbers of vertices of the mesh; orders: how many orders of the diagonals are tried."""
     if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 3:
-        raise NestedCagesError(f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.")
+        raise NestedCagesError(
+            f"Convex pieces have at least 3 vertices, so most must be at least 3, not {most!r}.", code="setting.invalid"
+        )
     tiles = triangulate(mesh)
     triangles: list[Piece] = tiles.triangles.tolist()
     owner = {(a, b): k for k, t in enumerate(triangles) for a, b in zip(t, [*t[1:], t[0]], strict=True)}

@@ -156,7 +156,8 @@ class Flips:
     def _refuse(self, a: int, b: int, on: int) -> None:
         raise InvalidMeshError(
             f"The segment from {place(self.points[a])} to {place(self.points[b])} meets another one or a point "
-            f"at or near {place(self.points[on])}; move them apart."
+            f"at or near {place(self.points[on])}; move them apart.",
+            code="mesh.crossing",
         )
 
     def _insert(self, p: int, start: Edge) -> Edge:

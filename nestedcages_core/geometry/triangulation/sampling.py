@@ -40,7 +40,10 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.spacing < np.inf:
-            raise NestedCagesError(f"The spacing of a triangulation must be a positive length, not {self.spacing!r}.")
+            raise NestedCagesError(
+                f"The spacing of a triangulation must be a positive length, not {self.spacing!r}.",
+                code="setting.invalid",
+            )
         check_fraction(self, "at_corners")
         check_not_negative(self, "growth")
 

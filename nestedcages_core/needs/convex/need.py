@@ -9,7 +9,7 @@ import numpy as np
 from ...contact.pairs import Bodies
 from ...contact.reinflation import Reinflation
 from ...decimation.base import LEAST_PER_LOOP
-from ...errors import NestingError
+from ...errors import Fault, NestingError
 from ...flow import FlowResult
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
@@ -46,9 +46,16 @@ class ConvexLevelBuilder:
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
         """The level with ``wanted`` vertices around each part. Raises NestingError."""
         if isinstance(wanted, Mesh):
-            raise NestingError("A convex cage is asked for by a number of vertices, not by a coarse mesh.")
+            raise NestingError(
+                "A convex cage is asked for by a number of vertices, not by a coarse mesh.", code="setting.conflict"
+            )
         if wanted < LEAST_PER_LOOP:
-            raise NestingError(f"A convex cage needs at least {LEAST_PER_LOOP} vertices, not {wanted}.")
+            raise NestingError(
+                f"A convex cage needs at least {LEAST_PER_LOOP} vertices, not {wanted}.",
+                code="count.too_small",
+                total=wanted,
+                least=LEAST_PER_LOOP,
+            )
         yield from self.progress.begin("decimation")
         problem = "its corners are too close together for floating-point numbers"
         for clearance in self.clearances:
@@ -64,7 +71,7 @@ class ConvexLevelBuilder:
                 certificate = verify(cage, self.fine, clearance, same_loops=False)
                 if certificate and is_convex(cage):
                     return self._level(cage, hulls, polygons, wanted, clearance, certificate)
-        raise NestingError(f"There is no convex cage around this shape: {problem}.")
+        raise NestingError(f"There is no convex cage around this shape: {problem}.", code="convex.overlapping")
 
     def _polygons(self, hulls: list[Hull], wanted: int) -> Stage[Progress, list[Tangents] | None]:
         """The polygon of each part; overlapping ones are made again with a wall between them. None if there are
@@ -112,19 +119,30 @@ class ConvexLevelBuilder:
     ) -> Level:
         """The level of a certified cage."""
         steps = self._steps(cage, hulls, polygons)
-        notes: tuple[str, ...] = ()
+        notes: tuple[Fault, ...] = ()
         if not cage.has_loops_like(self.fine):
-            notes = (f"The cage has {loops_in_words(cage)}, but the mesh in it has {loops_in_words(self.fine)}.",)
+            said = f"The cage has {loops_in_words(cage)}, but the mesh in it has {loops_in_words(self.fine)}."
+            notes = (Fault(said, "note.loops"),)
         fewest = min(len(each.angle) for each in polygons)
         if fewest < wanted:
             notes = (
                 *notes,
-                f"{wanted} vertices were asked for, but a hull has {fewest}: with these, the cage is as tight.",
+                Fault(
+                    f"{wanted} vertices were asked for, but a hull has {fewest}: with these, the cage is as tight.",
+                    "note.count",
+                    asked=wanted,
+                    given=fewest,
+                ),
             )
         if clearance < self.clearances[0]:
             notes = (
                 *notes,
-                f"The parts leave room for a clearance of {clearance:.3g}, not {self.clearances[0]:.3g}.",
+                Fault(
+                    f"The parts leave room for a clearance of {clearance:.3g}, not {self.clearances[0]:.3g}.",
+                    "note.clearance",
+                    wanted=self.clearances[0],
+                    given=clearance,
+                ),
             )
         self.progress.stop_clock()
         report = NestingReport(

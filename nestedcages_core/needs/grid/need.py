@@ -13,7 +13,7 @@ import numpy as np
 from ...contact.pairs import Bodies
 from ...contact.reinflation import Reinflation
 from ...energies import Area, inwards
-from ...errors import NestingError
+from ...errors import Fault, NestingError
 from ...flow import FlowResult
 from ...geometry.arrays import FloatArray
 from ...geometry.lattice import Grid
@@ -83,7 +83,9 @@ class GridLevelBuilder:
         if not self.grid.resolves(self.fine.vertices):
             raise NestingError(
                 f"The grid of {self.grid.spacing:.6g} is finer than floating-point numbers are at these coordinates; "
-                "ask for a coarser one, or move the shape closer to the origin."
+                "ask for a coarser one, or move the shape closer to the origin.",
+                code="numbers.unresolved",
+                spacing=self.grid.spacing,
             )
         level = yield from self.builder.build(wanted)
         found = yield from self.on_grid(level)
@@ -99,15 +101,20 @@ class GridLevelBuilder:
             found = yield from self.on_grid(roomy)
             if found is not None:
                 return found
-        remedy = "ask for a finer one"
+        remedy, works = "ask for a finer one", None
         for part in FINER:
             finer = Grid(float(self.grid.ratio * Fraction(part)))
             if (yield from self._moved(level, finer)) is not None:
-                remedy = f"a grid of {finer.spacing:.6g} works"
+                remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
                 break
         raise NestingError(
             f"No cage with {len(level.cage.vertices)} vertices on the grid of {self.grid.spacing:.6g} was found that "
-            f"keeps the clearance of {clearance:.6g}; {remedy}."
+            f"keeps the clearance of {clearance:.6g}; {remedy}.",
+            code="numbers.no_room",
+            spacing=self.grid.spacing,
+            finer=works,
+            count=len(level.cage.vertices),
+            clearance=clearance,
         )
 
     def on_grid(self, level: Level) -> Stage[Progress, Level | None]:
@@ -122,7 +129,7 @@ class GridLevelBuilder:
         notes = self._noted(level, found)
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
-    def _noted(self, level: Level, found: Level) -> tuple[str, ...]:
+    def _noted(self, level: Level, found: Level) -> tuple[Fault, ...]:
         """The notes of the level on the grid, with what its cage misses instead of what the one before missed."""
         clearance = level.report.wanted_clearance
         before, after = (self.plan.notes(each.cage, clearance) for each in (level, found))
@@ -163,11 +170,12 @@ class GridLevelBuilder:
 def _without_dents(level: Level, cage: Mesh) -> Level:
     """The level with the convex hull of a cage, from where it does not move."""
     hull = without_dents(cage)
-    note = f"On the grid, {len(cage.vertices)} vertices make no convex cage: it has {len(hull.vertices)} at most."
+    count, most = len(cage.vertices), len(hull.vertices)
+    said = f"On the grid, {count} vertices make no convex cage: it has {most} at most."
     flow = FlowResult(level.fine.vertices[None], 0, "inside")
     resting = Reinflation(level.fine.vertices[None], hull.vertices[None], 0)
-    kept = [said for said in level.report.notes if not said.startswith("On the grid")]
-    report = replace(level.report, notes=(*kept, note))
+    kept = [note for note in level.report.notes if note.data.get("on") != "grid"]
+    report = replace(level.report, notes=(*kept, Fault(said, "note.count", asked=count, given=most, on="grid")))
     return replace(level, coarse=hull, cage=hull, flow=flow, reinflation=resting, report=report)
 
 

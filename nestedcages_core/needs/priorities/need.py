@@ -15,7 +15,7 @@ from ...decimation import Decimation, OnCurve, OuterHull
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.hull.importance import PIN_REACH, Importance
 from ...energies import Area, BoundSum, CageEnergy
-from ...errors import NestingError
+from ...errors import Fault, NestingError
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
@@ -81,7 +81,12 @@ class Priorities(Need):
         """
         weights = None if weights is None else np.asarray(weights, np.float64)
         if weights is not None and len(weights) != len(fine.vertices):
-            raise NestingError(f"There are {len(weights)} weights, but the mesh has {len(fine.vertices)} vertices.")
+            raise NestingError(
+                f"There are {len(weights)} weights, but the mesh has {len(fine.vertices)} vertices.",
+                code="priorities.mismatch",
+                given=len(weights),
+                available=len(fine.vertices),
+            )
         importance = Importance(fine, weights, _places(*places, fine, symmetry), symmetry)
         return cls(importance, *limits)
 
@@ -99,7 +104,7 @@ class Priorities(Need):
             fallback=None if fallback is None else self._applied(fallback),
         )
 
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[str, ...]]:
+    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
         """The number of vertices, reduced if edges of the least length do not allow so many; and a note if so."""
         if self.min_edge is None:
             return count, ()
@@ -109,7 +114,8 @@ class Priorities(Need):
         )
         if count <= most:
             return count, ()
-        return most, (f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}.",)
+        said = f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}."
+        return most, (Fault(said, "note.count", asked=count, given=most),)
 
     def _applied(self, decimation: Decimation) -> Decimation:
         if isinstance(decimation, OnCurve):
@@ -174,7 +180,7 @@ class Priorities(Need):
             away[k] = clearance * float(norm(step[None])[0])
         return target, away
 
-    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[str, ...]:
+    def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each priority that the cage misses."""
         inner, inside, notes = plan.outline, plan.inside, []
         pins = self.importance.pins
@@ -183,16 +189,20 @@ class Priorities(Need):
             for pin, aim, far in zip(pins, target, away, strict=True):
                 missed = float(norm(cage.vertices - aim).min())
                 if missed > KEPT * far + KEPT_ANYWAY * inner.diagonal:
-                    notes.append(f"The closest cage vertex to the pin at {place(pin)} is {missed:.3g} away.")
+                    said = f"The closest cage vertex to the pin at {place(pin)} is {missed:.3g} away."
+                    notes.append(Fault(said, "note.pin", place=pin, distance=missed))
         if self.min_edge is not None:
             shortest = float(cage.edge_lengths.min())
             if shortest < self.min_edge:
                 few = f"There is no room for edges of {self.min_edge:.6g}: the shortest has {shortest:.3g}"
-                notes.append(f"{few}; ask for fewer vertices.")
+                notes.append(
+                    Fault(f"{few}; ask for fewer vertices.", "note.edge", wanted=self.min_edge, given=shortest)
+                )
         if self.min_angle is not None:
             sharpest = sharpest_angle(cage)
             if sharpest < self.min_angle:
-                notes.append(f"There is no room for angles of {self.min_angle:.6g}°: the sharpest has {sharpest:.3g}°.")
+                said = f"There is no room for angles of {self.min_angle:.6g}°: the sharpest has {sharpest:.3g}°."
+                notes.append(Fault(said, "note.angle", wanted=self.min_angle, given=sharpest))
         return tuple(notes)
 
 
@@ -230,7 +240,12 @@ def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -
     for pin in pins:
         if isinstance(pin, int):
             if not -len(fine.vertices) <= pin < len(fine.vertices):
-                raise NestingError(f"There is no vertex {pin} to pin; the mesh has {len(fine.vertices)} vertices.")
+                raise NestingError(
+                    f"There is no vertex {pin} to pin; the mesh has {len(fine.vertices)} vertices.",
+                    code="priorities.mismatch",
+                    given=pin,
+                    available=len(fine.vertices),
+                )
             places.append(fine.vertices[pin])
         else:
             places.append(_closest(edges, np.asarray(pin, np.float64)))

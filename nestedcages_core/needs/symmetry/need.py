@@ -11,7 +11,7 @@ import numpy as np
 from ...contact import SequentialQP
 from ...decimation import Decimation, OnCurve, OuterHull
 from ...decimation.base import LEAST_PER_LOOP
-from ...errors import InvalidMeshError, NestingError
+from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import winding_number
@@ -46,23 +46,24 @@ class Symmetric(Need):
         outline, notes = with_images(plan.outline, self.group, inside=plan.inside)
         return replace(plan, group=self.group, outline=outline).with_remarks(*notes)
 
-    def count(self, plan: Plan, count: int) -> tuple[int, tuple[str, ...]]:
+    def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
         """See `possible_count`."""
         return possible_count(count, plan.outline, self.group)
 
 
-def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, tuple[str, ...]]:
+def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, tuple[Fault, ...]]:
     """The symmetry with its place, that of a drawing if it is to be found, and a note about that."""
-    notes: tuple[str, ...] = ()
+    notes: tuple[Fault, ...] = ()
     if isinstance(symmetry, Found):
         found, difference = symmetry.of(fine)
         if found is None:
-            note = (
+            said = (
                 f"No symmetry was found within {100.0 * symmetry.tolerance:.3g} % of the diagonal; the cage has none."
             )
-            return None, (note,)
+            return None, (Fault(said, "note.symmetry"),)
         symmetry = found
-        notes = (f"Found {found}; the drawing differs from its image by at most {difference:.3g}.",)
+        said = f"Found {found}; the drawing differs from its image by at most {difference:.3g}."
+        notes = (Fault(said, "note.symmetry", symmetry=str(found), difference=difference),)
     return symmetry.placed(fine), notes
 
 
@@ -71,7 +72,9 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
     contact = choices.contact
     several = [SequentialQP()] if contact is None else [contact] if isinstance(contact, SequentialQP) else contact
     if not isinstance(several, list | tuple) or not all(isinstance(each, SequentialQP) for each in several):
-        raise NestingError(f"Symmetric cages need contact=SequentialQP(), not {contact!r}; leave it out.")
+        raise NestingError(
+            f"Symmetric cages need contact=SequentialQP(), not {contact!r}; leave it out.", code="setting.conflict"
+        )
     return replace(
         choices,
         contact=tuple(several),
@@ -85,10 +88,12 @@ def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
         return replace(decimation, hull=replace(decimation.hull, symmetry=symmetry))
     if isinstance(decimation, OuterHull):
         return replace(decimation, symmetry=symmetry)
-    raise NestingError(f"Symmetric cages need decimation=OnCurve() or OuterHull(), not {decimation!r}.")
+    raise NestingError(
+        f"Symmetric cages need decimation=OnCurve() or OuterHull(), not {decimation!r}.", code="setting.conflict"
+    )
 
 
-def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[str, ...]]:
+def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[Fault, ...]]:
     """A symmetric mesh for the decimation: the fine mesh, or the union with its images and a note.
 
     inside: their intersection, for inner cages. Raises NestingError.
@@ -103,16 +108,17 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
         if not inside:
             together = _without_pockets(together, images)
         elif not together.has_loops_like(fine):
-            raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.")
+            raise InvalidMeshError(f"Together they leave {loops_in_words(together)}.", code="symmetry.not_found")
         orbits = orbits_of(together, symmetry)
         if orbits is None:
-            raise InvalidMeshError("The images of its vertices are not vertices of it.")
+            raise InvalidMeshError("The images of its vertices are not vertices of it.", code="symmetry.not_found")
         together = together.moved(orbits.symmetrised(together.vertices)).validated()
     except InvalidMeshError as error:
         what = "inside" if inside else "around"
         raise NestingError(
             f"No symmetric cage {what} the drawing and its images was found with {symmetry}: {error} Leave out the "
-            "symmetry, or draw the shape more symmetric."
+            "symmetry, or draw the shape more symmetric.",
+            code="symmetry.not_found",
         ) from error
     change = 100.0 * (together.area / fine.area - 1.0)
     if abs(change) < NEGLIGIBLE_CHANGE:
@@ -121,7 +127,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
         note = f"The drawing and its images have {100.0 + change:.3g} % of its area in common: the cage lies in that."
     else:
         note = f"The drawing and its images cover {change:.3g} % more than the drawing: the cage encloses them all."
-    return together, (note,)
+    return together, (Fault(note, "note.outline", change=change),)
 
 
 def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
@@ -142,7 +148,7 @@ def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:
     return union if len(left) == len(union.loops) else Mesh.from_loops([union.vertices[loop] for loop in left])
 
 
-def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tuple[str, ...]]:
+def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tuple[Fault, ...]]:
     """The number of vertices closest to `count`, less if possible, that a cage around a symmetric mesh can have.
 
     And a note if it differs. With a mirror, loops across it can have any number, and pairs of loops even ones; with
@@ -159,4 +165,5 @@ def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tup
     possible = max(count // step * step, least)
     if possible == count:
         return count, ()
-    return possible, (f"{count} vertices were asked for; with {symmetry} the cage can have {possible}.",)
+    said = f"{count} vertices were asked for; with {symmetry} the cage can have {possible}."
+    return possible, (Fault(said, "note.count", asked=count, given=possible),)

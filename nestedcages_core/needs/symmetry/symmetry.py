@@ -40,7 +40,9 @@ class Mirror:
             object.__setattr__(self, "point", _pair(self, "point", self.point))
         object.__setattr__(self, "direction", _pair(self, "direction", self.direction))
         if not any(self.direction):
-            raise NestedCagesError("Mirror: direction must not be (0, 0); (0, 1) is a vertical line.")
+            raise NestedCagesError(
+                "Mirror: direction must not be (0, 0); (0, 1) is a vertical line.", code="setting.invalid"
+            )
 
     @property
     def order(self) -> int:
@@ -93,7 +95,9 @@ class Mirror:
     @property
     def _point(self) -> Sequence[float]:
         if self.point is None:
-            raise NestedCagesError("Mirror: without a point it has a place only as a setting, for a drawing.")
+            raise NestedCagesError(
+                "Mirror: without a point it has a place only as a setting, for a drawing.", code="setting.invalid"
+            )
         return self.point
 
     def _across(self) -> int | None:
@@ -173,7 +177,9 @@ class Rotation:
     @property
     def _centre(self) -> Sequence[float]:
         if self.centre is None:
-            raise NestedCagesError("Rotation: without a centre it has a place only as a setting, for a drawing.")
+            raise NestedCagesError(
+                "Rotation: without a centre it has a place only as a setting, for a drawing.", code="setting.invalid"
+            )
         return self.centre
 
     def __str__(self) -> str:
@@ -198,5 +204,7 @@ def _pair(owner: object, name: str, value: object) -> tuple[float, float]:
     except (TypeError, ValueError):
         x = y = float("nan")
     if not (isfinite(x) and isfinite(y)):
-        raise NestedCagesError(f"{type(owner).__name__}: {name} must be two finite numbers (x, y), not {value!r}.")
+        raise NestedCagesError(
+            f"{type(owner).__name__}: {name} must be two finite numbers (x, y), not {value!r}.", code="setting.invalid"
+        )
     return x, y

@@ -45,7 +45,7 @@ def overlay(meshes: Sequence[Mesh], *, intersection: bool = False) -> Mesh:
     start, end = _boundary(points, start, end, owner, len(meshes), intersection)
     loops = [loop for loop in _linked(points, start, end) if abs(_area(loop)) > NEGLIGIBLE_LOOP * diagonal**2]
     if not loops:
-        raise InvalidMeshError("The shapes have nothing in common.")
+        raise InvalidMeshError("The shapes have nothing in common.", code="overlay.empty")
     return Mesh.from_loops(loops)
 
 
@@ -77,7 +77,9 @@ def _arranged(
             points = np.concatenate([points, new])
             vertex, edge = np.concatenate([number, number]), np.concatenate([i, j])
         start, end, owner = _divided(points, start, end, owner, piece, unique, vertex, edge)
-    raise InvalidMeshError("The outlines cross each other in too many places that are too close together.")
+    raise InvalidMeshError(
+        "The outlines cross each other in too many places that are too close together.", code="mesh.crossing"
+    )
 
 
 def _merged(

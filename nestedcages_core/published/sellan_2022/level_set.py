@@ -64,7 +64,8 @@ class LevelSet:
         if clearance >= LARGEST_OFFSET * fine.diagonal:
             raise NestingError(
                 f"A level set cannot keep the clearance of {clearance:.6g}, {LARGEST_OFFSET:g} times the size of the "
-                "mesh or more; ask for less, or use the outer hull."
+                "mesh or more; ask for less, or use the outer hull.",
+                code="clearance.too_large",
             )
         search = _Search(self, fine, count, max(self.cells, int(CELLS_PER_VERTEX * budget.total)), clearance)
         return search.run()
@@ -101,7 +102,8 @@ class _Search:
         if found is None:
             raise NestingError(
                 f"No level set can be brought down to {self.count} vertices around the mesh: {self.problem}. "
-                "Ask for more vertices, or use the outer hull."
+                "Ask for more vertices, or use the outer hull.",
+                code="count.too_small",
             )
         return found
 
@@ -134,14 +136,14 @@ class _Search:
             self.field = Field.signed_distance(self.fine, self.cell, self.pad)
         contour = self.field.contour(offset)
         if contour is None:
-            raise NestingError("the grid is too coarse")
+            raise NestingError("the grid is too coarse", code="file.invalid")
         contour = without_pockets(contour, self.fine)
         partner = loops_around(contour, self.fine)
         if partner is not None:
             contour = Mesh.from_loops([contour.vertices[contour.loops[k]] for k in partner])
         elif not self.settings.change_loops:
             self.changed = offset > RESOLVED_OFFSET * self.cell
-            raise NestingError(_changed(contour, self.fine))
+            raise NestingError(_changed(contour, self.fine), code="file.invalid")
         return self.settings.simplification.decimate(self._thinned(contour), self.count), partner is not None
 
     def _thinned(self, contour: Mesh) -> Mesh:

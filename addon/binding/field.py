@@ -1,0 +1,146 @@
+"""The field of a cage: a hidden mesh that carries the cage's motion, and whatever follows it by one modifier."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import keys
+from ..core import core
+from ..errors import UserError
+from ..generation.memory import remembered
+from ..scene import display, filling, placement
+from ..scene.plane import size, space_to_space, transform
+from . import node_groups
+
+HARMONIC: Final = "HARMONIC"
+LINEAR: Final = "LINEAR"
+NAMES = {HARMONIC: "Harmonic Coordinates", LINEAR: "Linear Coordinates"}
+# Maximum number of weights: Blender sums as many in a few hundredths of a second per frame.
+MAX_WEIGHTS = 1_000_000
+# Bytes of a field per vertex of its cage, for the memory.
+FIELD_BYTES = 20_000
+# The modifier of all that follows a field.
+FOLLOW = "Nested Cages Follow"
+# Edges of a picture are halved until those of its outline are shorter than this fraction of its size, so that it bends;
+# at most this often.
+BENDING_PART, MAX_HALVINGS = 1.0 / 32.0, 5
+# Largest difference of a layer's matrix from none that is round-off.
+UNMOVED = 1e-6
+
+
+def make(cage: bpy.types.Object, space: bpy.types.Object, method: str) -> bpy.types.Object:
+    """The field of a filled cage, a new hidden object in the space of another one, which carries it. Raises: UserError.
+
+    Where weights would be too many, it is the cage's own triangles alone.
+    """
+    outline, corners = filling.outline(cage), filling.points_of(filling.mesh_of(cage))
+    name, sampling = f"{cage.name} Field", None if method == LINEAR else core.coordinates.field.INSIDE
+    field = remembered(
+        lambda: core.coordinates.field_of(outline, sampling),
+        FIELD_BYTES * len(corners),
+        "field", outline.vertices, outline.edges, sampling,
+    )  # fmt: skip
+    if field.weights.size > MAX_WEIGHTS:
+        data, shows = filling.filled(name, _in(space, cage, corners), outline), node_groups.SAME
+    else:
+        height = np.full(len(field.vertices), corners[0, 2])
+        data, shows = bpy.data.meshes.new(name), node_groups.WEIGHTED
+        places = _in(space, cage, np.column_stack([field.vertices, height]))
+        data.from_pydata(places.tolist(), [], field.triangles.tolist())
+        for number, weights in enumerate(field.weights.T.astype(np.float32)):
+            filling.add_attribute(data, f"{keys.WEIGHT}{number}", "FLOAT", weights)
+    made = bpy.data.objects.new(name, data)
+    keys.store(made, {keys.HELPER: True, keys.FIELD_OF: cage})
+    made.display_type = "WIRE"
+    made.hide_viewport = made.hide_render = made.hide_select = True
+    for collection in cage.users_collection:
+        collection.objects.link(made)
+    placement.carry(made, space)
+    node_groups.add(made, shows, Object=cage)
+    return made
+
+
+def follow(obj: bpy.types.Object, field: bpy.types.Object, *, in_place: bool) -> None:
+    """Makes an object follow a field by a modifier after its others. Raises: UserError.
+
+    in_place: the field is in the object's own space, so that copies and instances elsewhere show the same.
+    """
+    if problem := why_not(obj):
+        raise UserError(problem)
+    node_groups.group(node_groups.FOLLOW)
+    modifier = obj.modifiers.new(FOLLOW, "NODES")
+    assert isinstance(modifier, bpy.types.NodesModifier)
+    modifier.node_group = node_groups.group(node_groups.FOLLOW)
+    display.set_input(modifier, "Object", field)
+    display.set_input(modifier, "In Place", in_place)
+    display.set_input(modifier, "Subdivide", _halvings(obj))
+
+
+def why_not(obj: bpy.types.Object) -> str:
+    """Why an object cannot follow; empty if it can."""
+    if not obj.is_editable:
+        return f"'{obj.name}' is linked from another file: make it local first"
+    if obj.type not in {"MESH", "CURVE", "FONT", "CURVES", "GREASEPENCIL"}:
+        return f"'{obj.name}' is of a kind without modifiers: convert it to a mesh or a curve"
+    for layer in obj.data.layers if obj.type == "GREASEPENCIL" else ():
+        if np.abs(np.array(layer.matrix_local) - np.eye(4)).max() > UNMOVED:
+            return f"layer '{layer.name}' of '{obj.name}' has a transform of its own: clear it, then bind again"
+    return ""
+
+
+def field_of(cage: bpy.types.Object) -> bpy.types.Object | None:
+    """The field of a cage."""
+    found = (obj for home in cage.users_collection for obj in home.objects if obj.get(keys.FIELD_OF) == cage)
+    return next(found, None)
+
+
+def followed(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The field that an object follows."""
+    modifier = display.nodes_modifier(obj, FOLLOW)
+    if modifier is None or modifier.node_group != bpy.data.node_groups.get(node_groups.FOLLOW):
+        return None
+    found: bpy.types.Object | None = display.get_input(modifier, "Object")
+    return found
+
+
+def release(obj: bpy.types.Object) -> None:
+    """Removes the modifier."""
+    modifier = obj.modifiers.get(FOLLOW)
+    if modifier is not None:
+        display.remove_modifier(obj, modifier)
+
+
+@contextmanager
+def unposed(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Temporarily shows the own shapes of drawings that follow their cages."""
+    found = [m for obj in objects for m in obj.modifiers if m.name == FOLLOW and m.show_viewport]
+    for modifier in found:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in found:
+            modifier.show_viewport = True
+
+
+def _in(space: bpy.types.Object, cage: bpy.types.Object, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (n, 3) of a cage in the space of another object; unchanged if both stand at the same place."""
+    return points if space.matrix_world == cage.matrix_world else transform(space_to_space(space, cage), points)
+
+
+def _halvings(obj: bpy.types.Object) -> int:
+    """How often the edges of a mesh are halved, so that a picture on few faces bends."""
+    mesh = obj.data
+    if not isinstance(mesh, bpy.types.Mesh) or not mesh.uv_layers or not len(filling.loop_edges(mesh)):
+        return 0
+    points = filling.points_of(mesh)
+    ends = filling.loop_edges(mesh)
+    typical = float(np.median(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)))
+    wanted = BENDING_PART * size(points)
+    return int(np.clip(np.ceil(np.log2(typical / wanted)), 0, MAX_HALVINGS)) if typical > wanted > 0.0 else 0

@@ -1,0 +1,17 @@
+"""Bones that move a cage: suggested along the limbs of a shape, with weights computed inside it.
+
+- `Bone`, `suggest_bones`: a skeleton along the limbs, to be edited or taken.
+- `joints_of`: places where a cage needs vertices so that limbs can bend, for `Settings(joints=…)`.
+- `bone_weights`: how much each bone moves each vertex of a cage; `skinned`: the vertices under a pose of the bones.
+- `Character`: a drawing with its cage, bones and all weights, for game engines.
+"""
+
+from __future__ import annotations
+
+from .bones import Bone, joints_of
+from .character import Character
+from .skeleton import Skeleton, suggest_bones
+from .skinning import skinned
+from .weights import bone_weights
+
+__all__ = ["Bone", "Character", "Skeleton", "bone_weights", "joints_of", "skinned", "suggest_bones"]

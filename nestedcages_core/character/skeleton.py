@@ -1,0 +1,269 @@
+"""A skeleton along the limbs of a shape: the pruned medial axis, cut into bones where it forks, bends or is long."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import scipy
+
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh, MeshLike
+from ..parameters import check_positive
+from .bones import Bone
+from .medial_axis import MedialAxis, medial_axis, pruned
+
+MERGED = 0.7
+"""Forks closer than this, in radii, are one."""
+
+STUB = 1.2
+"""A limb that reaches less than this from its fork, in radii of the fork, is none."""
+
+LEAVES_DISC = 0.75
+"""A limb starts where it leaves the disc of its fork: this part of that disc's radius from its centre."""
+
+SHORTEST = 0.8
+"""Least distance between joints, in radii of the limb."""
+
+THIN = 0.85
+"""The axis is cut where it gets thinner than this, in radii of the limb: there it turns into a corner of the tip."""
+
+TIP_REACH = 0.8
+"""How far the last bone of a limb goes on straight towards the tip, in radii there."""
+
+LOOK_BACK = 8
+"""Points of the axis that tell the direction at the tip."""
+
+MIRRORED = 0.15
+"""Two limbs are left and right if their mirrored ends are this near, in lengths of the longer one."""
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """What becomes a bone; lengths are in radii of the limb."""
+
+    protrudes: float = 1.0
+    """A limb reaches at least this far beyond the disc of its fork; larger: fewer limbs."""
+    bends: float = 0.35
+    """A joint where the axis is this far from the straight line; larger: fewer joints."""
+    long: float = 7.0
+    """A straight bone longer than this gets a joint in its middle, such as an elbow or a knee."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "protrudes", "bends", "long")
+
+
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """A path of the axis from a fork or the root to the next fork or a tip."""
+
+    path: list[int]
+    parent: int | None
+    is_limb: bool
+    """Whether it ends at a tip."""
+
+
+def suggest_bones(shape: MeshLike, skeleton: Skeleton | None = None) -> tuple[Bone, ...]:
+    """Bones along the limbs of a shape, roots first, each inside; a round shape gets one bone or none.
+
+    The root is at the widest fork. Names are "body" along the trunk and "limb" with a number, with `.L` and `.R` where
+    two limbs mirror each other left and right of the root; L is at larger x, as for a character seen from the front.
+    """
+    chosen = skeleton or Skeleton()
+    mesh = Mesh.of(shape)
+    axis = pruned(medial_axis(mesh), chosen.protrudes)
+    bones: list[Bone] = []
+    for root, children in _trees(axis):
+        bones += _bones_of(axis, _chains(axis, root, children), chosen, len(bones))
+    return tuple(_named(bones))
+
+
+def _trees(axis: MedialAxis) -> list[tuple[int, dict[int, list[int]]]]:
+    """The root and the children of each point, for each part of the axis: shortest paths from the widest fork.
+
+    Loops around holes open at the point farthest from the root.
+    """
+    if not axis.links:
+        return []
+    points = np.array(list(axis.links))
+    number = {point: k for k, point in enumerate(points.tolist())}
+    ends = np.array([(number[i], number[j]) for i, others in axis.links.items() for j in others]).T
+    steps = axis.points[points[ends[0]]] - axis.points[points[ends[1]]]
+    lengths = np.hypot(steps[:, 0], steps[:, 1]) + np.finfo(float).tiny
+    graph = scipy.sparse.csr_array((lengths, tuple(ends)), shape=(len(points),) * 2)
+    parts = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
+    degrees = np.array([len(axis.links[point]) for point in points.tolist()])
+    trees = []
+    for part in np.unique(parts):
+        members = np.flatnonzero(parts == part)
+        forks, tips = members[degrees[members] > 2], members[degrees[members] == 1]
+        candidates = forks if len(forks) else tips if len(tips) else members
+        root = candidates[np.argmax(axis.radii[points[candidates]])]
+        before = scipy.sparse.csgraph.dijkstra(graph, directed=False, indices=root, return_predecessors=True)[1]
+        children: dict[int, list[int]] = {}
+        for member in members[before[members] >= 0].tolist():
+            children.setdefault(int(points[before[member]]), []).append(int(points[member]))
+        trees.append((int(points[root]), children))
+    return trees
+
+
+def _chains(axis: MedialAxis, root: int, children: dict[int, list[int]]) -> list[_Chain]:
+    """Paths between root, forks and tips; forks near each other are joined, stubs are dropped."""
+    found: list[_Chain] = []
+    waiting: list[tuple[list[int], int | None]] = [([root, child], None) for child in children.get(root, [])]
+    while waiting:
+        path, parent = waiting.pop()
+        while len(children.get(path[-1], [])) == 1:
+            path.append(children[path[-1]][0])
+        ahead = children.get(path[-1], [])
+        length, radius = axis.length(path), axis.radii[path[0]]
+        if not ahead and length + axis.radii[path[-1]] < STUB * radius:
+            continue
+        if ahead and length < MERGED * radius:
+            waiting += [([*path, child], parent) for child in ahead]
+            continue
+        waiting += [([path[-1], child], len(found)) for child in ahead]
+        found.append(_Chain(path, parent, not ahead))
+    return found
+
+
+def _bones_of(axis: MedialAxis, chains: list[_Chain], chosen: Skeleton, first: int) -> list[Bone]:
+    """Bones of one tree, numbered from `first`; the thickest chain from the root that forks again is the trunk."""
+    tops = [k for k, chain in enumerate(chains) if chain.parent is None]
+    if not tops:
+        return []
+    forking = [k for k in tops if any(chain.parent == k for chain in chains)] or tops
+    trunk = max(forking, key=lambda k: float(axis.radii[chains[k].path].mean()))
+    bones: list[Bone] = []
+    last: dict[int, int] = {}
+    begun = first
+    for k in [trunk, *(k for k in range(len(chains)) if k != trunk)]:
+        chain = chains[k]
+        path = _trimmed(axis, chain.path) if chain.is_limb else chain.path
+        if k != trunk:
+            path = _outside_fork(axis, path)
+        parent = None if k == trunk else begun if chain.parent is None else last[chain.parent]
+        joints = _joints(axis, path, chosen)
+        for i, j in pairwise(joints):
+            tail = axis.points[path[j]]
+            if chain.is_limb and j == joints[-1]:
+                tail = tail + TIP_REACH * axis.radii[path[j]] * _direction(
+                    axis.points[path[max(j - LOOK_BACK, 0) : j + 1]]
+                )
+            head = axis.points[path[i]]
+            kind = "body" if k == trunk else "limb"
+            bones.append(Bone((float(head[0]), float(head[1])), (float(tail[0]), float(tail[1])), parent, kind))
+            parent = first + len(bones) - 1
+        last[k] = begun if parent is None else parent
+    return bones
+
+
+def _direction(points: FloatArray) -> FloatArray:
+    """(2,) unit vector from the first point to the last."""
+    along = points[-1] - points[0]
+    length = float(np.hypot(along[0], along[1]))
+    return along / length if length > 0.0 else np.zeros(2)
+
+
+def _trimmed(axis: MedialAxis, path: list[int]) -> list[int]:
+    """A limb without its last turn into a corner of the tip."""
+    least = THIN * float(np.median(axis.radii[path]))
+    end = len(path)
+    while end > 2 and axis.radii[path[end - 1]] < least:
+        away = axis.points[path[end - 1]] - axis.points[path[0]]
+        if np.hypot(away[0], away[1]) <= least:
+            break
+        end -= 1
+    return path[:end]
+
+
+def _outside_fork(axis: MedialAxis, path: list[int]) -> list[int]:
+    """A limb thinner than its fork, from where it leaves the fork's disc."""
+    disc = LEAVES_DISC * axis.radii[path[0]]
+    if float(np.median(axis.radii[path])) >= disc:
+        return path
+    away = axis.points[path] - axis.points[path[0]]
+    start = int(np.argmax(np.hypot(away[:, 0], away[:, 1]) > disc))
+    return path[start:] if len(path) - start > 2 else path
+
+
+def _joints(axis: MedialAxis, path: list[int], chosen: Skeleton) -> list[int]:
+    """Places on a path where bones meet: where it bends (after Douglas & Peucker), and in the middle of long parts."""
+    points, radii = axis.points[path], axis.radii[path]
+    kept, waiting = {0, len(path) - 1}, [(0, len(path) - 1)]
+    while waiting:
+        i, j = waiting.pop()
+        normal = _direction(points[[i, j]])[::-1] * (-1.0, 1.0)
+        off = np.abs((points[i : j + 1] - points[i]) @ normal) / radii[i : j + 1]
+        k = i + int(np.argmax(off))
+        if off[k - i] > chosen.bends and i < k < j:
+            kept.add(k)
+            waiting += [(i, k), (k, j)]
+    steps = np.diff(points, axis=0)
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+    for i, j in pairwise(sorted(kept)):
+        pieces = int((along[j] - along[i]) / (chosen.long * np.median(radii[i : j + 1]))) + 1
+        wanted = along[i] + (along[j] - along[i]) * np.arange(1, pieces) / pieces
+        kept |= set(np.searchsorted(along, wanted).tolist())
+    least = SHORTEST * float(np.median(radii))
+    joints = [0]
+    for k in sorted(kept)[1:-1]:
+        if along[k] - along[joints[-1]] > least and along[-1] - along[k] > least:
+            joints.append(k)
+    return [*joints, len(path) - 1]
+
+
+def _named(bones: Sequence[Bone]) -> list[Bone]:
+    """Bones with names: limbs are numbered, and mirrored ones share a number, with .L and .R."""
+    if not bones:
+        return []
+    starts = [k for k, bone in enumerate(bones) if bone.name == "limb" and _begins_limb(bones, k)]
+    limb_of: dict[int, int] = {}
+    for k, bone in enumerate(bones):
+        if bone.name == "limb":
+            limb_of[k] = k if k in starts or bone.parent is None else limb_of[bone.parent]
+    middle = bones[0].head[0]
+    tips = {start: np.array(bones[max(k for k in limb_of if limb_of[k] == start)].tail) for start in starts}
+    names: dict[int, tuple[str, str]] = {}
+    for start in starts:
+        if start in names:
+            continue
+        number = f"limb_{len({name for name, _ in names.values()}) + 1}"
+        other = _mirrored(bones, tips, start, middle, [k for k in starts if k not in names and k != start])
+        names[start] = (number, "" if other is None else ".L" if tips[start][0] > middle else ".R")
+        if other is not None:
+            names[other] = (number, ".R" if tips[start][0] > middle else ".L")
+    counted: Counter[str] = Counter()
+    named = []
+    for k, bone in enumerate(bones):
+        stem, side = names[limb_of[k]] if k in limb_of else (bone.name, "")
+        counted[stem + side] += 1
+        count = counted[stem + side]
+        named.append(replace(bone, name=f"{stem}{f'.{count:03d}' if count > 1 else ''}{side}"))
+    return named
+
+
+def _begins_limb(bones: Sequence[Bone], k: int) -> bool:
+    """Whether a bone is the first of a limb: its head is not the tail of its only carrier's next bone."""
+    parent = bones[k].parent
+    return parent is None or bones[parent].name != "limb" or bones[parent].tail != bones[k].head
+
+
+def _mirrored(
+    bones: Sequence[Bone], tips: dict[int, FloatArray], start: int, middle: float, others: list[int]
+) -> int | None:
+    """The limb whose head and tip are those of another one mirrored in x = middle; None if there is none."""
+    flip = np.array([-1.0, 1.0]), np.array([2.0 * middle, 0.0])
+    head, tip = np.array(bones[start].head), tips[start]
+    length = float(np.hypot(*(tip - head)))
+    for other in others:
+        away = (
+            np.hypot(*(tips[other] - (tip * flip[0] + flip[1]))),
+            np.hypot(*(bones[other].head - (head * flip[0] + flip[1]))),
+        )
+        if max(away) < MIRRORED * max(length, float(np.hypot(*(tips[other] - bones[other].head)))):
+            return other
+    return None

@@ -1,0 +1,299 @@
+"""An independent check of cages and of their motions: it uses nothing of this package but `checker_distance`.
+
+It reads coordinates and edges, never a certificate. Coordinates are fractions whose denominators are powers of two:
+multiplied by the largest of these they are whole numbers, which Python does not round. Boxes are compared as floats,
+exactly too. Only images under a symmetry and the largest distance are measured in float64, to `TOLERANCE`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from .checker_distance import farther_than
+
+TOLERANCE = Fraction(1, 10**9)
+"""Relative error of a clearance, a distance or an image that is accepted."""
+BLOCK = 2_000_000
+"""Number of pairs compared at once; bounds the memory."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is wrong, a sentence each; true if nothing is."""
+
+    problems: tuple[str, ...]
+
+    def __bool__(self) -> bool:
+        return not self.problems
+
+
+def check(
+    fine: Any,
+    cage_or_levels: Any,
+    clearance: float | None = None,
+    *,
+    same_loops: bool | None = None,
+    inside: bool = False,
+    grid: float | None = None,
+    symmetry: Any = None,
+    distance: float | None = None,
+    motions: int | None = None,
+) -> Verdict:
+    """Check a cage, several from the finest to the coarsest, a hierarchy or moving cages, from their numbers alone.
+
+    fine, cages: objects with vertices (n, 2) and directed edges (n, 2), rings of points (k, 2), or GeoJSON geometries.
+    clearance: smallest distance, in input units; default: what a level was asked for, else anything above 0.
+    same_loops: whether cages keep the loops of what they enclose; default: yes, unless a level's coarse mesh did not.
+    inside: whether these are inner cages. grid: coordinates are multiples of this length; default: the level's.
+    symmetry: a `Mirror` or `Rotation`; without a place, about the mean of the cage's vertices.
+    distance: no point of a cage's solid is farther from the solid of ``fine``.
+    motions: number of motions between steps to check per level, spread evenly; default: all.
+    """
+    given = getattr(cage_or_levels, "levels", cage_or_levels)
+    problems, within, levels = [], fine, list(given) if _depth(given) > 3 else [given]
+    for k, level in enumerate(levels):
+        cage, report, inner, alike = getattr(level, "cage", level), getattr(level, "report", None), inside, same_loops
+        wanted = getattr(report, "wanted_clearance", 0.0) if clearance is None else clearance
+        if hasattr(level, "coarse"):
+            inner, loops = level.inside, [sorted(Loops(mesh).is_hole) for mesh in (level.coarse, level.fine)]
+            alike = loops[0] == loops[1] if same_loops is None else same_loops
+        found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
+        if not found:
+            found += faults_of_needs(cage, getattr(report, "grid", None) if grid is None else grid, symmetry)
+            both = Loops(*((fine, cage) if inner else (cage, fine)))
+            found += farther_than(distance, both.x, both.after, both.is_fine, float(TOLERANCE)) if distance else []
+            found += faults_of_steps(within, level, wanted, alike, motions) if hasattr(level, "cage") else []
+        problems += [f"level {k + 1}: {fault}" if len(levels) > 1 else fault for fault in found]
+        within = cage
+    return Verdict(tuple(problems) if levels else ("there is no cage",))
+
+
+def faults_of_steps(fine: Any, level: Any, clearance: float, alike: bool | None, motions: int | None) -> list[str]:
+    """What is wrong with the steps of a level, or with a moving cage, which is checked at each of its keys."""
+    way, cage, drawing = getattr(level, "reinflation", level), level.cage, getattr(level, "fine", fine)
+    steps, home = [np.asarray(way.cage_steps), np.asarray(way.fine_steps)], 0 if way is level else -1
+    both = Loops(SimpleNamespace(vertices=steps[1][home], edges=drawing.edges)), Loops(fine)
+    ends = [{*zip(*loops.x.T.tolist(), *loops.x[loops.after].T.tolist(), strict=True)} for loops in both]
+    found = [] if ends[0] == ends[1] else ["the fine mesh is not back at its coordinates"]
+    found += [] if np.array_equal(steps[0][home], cage.vertices) else ["the steps do not lead to the cage"]
+    for k, (x, y) in enumerate(zip(*steps, strict=True)) if way is level else ():
+        outer, inner = (SimpleNamespace(vertices=z, edges=mesh.edges) for z, mesh in ((x, cage), (y, drawing)))
+        found += [f"at key {k}, {fault}" for fault in faults_of_cage(outer, inner, clearance, alike is not False)]
+    last = len(steps[0]) - 1
+    chosen = range(last) if motions is None else sorted({k * last // motions for k in range(motions)} & {*range(last)})
+    return found + faults_of_motion(cage.edges, drawing.edges, steps[0], steps[1], chosen)
+
+
+def _depth(given: Any) -> int:
+    """2 for a ring of points, 3 for a shape, 4 for several."""
+    if isinstance(given, Mapping) or any(hasattr(given, name) for name in ("vertices", "cage", "__geo_interface__")):
+        return 3
+    return 0 if not hasattr(given, "__len__") or isinstance(given, str) else 1 + _depth(given[0]) if len(given) else 4
+
+
+def rings_of(shape: Any) -> list[Any]:
+    """The loops (k, 2) of a shape; without edges, turned so that the solid is on their left. Raises ValueError."""
+    shape = getattr(shape, "__geo_interface__", shape) if not hasattr(shape, "vertices") else shape
+    if hasattr(shape, "vertices"):
+        vertices, edges, rings = np.asarray(shape.vertices, float), np.asarray(shape.edges).tolist(), []
+        if not edges or any(sorted(ends) != [*range(len(vertices))] for ends in zip(*edges, strict=True)):
+            raise ValueError("some vertex is not the start of one edge and the end of one")
+        after = dict(edges)
+        while after:
+            loop = [next(iter(after))]
+            while (following := after.pop(loop[-1])) != loop[0]:
+                loop.append(following)
+            rings.append(vertices[loop])
+        return rings
+    if isinstance(shape, Mapping):
+        polygons = shape["coordinates"] if shape["type"] == "MultiPolygon" else [shape["coordinates"]]
+        shape = [ring for polygon in polygons for ring in polygon]
+    if _depth(shape) not in (2, 3):
+        raise ValueError("a shape is a mesh, rings of points (x, y), or a Polygon or MultiPolygon of GeoJSON")
+    rings = [np.asarray(ring, float)[:, :2] for ring in ([shape] if _depth(shape) == 2 else shape)]
+    rings = [ring[:-1] if (ring[0] == ring[-1]).all() else ring for ring in rings]
+    whole = np.split(whole_numbers(np.concatenate(rings))[0], np.cumsum([len(ring) for ring in rings])[:-1])
+    ends = [(ring, np.roll(ring, -1, axis=0)) for ring in whole]
+    for k, (a, b) in enumerate(ends):
+        is_hole = sum(winding(a[0], *other) != 0 for j, other in enumerate(ends) if j != k) % 2 == 1
+        rings[k] = rings[k] if (dot_cross(a, b)[1].sum() < 0) == is_hole else rings[k][::-1]
+    return rings
+
+
+def whole_numbers(x: Any) -> tuple[Any, int]:
+    """An array times a power of two that makes every entry a Python integer, and that power. Raises ValueError."""
+    if not np.isfinite(x).all():
+        raise ValueError("there are coordinates that are not finite")
+    fractions = [Fraction(number) for number in x.ravel().tolist()]
+    factor = max((number.denominator for number in fractions), default=1)
+    return np.array([int(number * factor) for number in fractions], dtype=object).reshape(x.shape), factor
+
+
+def dot_cross(u: Any, v: Any) -> tuple[Any, Any]:
+    return u[..., 0] * v[..., 0] + u[..., 1] * v[..., 1], u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+
+def winding(point: Any, a: Any, b: Any) -> int:
+    """How often a loop of edges a-b (K, 2) runs around a point (2,) that is not on it."""
+    up, down = (a[:, 1] <= point[1]) & (b[:, 1] > point[1]), (a[:, 1] > point[1]) & (b[:, 1] <= point[1])
+    _, side = dot_cross(b - a, point - a)
+    return int((up & (side > 0)).sum()) - int((down & (side < 0)).sum())
+
+
+def overlapping(low: Any, high: Any, other_low: Any, other_high: Any) -> Any:
+    """(2, K) pairs of boxes that share a point."""
+    found = []
+    for part in np.array_split(np.arange(len(low)), 1 + len(low) * len(other_low) // BLOCK):
+        i, j = np.nonzero((low[part, None] <= other_high).all(axis=2) & (other_low <= high[part, None]).all(axis=2))
+        found.append(np.stack([part[i], j]))
+    return np.concatenate(found, axis=1)
+
+
+class Loops:
+    """The closed loops of a shape, or of a cage and of what it encloses, one after the other."""
+
+    def __init__(self, *shapes: Any) -> None:
+        read = [(ring, k) for k, shape in enumerate(shapes) for ring in rings_of(shape)]
+        self.x, lengths = np.concatenate([ring for ring, _ in read]), [len(ring) for ring, _ in read]
+        self.loops = np.split(np.arange(len(self.x)), np.cumsum(lengths)[:-1])
+        self.after = np.concatenate([np.roll(loop, -1) for loop in self.loops])
+        self.loop_is_fine = np.array([k == 1 for _, k in read])
+        self.is_fine = np.repeat(self.loop_is_fine, lengths)
+        self.whole, self.factor = whole_numbers(self.x)
+        doubled_areas = dot_cross(self.whole, self.whole[self.after])[1]
+        self.is_hole = [doubled_areas[loop].sum() <= 0 for loop in self.loops]
+        self.low, self.high = (f(self.x, self.x[self.after]) for f in (np.minimum, np.maximum))
+
+    def near(self, k: int) -> str:
+        return f"the {'fine mesh' if self.is_fine[k] else 'cage'} near ({self.x[k, 0]:.9g}, {self.x[k, 1]:.9g})"
+
+    def contacts(self) -> list[str]:
+        """Edges that meet, apart from neighbours in their common vertex."""
+        i, j = overlapping(self.low, self.high, self.low, self.high)
+        apart = (i < j) & (self.after[i] != j) & (self.after[j] != i)
+        i, j = i[apart], j[apart]
+        ab, cd = (np.stack([self.whole[k], self.whole[self.after[k]]]) for k in (i, j))
+        one, other = (np.sign(dot_cross(u[1] - u[0], v - u[0])[1]) for u, v in ((ab, cd), (cd, ab)))
+        meet = (one[0] * one[1] <= 0) & (other[0] * other[1] <= 0)
+        into = self.whole[self.after] - self.whole
+        onwards, turn = dot_cross(into, into[self.after])
+        found = [f"{self.near(p)} meets {self.near(q)}" for p, q in zip(i[meet], j[meet], strict=True)]
+        folded = self.after[(turn == 0) & (onwards <= 0)]
+        return found + [f"{self.near(k)} folds back or stands still" for k in folded]
+
+    def misplaced(self, alike: bool) -> list[str]:
+        """Loops of a cage and a fine mesh, which do not meet, that turn or lie wrongly or have no partner."""
+        ends = [(self.whole[loop], self.whole[self.after[loop]]) for loop in self.loops]
+        turns = np.array([[0 if other is own else winding(own[0][0], *other) for other in ends] for own in ends])
+        found, fine, hole = [], self.loop_is_fine, self.is_hole
+        names = [f"the loop of {self.near(loop[0])}" for loop in self.loops]
+        for k, row in enumerate(turns):
+            if row[fine == fine[k]].sum() != hole[k]:
+                found.append(f"{names[k]} turns the wrong way")
+            elif row[fine != fine[k]].sum() != fine[k]:
+                found.append(f"{names[k]} lies {'outside of the cage' if fine[k] else 'inside of the fine mesh'}")
+        if found or not alike:
+            return found
+        parent = [max(np.flatnonzero(row), key=lambda k: (turns[k] != 0).sum(), default=-1) for row in turns]
+        for k in np.flatnonzero(fine != hole):  # the inner one of two partners is the only child of the outer one
+            p = parent[k]
+            if p < 0 or parent.count(p) > 1 or fine[p] == fine[k] or hole[p] != hole[k]:
+                found.append(f"{names[k]} has no partner of its own")
+        counts = (~fine).sum(), fine.sum()
+        return found + ([f"the cage has {counts[0]} loops, not {counts[1]}"] if counts[0] != counts[1] else [])
+
+    def too_near(self, clearance: float) -> list[str]:
+        """Whether a cage and a fine mesh, which do not meet, are nearer than a clearance above 0."""
+        wanted = (Fraction(clearance) * self.factor * (1 - TOLERANCE)) ** 2
+        low, high = np.nextafter(self.x - clearance, -np.inf), np.nextafter(self.x + clearance, np.inf)
+        k, e = overlapping(low, high, self.low, self.high)
+        p, a, b = (self.whole[i[self.is_fine[k] != self.is_fine[e]]] for i in (k, e, self.after[e]))
+        (place, off), length = dot_cross(b - a, p - a), dot_cross(b - a, b - a)[0]
+        to_a, to_b = (dot_cross(p - end, p - end)[0] * length for end in (a, b))
+        squared = np.where(place <= 0, to_a, np.where(place < length, off**2, to_b))  # times that of the length
+        short = squared * wanted.denominator < length * wanted.numerator
+        gaps = [(Decimal(c) / Decimal(d)).sqrt() for c, d in zip(squared[short], length[short], strict=True)]
+        return [f"the distance is {min(gaps) / self.factor:.9g}, not {clearance:.9g}"] if gaps else []
+
+
+def faults_of_cage(cage: Any, fine: Any, clearance: float = 0.0, alike: bool = True) -> list[str]:
+    """What is wrong with a cage around a fine mesh; empty if nothing."""
+    try:
+        both, _ = Loops(cage, fine), Fraction(clearance)
+    except (ValueError, KeyError, TypeError, IndexError, OverflowError) as error:
+        return [str(error)]
+    return both.contacts() or both.misplaced(alike) + (both.too_near(clearance) if clearance > 0 else [])
+
+
+def faults_of_needs(cage: Any, grid: float | None, symmetry: Any) -> list[str]:
+    """Coordinates off a grid, and edges without an image under a mirror (point, direction) or rotation (centre, order).
+
+    A spacing is the decimal that reads as it, and a coordinate on the grid the float64 next to a multiple of that.
+    """
+    loops, found = Loops(cage), []
+    if grid is not None:
+        step = min(Fraction(repr(float(grid))), Fraction(grid), key=lambda ratio: ratio.numerator)
+        off = [x for x in loops.x.ravel().tolist() if float(round(Fraction(x) / step) * step) != x]
+        found += [f"{len(off)} coordinates are not multiples of {grid:.9g}, such as {off[0]!r}"] if off else []
+    if symmetry is not None:
+        is_mirror, z = hasattr(symmetry, "direction"), loops.x @ [1.0, 1j]
+        place = symmetry.point if is_mirror else symmetry.centre
+        middle = z.mean() if place is None else complex(*place)
+        turn = 2.0 * np.angle(complex(*symmetry.direction)) if is_mirror else 2.0 * np.pi / symmetry.order
+        image = middle + np.exp(1j * turn) * (np.conj(z - middle) if is_mirror else z - middle)
+        images, slack = np.stack([image.real, image.imag], axis=1), float(TOLERANCE) * np.ptp(loops.x)
+        partner = dict(overlapping(images - slack, images + slack, loops.x, loops.x).T.tolist())
+        edges = {frozenset(edge) for edge in enumerate(loops.after.tolist())}
+        lost = [edge for edge in edges if frozenset(map(partner.get, edge)) not in edges]
+        found += [f"{loops.near(min(lost[0]))} has no image under the symmetry"] if lost else []
+    return found
+
+
+def faults_of_motion(cage_edges: Any, fine_edges: Any, cage_steps: Any, fine_steps: Any, chosen: Any) -> list[str]:
+    """Contacts of the cage with the fine mesh or itself in linear motion from chosen steps to the next ones.
+
+    A point p is on an edge a-b where (p - a) × (p - b) is zero and (p - a) · (p - b) is not positive.
+    """
+    count, x, found = cage_steps.shape[1], np.concatenate([cage_steps, fine_steps], axis=1), []
+    start, end = np.concatenate([np.asarray(cage_edges), np.asarray(fine_edges) + count]).T
+    for k in chosen:
+        low, high = x[k : k + 2].min(axis=0), x[k : k + 2].max(axis=0)
+        p, e = overlapping(low, high, np.minimum(low[start], low[end]), np.maximum(high[start], high[end]))
+        counts = ((p < count) | (start[e] < count)) & (p != start[e]) & (p != end[e])
+        p, a, b = p[counts], start[e[counts]], end[e[counts]]
+        used, at = np.unique([p, a, b], return_inverse=True)
+        places = whole_numbers(x[k : k + 2, used])[0][:, at.reshape(3, -1)]
+        u, v = ([y[0] - y[m] for y in places] for m in (1, 2))
+        products = [dot_cross(u[m], v[n]) for m, n in ((0, 0), (0, 1), (1, 0), (1, 1))]
+        between, beside = (np.stack([c[0], c[1] + c[2], c[3]], axis=1) for c in zip(*products, strict=True))
+        doubtful = (np.abs(np.sign(beside).sum(axis=1)) < 3) & (np.sign(between).sum(axis=1) < 3)
+        hits = [m for m in np.flatnonzero(doubtful) if touches(beside[m], between[m])]
+        found += [f"between steps {k} and {k + 1}, vertex {p[m]} meets the edge {a[m]}-{b[m]}" for m in hits]
+    return found
+
+
+def touches(beside: Any, between: Any) -> bool:
+    """Whether in [0, 1] the first polynomial, b0 (1 - s)² + b1 s (1 - s) + b2 s², is once 0 and the second not > 0."""
+    one, other = ((b0, b1 - 2 * b0, b0 - b1 + b2) for b0, b1, b2 in (beside, between))
+    instants = roots(*one) if any(one) else [(0, 0, 0, 1), (1, 0, 0, 1), *roots(*other)]
+    return any(sign_at(other, s) <= 0 <= sign_at((0, 1, 0), s) and sign_at((-1, 1, 0), s) <= 0 for s in instants)
+
+
+def roots(c0: int, c1: int, c2: int) -> list[tuple[int, int, int, int]]:
+    """Real roots of c0 + c1 s + c2 s², each as p, q, d, r for (p + q √d) / r; none of zero."""
+    d = c1 * c1 - 4 * c2 * c0
+    return [(-c1, q, d, 2 * c2) for q in (-1, 1) if d >= 0] if c2 else [(-c0, 0, 0, c1)] if c1 else []
+
+
+def sign_at(polynomial: Any, root: tuple[int, int, int, int]) -> int:
+    """The sign of a polynomial at a root of another; u + v √d has the sign of u |u| + v |v| d."""
+    (c0, c1, c2), (p, q, d, r) = polynomial, root
+    u, v = c0 * r * r + c1 * r * p + c2 * (p * p + q * q * d), c1 * r * q + 2 * c2 * p * q
+    return int(np.sign(u * abs(u) + v * abs(v) * d))

@@ -1,0 +1,220 @@
+"""Bones along limbs, weights inside the cage, poses, and a character that a game engine reads and poses by itself."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nestedcages_core import (
+    Bone,
+    Character,
+    Mesh,
+    NestedCagesError,
+    Skeleton,
+    bone_weights,
+    character_from_engine_json,
+    character_to_engine_json,
+    joints_of,
+    nested_cages,
+    suggest_bones,
+)
+from nestedcages_core.character import skinned
+from shapes import letter_a, ring
+
+LIMBS = {
+    "torso": ((0, 0.2), (0, 1.0), 0.4),
+    "head": ((0, 1.5), (0, 1.75), 0.33),
+    "neck": ((0, 1.0), (0, 1.5), 0.13),
+    "arm.L": ((0.3, 1.15), (1.7, 1.1), 0.15),
+    "arm.R": ((-0.3, 1.15), (-1.7, 1.1), 0.15),
+    "leg.L": ((0.22, 0), (0.28, -1.3), 0.17),
+    "leg.R": ((-0.22, 0), (-0.28, -1.3), 0.17),
+}
+
+
+@pytest.fixture(scope="module")
+def figure() -> Mesh:
+    return Mesh.of(shapely.union_all([shapely.LineString(limb[:2]).buffer(limb[2]) for limb in LIMBS.values()]))
+
+
+@pytest.fixture(scope="module")
+def character(figure: Mesh) -> Character:
+    bones = suggest_bones(figure)
+    joints = joints_of(figure, bones)
+    (level,) = nested_cages(figure, 24 + 2 * len(joints), clearance=0.01 * figure.diagonal, joints=joints)
+    return Character.of(figure, level.cage, bones)
+
+
+def test_a_figure_gets_a_bone_per_limb_and_joints_in_long_ones(figure: Mesh) -> None:
+    bones = suggest_bones(figure)
+    names = [bone.name for bone in bones]
+    assert len(set(names)) == len(names)
+    assert names[0] == "body"
+    assert bones[0].parent is None
+    sides = [{name[:-2] for name in names if name.endswith(side)} for side in (".L", ".R")]
+    assert sides[0] == sides[1]
+    assert len({name.partition(".")[0] for name in sides[0]}) == 2  # arms and legs
+    shape = shapely.geometry.shape(figure)
+    for number, bone in enumerate(bones):
+        assert shape.buffer(1e-9).covers(shapely.LineString([bone.head, bone.tail])), bone
+        assert bone.parent is None or bone.parent < number
+        assert not bone.name.endswith(".L") or bone.tail[0] > 0.0
+    tips = np.array([bone.tail for bone in bones])
+    for x, y in ((1.7, 1.1), (-1.7, 1.1), (0.28, -1.3), (-0.28, -1.3), (0.0, 1.9)):
+        assert np.hypot(*(tips - (x, y)).T).min() < 0.25
+    assert len(suggest_bones(figure, Skeleton(long=100.0))) < len(bones)
+    assert len(suggest_bones(figure, Skeleton(protrudes=20.0))) < len(suggest_bones(figure, Skeleton(protrudes=1.0)))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0])
+def test_bones_turn_and_scale_with_the_shape(figure: Mesh, angle: float) -> None:
+    turn = 100.0 * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    turned = suggest_bones(figure.moved(figure.vertices @ turn).validated())
+    plain = suggest_bones(figure)
+    assert len(turned) == len(plain)
+    wanted = np.sort(np.round(np.hypot(*np.array([np.subtract(b.tail, b.head) for b in plain]).T), 1))
+    found = np.sort(np.round(np.hypot(*np.array([np.subtract(b.tail, b.head) for b in turned]).T) / 100.0, 1))
+    np.testing.assert_allclose(found, wanted, atol=0.11)
+
+
+def test_rings_and_blobs_are_no_trouble() -> None:
+    assert len(suggest_bones(ring(100))) <= 1
+    assert suggest_bones([ring(100), ring(100, 0.8)])
+    assert suggest_bones(letter_a(6))
+    assert suggest_bones([ring(3), ring(4) * np.array([0.05, 3.0]) + np.array([5.0, 0.0])])
+
+
+@given(st.integers(0, 10_000))
+def test_weights_of_random_bones_are_a_partition_of_unity(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cage = Mesh.of(np.array([[0, 0], [4, 0], [4, 1], [1, 1], [1, 3], [0, 3]]) + rng.uniform(-0.2, 0.2, (6, 2)))
+    bones = [Bone(tuple(a), tuple(b)) for a, b in rng.uniform(-1, 4, (rng.integers(1, 5), 2, 2))]
+    weights = bone_weights(cage, bones)
+    assert weights.shape == (6, len(bones))
+    assert weights.min() >= 0.0
+    np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-12)
+
+
+def test_weights_do_not_leak_across_a_gap() -> None:
+    """Two legs side by side: as the crow flies the other one is near, through the body it is far."""
+    legs = np.array([[0, 0], [1, 0], [1, 5], [1.2, 5], [1.2, 0], [2.2, 0], [2.2, 6], [0, 6]], float)
+    weights = bone_weights(Mesh.of(legs), [Bone((0.5, 5.4), (0.5, 0.2)), Bone((1.7, 5.4), (1.7, 0.2))])
+    assert weights[[0, 1], 0].min() > 0.99
+    assert weights[[4, 5], 1].min() > 0.99
+
+
+def test_an_island_without_a_bone_follows_the_nearest() -> None:
+    cage = Mesh.from_loops([ring(8) + np.array([x, 0.0]) for x in (0.0, 5.0, 10.0)])
+    weights = bone_weights(cage, [Bone((-0.5, 0.0), (0.5, 0.0)), Bone((9.5, 0.0), (10.5, 0.0))])
+    np.testing.assert_array_equal(weights[:8, 0], 1.0)
+    np.testing.assert_array_equal(weights[8:16], np.repeat([[1.0, 0.0]], 8, axis=0))
+    np.testing.assert_array_equal(weights[16:, 1], 1.0)
+
+
+@pytest.mark.parametrize(
+    ("bones", "sentence"),
+    [
+        ([], "There are no bones"),
+        ([Bone((0.0, 0.0), (0.0, 0.0), name="arm")], "Bone arm has no length"),
+        ([Bone((0.0, np.nan), (0.0, 0.0))], "Bone 0 has no length"),
+        ([Bone((0.0, 0.0), (0.5, 0.0), parent=0)], "Bone 0 must come after its parent"),
+    ],
+)
+def test_bones_that_make_no_sense_are_rejected(bones: list[Bone], sentence: str) -> None:
+    with pytest.raises(NestedCagesError, match=sentence):
+        bone_weights(Mesh.of(ring(8)), bones)
+
+
+def test_a_rigid_turn_of_the_root_turns_everything(character: Character) -> None:
+    shape, cage = character.posed({"body": 30.0})
+    centre = np.array(character.bones[0].head)
+    turn = np.array([[np.cos(np.pi / 6), np.sin(np.pi / 6)], [-np.sin(np.pi / 6), np.cos(np.pi / 6)]])
+    np.testing.assert_allclose(cage, (character.cage.vertices - centre) @ turn + centre, atol=1e-9)
+    np.testing.assert_allclose(shape, (character.shape.vertices - centre) @ turn + centre, atol=1e-7)
+
+
+def test_a_bent_limb_moves_alone_and_does_not_fold(character: Character) -> None:
+    rest = character.shape.vertices
+    lower = next(bone.name for bone in character.bones if bone.name.endswith(".002.L") and bone.tail[0] > 1.5)
+    for angle in (-120.0, -60.0, 60.0, 120.0):
+        shape, _ = character.posed({lower: angle})
+        moved = np.hypot(*(shape - rest).T)
+        assert moved[rest[:, 0] > 1.6].min() > 0.3
+        assert moved[rest[:, 0] < 0.0].max() < 0.02
+        assert shapely.geometry.shape(character.shape.moved(shape)).is_valid
+    _, cage = character.posed({lower: 120.0})
+    assert character.cage.moved(cage).validated().area > 0.9 * character.cage.area
+    with pytest.raises(NestedCagesError, match="There is no bone 'tail'; there are body"):
+        character.posed({"tail": 10.0})
+
+
+@pytest.mark.parametrize("flip_y", [None, 0.0, 2.5])
+def test_an_engine_poses_a_character_without_this_package(character: Character, flip_y: float | None) -> None:
+    """What a reader of the format does, written out with nothing but the file and numpy."""
+    text = character_to_engine_json(character, flip_y=flip_y)
+    document = json.loads(text)
+    turned = {character.bones[1].name: 40.0, character.bones[0].name: -10.0}
+    sign = 1.0 if flip_y is None else -1.0
+    rotations, shifts = [], []
+    for bone in document["bones"]:
+        angle = sign * np.deg2rad(turned.get(bone["name"], 0.0))
+        rotation = np.exp(0.5j * angle)
+        head = complex(*bone["head"])
+        shift = head - rotation**2 * head
+        if bone["parent"] is not None:
+            above = bone["parent"]
+            shift = rotations[above] ** 2 * shift + shifts[above]
+            rotation = rotations[above] * rotation
+        rotations.append(rotation)
+        shifts.append(shift)
+    cage = []
+    for (x, y), weights in zip(document["cage"]["points"], document["cage"]["weights"], strict=True):
+        real = sum(weight * rotations[bone] for bone, weight in weights)
+        dual = sum(weight * 0.5 * shifts[bone] * np.conj(rotations[bone]) for bone, weight in weights)
+        real, dual = real / abs(real), dual / abs(real)
+        cage.append(real**2 * complex(x, y) + 2.0 * dual * real)
+    shape = [sum(weight * cage[k] for k, weight in weights) for weights in document["shape"]["weights"]]
+    points = np.stack((np.real(shape), np.imag(shape)), axis=1)
+    if flip_y is not None:
+        points = np.stack((points[:, 0], flip_y - points[:, 1]), axis=1)
+    np.testing.assert_allclose(points, character.posed(turned)[0], atol=1e-4)
+    again = character_from_engine_json(text, flip_y=flip_y)
+    np.testing.assert_allclose(again.posed(turned)[0], character.posed(turned)[0], atol=1e-4)
+    areas = np.linalg.det(np.diff(np.array(document["shape"]["points"])[document["shape"]["triangles"]], axis=1))
+    assert areas.min() > 0.0
+    assert 0.5 * areas.sum() == pytest.approx(character.shape.area)
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        lambda d: d.pop("bones"),
+        lambda d: d["bones"][0].update(parent=3),
+        lambda d: d["bones"][0].update(tail=d["bones"][0]["head"]),
+        lambda d: d["cage"]["weights"].pop(),
+        lambda d: d["cage"]["weights"][0][0].__setitem__(0, 99),
+        lambda d: d["cage"]["weights"][0][0].__setitem__(1, 7.0),
+        lambda d: d["shape"]["triangles"][0].__setitem__(0, 10**6),
+        lambda d: d["shape"].update(points="many"),
+        lambda d: d.update(version=2),
+        lambda d: d.update(format="nested-cages outline"),
+    ],
+)
+def test_a_broken_character_is_rejected(character: Character, broken) -> None:
+    document = json.loads(character_to_engine_json(character))
+    broken(document)
+    with pytest.raises(NestedCagesError):
+        character_from_engine_json(json.dumps(document))
+
+
+def test_volume_is_kept_between_two_bones() -> None:
+    """Half of a turn by 180 degrees is a turn by 90, not a point."""
+    half = np.array([[0.5, 0.5]])
+    bones = [Bone((0.0, 0.0), (-1.0, 0.0)), Bone((0.0, 0.0), (1.0, 0.0))]
+    found = skinned(np.array([[1.0, 0.0]]), half, bones, {0: 0.0, 1: 170.0})
+    np.testing.assert_allclose(np.hypot(*found.T), 1.0)
