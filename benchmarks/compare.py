@@ -81,8 +81,8 @@ def draw(found: list[runs.Run], folder: Path) -> None:
     from comparison import figures, pictures  # needs matplotlib
 
     for conclusion in conclusions.CONCLUSIONS:
-        getattr(pictures, conclusion.name)(found, folder / conclusion.picture)
-    pictures.panes(figures.results(), folder / "figures.png")
+        pictures.save(getattr(pictures, conclusion.name)(found), folder / conclusion.picture)
+    pictures.save(pictures.panes(figures.results()), folder / "figures.png")
 
 
 def told(found: list[runs.Run]) -> int:

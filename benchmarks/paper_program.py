@@ -5,8 +5,8 @@ its own meshes.
     python benchmarks/table1.py --data times.csv
     python benchmarks/performance.py table1 --program-times times.csv
 
-The meshes of figures 1 and 2 are those in the checkout. What `as_published` makes of all meshes goes next to it into
-``benchmarks/data/program.csv``, a table of docs/comparison/as-published.md.
+``--compare benchmarks/data/program.csv`` runs it and `as_published` on the meshes of figures 1 and 2, those in
+the checkout, and on discs: a table of docs/comparison/as-published.md.
 
 Nothing of that program is part of this project. It needs libigl 2.4 and Eigen 3 (folders that hold `igl` and `Eigen`),
 TinyAD, which is a submodule of its checkout, and a C++ compiler. Its sources are compiled as they are, but for its
@@ -28,7 +28,7 @@ from pathlib import Path
 import numpy as np
 
 import clone  # noqa: F401 - puts the core of this clone on the path
-from data import COARSE_RING_VERTICES, PROGRAM, Table1Row, annulus, read_shape, read_table1
+from data import COARSE_RING_VERTICES, Table1Row, annulus, read_shape, read_table1
 from nestedcages_core import Mesh, verify
 from nestedcages_core.published.gurditta_jacobson_2022 import as_published
 
@@ -91,6 +91,7 @@ def main() -> int:
     parser.add_argument("--tinyad", type=Path, help="folder with TinyAD/ (default: that of the checkout)")
     parser.add_argument("--output", type=Path, required=True, help="CSV file for the times")
     parser.add_argument("--compiler", default=os.environ.get("CXX", "c++"), help="C++ compiler (default: $CXX or c++)")
+    parser.add_argument("--compare", type=Path, help="CSV file for its excess beside that of as_published")
     parser.add_argument("--rows", type=int, nargs="+", help="only discs with so many vertices")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -99,11 +100,8 @@ def main() -> int:
             return 1
         rows = [row for row in read_table1() if not options.rows or row.fine_vertices in options.rows]
         measured = [timed(program, row) for row in rows]
-        compared = [side_by_side(program, *case) for case in cases(options.checkout / "data")]
-    with PROGRAM.open("w", newline="", encoding="utf-8") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(("mesh", "program_excess_percent", "ours_excess_percent", "encloses", "short_diagonals"))
-        lines.writerows(compared)
+        if options.compare:
+            compare(program, options.checkout / "data", options.compare)
     with options.output.open("w", newline="", encoding="utf-8") as file:
         lines = csv.writer(file)
         lines.writerow(COLUMNS)
@@ -147,6 +145,14 @@ def ran(program: Path, fine: Mesh, coarse: Mesh) -> tuple[float | None, float | 
     first, *points = result.read_text(encoding="utf-8").split()
     cage = coarse.moved(np.loadtxt(points, delimiter=",", ndmin=2))
     return float(first), 100.0 * (cage.area / fine.area - 1.0)
+
+
+def compare(program: Path, meshes: Path, path: Path) -> None:
+    """Write what the program and `as_published` make of the same meshes."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(("mesh", "program_excess_percent", "ours_excess_percent", "encloses", "short_diagonals"))
+        lines.writerows(side_by_side(program, *case) for case in cases(meshes))
 
 
 def cases(folder: Path) -> list[tuple[str, Mesh, Mesh]]:

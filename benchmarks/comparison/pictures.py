@@ -12,6 +12,7 @@ mpl.use("Agg")
 
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from comparison import methods
 from comparison.conclusions import APART, after_tightening, spread
@@ -26,9 +27,9 @@ FINE, COARSE, CAGE = "#f0c777", "#8a4b08", "#1f4e79"
 FARTHEST, MARGIN = 1.5, 0.03  # diagonals: what lies farther out is cut off; space around a drawing
 
 
-def original(runs: Sequence[Run], path: Path) -> None:
+def original(runs: Sequence[Run]) -> Figure:
     """Excess of 2022 over that of 2015, and times relative to 2015."""
-    _, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.8))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.8))
     names = [methods.ORIGINAL, methods.REPAIRED, methods.NEWTON]
     ratios: dict[str, list[float]] = {name: [] for name in names[1:]}
     for family in FAMILIES:
@@ -45,13 +46,13 @@ def original(runs: Sequence[Run], path: Path) -> None:
     right.boxplot(list(ratios.values()), orientation="horizontal")
     right.set_yticks([1, 2], list(ratios))
     right.set(xscale="log", xlabel="time, times that of 2015")
-    _save(path)
+    return figure
 
 
-def ranges(runs: Sequence[Run], path: Path) -> None:
+def ranges(runs: Sequence[Run]) -> Figure:
     """Excess after reinflation over d̂ for both barriers; El Topo for comparison."""
     rows = shared(of(runs, "ranges"), list(methods.AT_RANGES))
-    _, axes = plt.subplots(figsize=(6.0, 3.8))
+    figure, axes = plt.subplots(figsize=(6.0, 3.8))
     for name, colour in ((methods.IPC_2020, "#5aa9e6"), (methods.ENERGY_2022, "#7d5ba6")):
         excess = np.array([[row[f"{name}, {d:g}"].excess for d in methods.RANGES] for row in rows]).reshape(-1, 4)
         low, middle, high = np.percentile(excess, [25.0, 50.0, 75.0], axis=0)
@@ -61,12 +62,12 @@ def ranges(runs: Sequence[Run], path: Path) -> None:
     axes.axhline(float(np.median(known)) if known else 0.0, color="#c8553d", linestyle="--", label="El Topo, median")
     axes.set(xscale="log", yscale="log", xlabel="range d̂ in diagonals", ylabel="excess after reinflation, %")
     axes.legend(fontsize=8)
-    _save(path)
+    return figure
 
 
-def tightened(runs: Sequence[Run], path: Path) -> None:
+def tightened(runs: Sequence[Run]) -> Figure:
     """Largest over least excess of the contacts before and after the tightening, shapes sorted."""
-    _, axes = plt.subplots(figsize=(6.0, 3.8))
+    figure, axes = plt.subplots(figsize=(6.0, 3.8))
     names = list(methods.CONTACTS)
     for family in FAMILIES:
         rows = after_tightening(runs, (family,))
@@ -80,17 +81,17 @@ def tightened(runs: Sequence[Run], path: Path) -> None:
     axes.axhline(APART, color="grey", linewidth=0.8)
     axes.set(yscale="log", xlabel="share of shapes, %", ylabel="largest over least excess")
     axes.legend(fontsize=7)
-    _save(path)
+    return figure
 
 
-def panes(results: dict[str, dict[str, Measurement]], path: Path) -> None:
+def panes(results: dict[str, dict[str, Measurement]]) -> Figure:
     """Rows of methods, columns of drawings: fine mesh (filled), coarse mesh (dashed), cage."""
     names = list(next(iter(results.values())))
-    _, grid = plt.subplots(len(names), len(results), figsize=(2.1 * len(results), 2.2 * len(names)), squeeze=False)
+    figure, grid = plt.subplots(len(names), len(results), figsize=(2.1 * len(results), 2.2 * len(names)), squeeze=False)
     for column, (drawing, found) in zip(grid.T, results.items(), strict=True):
         for axes, name in zip(column, names, strict=True):
             _pane(axes, found[name], f"{drawing}\n{name}" if name == names[0] else name)
-    _save(path)
+    return figure
 
 
 def _pane(axes: Axes, result: Measurement, title: str) -> None:
@@ -124,7 +125,8 @@ def _draw(axes: Axes, mesh: Mesh, colour: str, *, filled: bool = False, style: s
             axes.plot(closed[:, 0], closed[:, 1], style, color=colour, linewidth=1.0, zorder=3)
 
 
-def _save(path: Path) -> None:
-    plt.tight_layout()
-    plt.savefig(path, dpi=DPI, metadata={"Software": None})
-    plt.close()
+def save(figure: Figure, path: Path) -> None:
+    """Write a picture and close it."""
+    figure.tight_layout()
+    figure.savefig(path, dpi=DPI, metadata={"Software": None})
+    plt.close(figure)

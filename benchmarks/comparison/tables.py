@@ -75,7 +75,7 @@ def whole(runs: Sequence[Run]) -> str:
     """Whole methods by family."""
     own = of(runs, "methods")
     names = methods_of(own)
-    rows = [row for row in by_shape(own).values() if all(row[name].encloses for name in names if name in row)]
+    rows = [row for row in by_shape(own).values() if all(name in row and row[name].encloses for name in names)]
     lines = []
     for name in names:
         mine = [run for run in own if run.method == name]
@@ -130,7 +130,7 @@ def energies(runs: Sequence[Run]) -> str:
     rows = by_shape(of(runs, "energies"))
     lines = []
     for name in methods_of(of(runs, "energies")):
-        mine = {row[name].shape: row[name] for row in rows.values()}
+        mine = {row[name].shape: row[name] for row in rows.values() if name in row}
         mirrored = [number(run.asymmetry, ".0e") for run in mine.values() if run.asymmetry is not None]
         lines.append([name, *(number(run.excess, ".1f") for run in mine.values()), *mirrored])
     drawn = [run.shape for run in of(runs, "energies") if run.method == "area"]

@@ -15,7 +15,7 @@ from .outputs import WRITTEN
 
 DESCRIPTION = """\
 Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly enclose them, never cross themselves,
-and are as tight as their vertex counts allow. Exact predicates certify every cage before it is written; to check files
+and whose area is at a local minimum. Exact predicates certify every cage before it is written; to check files
 that were written by code that shares nothing with this, use: nested-cages check DRAWING RESULT"""
 
 EPILOG = """\
