@@ -52,6 +52,7 @@ ADDON_ROOMS = (
     "errors",
     "core",
     "keys",
+    "record",
     "scene",
     "animation",
     "rigging",

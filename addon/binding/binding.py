@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
+from .. import keys, record
 from ..animation import stage, visibility
 from ..animation.shape_keys import remove_mesh
 from ..core import core
@@ -90,7 +90,7 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
     levels = ownership.members(collection)
     _disconnect(collection, levels)
     lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in _unpark(obj)]
-    keys.remove(collection, [keys.BOUND])
+    record.bind(collection, "")
     stage.enter(collection)
     return lost
 
@@ -111,8 +111,8 @@ def forget(collection: bpy.types.Collection) -> str:
             remove_mesh(mesh)
         if action is not None and action.users == 0:
             bpy.data.actions.remove(action)
-    method = keys.text(collection, keys.BOUND)
-    keys.remove(collection, [keys.BOUND])
+    method = str(record.of(collection).bound)
+    record.bind(collection, "")
     return method
 
 
@@ -224,7 +224,7 @@ def _connect(
 ) -> Work[Binding]:
     """Makes a field for each cage, which what is inside follows."""
     kind = method if method in field.NAMES else field.HARMONIC
-    collection[keys.BOUND] = kind
+    record.bind(collection, kind)
     context.view_layer.update()
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage)
