@@ -74,20 +74,26 @@ def ranges(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
     effect = statistics.geometric_mean(
         _ratios(excess(methods.ENERGY_2022, largest), excess(methods.ENERGY_2022, least))
     )
-    told, between = [], []
+    told, tests = [], []
     for d_hat in (least, largest):
         ours, theirs = excess(methods.ENERGY_2022, d_hat), excess(methods.IPC_2020, d_hat)
-        between.append(statistics.geometric_mean(_ratios(ours, theirs)))
+        tests.append(statistics.sign_test(ours, theirs))
         told.append(
-            f"at d̂ = {d_hat:g} it leaves {np.median(ours):.1f} % and IPC of 2020 {np.median(theirs):.1f} %, and is "
-            f"tighter on {statistics.sign_test(ours, theirs).text}"
+            f"at d̂ = {d_hat:g} it leaves {_median(ours):.1f} % and IPC of 2020 {_median(theirs):.1f} %, and is "
+            "tighter "
+            f"on {tests[-1].text}"
         )
+    slower = statistics.geometric_mean([
+        _time(row[f"{methods.ENERGY_2022}, {least:g}"]) / _time(row[f"{methods.ENERGY_2022}, {largest:g}"])
+        for row in rows
+    ])  # fmt: skip
+    close = tests[0]
     return Verdict(
         f"From the same starts, on {len(rows)} shapes that both barriers solve at every range, the excess of the "
         "energy "
         f"of 2022 grows {effect.text()} times from d̂ = {least:g} to {largest:g} diagonals. Medians after reinflation "
-        f"alone: {'; '.join(told)}.",
-        effect.low > 1.0 and abs(np.log(effect.value)) > 2.0 * abs(np.log(between[0].value)),
+        f"alone: {'; '.join(told)}. The small range takes {slower.text('.0f')} times as long.",
+        effect.low > 1.0 and not (close.losses > close.wins and close.p < SIGNIFICANT),
     )
 
 
@@ -121,6 +127,10 @@ def spread(excesses: Sequence[float | None]) -> float:
     return max(known) / min(known)
 
 
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values)) if len(values) else np.nan
+
+
 def _ratios(one: Sequence[float], other: Sequence[float]) -> list[float]:
     return [max(a, 1e-3) / max(b, 1e-3) for a, b in zip(one, other, strict=True)]
 
@@ -136,8 +146,9 @@ CONCLUSIONS = (
         "Every shape: excess of 2022 over that of 2015, and their times",
     ),
     Conclusion(
-        "ranges", "The range of the barrier decides how tight a reinflation is, more than which barrier it is.",
-        ranges, "contacts.md", "ranges.png", "Excess over the range d̂, median and quartiles",
+        "ranges", "What makes the augmentation of 2022 loose is the range of its barrier, not the barrier: at that of "
+        "IPC (2020) it is no looser.", ranges, "contacts.md", "ranges.png",
+        "Excess over the range d̂, median and quartiles",
     ),
     Conclusion(
         "tightened", "After the same tightening contacts agree in the median, but not shape by shape.", tightened,
