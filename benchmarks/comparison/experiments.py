@@ -21,7 +21,7 @@ from nestedcages_core.tasks import drain
 from nestedcages_core.verification import verify
 
 CONTACT_LIMIT = 5.0  # CPU seconds of a contact by itself
-LADDER_SHAPES = ("letter A, 51 in 35", "disc with a hole in an octagon", "disc with a hole in a pentagon")
+LADDER_SHAPES = ("letter A, 45 + 6 in 32 + 3", "disc with a hole in an octagon", "disc with a hole in a pentagon")
 BEAN_VERTICES, BEAN_COUNT = 160, 12
 Runs = list[Run]
 

@@ -10,7 +10,7 @@ from comparison.shapes import Case
 from data import read_shape
 
 SHOWN = {
-    "figure 1: the A": "letter A, 51 in 35",
+    "figure 1: the A": "letter A, 45 + 6 in 32 + 3",
     "figure 2: a hole": "octagon with a hole in a square with a hole",
     "figure 3: a disc": "disc with a hole in an octagon",
     "figure 4: a hole left out": "disc with two holes, one covered",

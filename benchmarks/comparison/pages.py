@@ -133,8 +133,8 @@ def _methods(runs: Sequence[Run]) -> list[str]:
         "median and quartiles where every cage encloses.",
         tables.whole(runs),
         "## From 2022 to ours, one change at a time",
-        "Every line keeps those above it. In brackets: excess of a cage that encloses, but whose fine mesh rests short "
-        "of its place.",
+        "Every line keeps those above it. *Short*: the cage encloses, but the fine mesh ends so many diagonals from "
+        "home.",
         tables.by_drawing(runs, "ladder"),
     ]  # fmt: skip
 
@@ -157,7 +157,8 @@ def _published(runs: Sequence[Run]) -> list[str]:
         "ring.",
         tables.table_1(runs, read_table1()),
         "## Figures",
-        "Our drawings of the situations of figures 1 to 5; `--paper FOLDER` draws the paper's own meshes, elsewhere.",
+        "Our drawings of the situations of figures 1 to 5; `make paper MESHES=FOLDER` draws the paper's own meshes. "
+        "*Short*: the cage encloses, but the fine mesh ends so many diagonals from home, which the program accepts.",
         "![Figures 1 to 5](figures.png)",
         tables.by_drawing([run for run in runs if run.method != methods.SIMPLE], "methods"),
         "## What differs from the programs",

@@ -103,9 +103,10 @@ def _pane(axes: Axes, result: Measurement, title: str) -> None:
     for mesh, colour, style in ((result.coarse, COARSE, "--"), (result.cage, CAGE, "-")):
         if mesh is not None:
             _draw(axes, mesh, colour, style=style)
-    outcome = f"{result.excess:.1f} %" if result.excess is not None else ""
+    outcome = f"{result.excess:.1f} %" if result.certified else ""
     if not result.success:
-        outcome = " ".join(("✗", result.failed or "not certified", outcome))
+        short = f"rests {result.short:.0e} short" if result.certified and result.short else ""
+        outcome = f"{outcome}, {short}" if short else f"✗ {result.failed or 'not certified'}"
     axes.set_title(f"{title}\n{outcome}", fontsize=7)
     axes.set_aspect("equal")
     axes.axis("off")

@@ -105,7 +105,7 @@ def table_1(runs: Sequence[Run], reference: Sequence[Table1Row]) -> str:
 
 
 def by_drawing(runs: Sequence[Run], experiment: str, *, family: str = FIGURES) -> str:
-    """Rows of methods, columns of drawings: excess and time, or the phase that failed."""
+    """Rows of methods, columns of drawings: excess and time, how far F ends from home, or the phase that failed."""
     own = of(runs, experiment, family)
     drawings = list(dict.fromkeys(run.shape for run in own))
     found = {(run.method, run.shape): run for run in own}
@@ -141,4 +141,6 @@ def _cell(run: Run) -> str:
     left = f"{number(run.excess, '.1f')} %"
     if run.success:
         return f"{left} · {number(run.seconds)} s"
+    if run.encloses and run.short:
+        return f"{left}, {run.short:.0e} short"
     return f"✗ {run.failed or 'not certified'}" + (f" ({left})" if run.encloses else "")
