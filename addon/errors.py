@@ -24,6 +24,11 @@ class UserError(Exception):
         self.fault = fault
 
 
+def told(error: Exception) -> str:
+    """What an error says, without the number and the path that Python adds to those of files."""
+    return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
+
+
 def counted(count: int, noun: str) -> str:
     """A number of things: "1 cage", "3 cages"."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -38,9 +38,12 @@ def main() -> int:
                 copy = SITE / target.relative_to(ROOT)
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(target, copy)
+    codes = error_pages((ROOT / "docs" / "errors.md").read_text(encoding="utf-8"))
+    for name, text in codes.items():
+        write(Path("errors") / f"{name}.md", text)
     write(Path("api/core.md"), core_page())
     write(Path("api/rooms.md"), rooms_page())
-    print(f"{len(sources) + 2} pages gathered in {SITE.relative_to(ROOT)}")
+    print(f"{len(sources) + len(codes) + 2} pages gathered in {SITE.relative_to(ROOT)}")
     return 0
 
 
@@ -48,6 +51,19 @@ def write(place: Path, text: str) -> None:
     """Write a page of the site."""
     (SITE / place).parent.mkdir(parents=True, exist_ok=True)
     (SITE / place).write_text(text, encoding="utf-8")
+
+
+def error_pages(listed: str) -> dict[str, str]:
+    """A page for each code in the tables of docs/errors.md."""
+    pages = {}
+    for code, meaning, remedy, data in re.findall(
+        r"^\| `([\w.]+)` \| (.*?) \| (.*?) \| (.*?) \|$", listed, re.MULTILINE
+    ):
+        lines = [f"# {code}", "", meaning, "", remedy, "", f"Data: {data or 'none'}.", ""]
+        pages[code] = "\n".join([*lines, "[All codes](../docs/errors.md)", ""]).replace(
+            "](needs.md)", "](../docs/needs.md)"
+        )
+    return pages
 
 
 def core_page() -> str:

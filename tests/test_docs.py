@@ -17,6 +17,7 @@ from types import ModuleType
 import pytest
 
 import nestedcages_core
+from nestedcages_core.errors import CODES
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -113,6 +114,15 @@ def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType) -> 
     assert set(re.findall(r'class="room" id="([\w-]+)"', drawn)) == set(rooms), again
     arrows = {f"{room}-{other}" for room, others in packaging.draw_rooms.arrows(rooms).items() for other in others}
     assert set(re.findall(r'class="arrow" id="([\w-]+)"', drawn)) == arrows, again
+
+
+def test_every_code_of_an_error_has_a_page(packaging: ModuleType) -> None:
+    text = (ROOT / "docs" / "errors.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `([\w.]+)` \|.* \| (.*) \|$", text, flags=re.MULTILINE))
+    assert {code: tuple(re.findall(r"`(\w+)`", data)) for code, data in rows.items()} == dict(CODES)
+    pages = packaging.error_pages(text)
+    assert list(pages) == list(rows)
+    assert "Move the vertices there apart" in pages["mesh.crossing"]
 
 
 def test_the_reference_has_every_public_name(packaging: ModuleType) -> None:

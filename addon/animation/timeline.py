@@ -213,7 +213,7 @@ def _stored_markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:
     """Names and frames of an output's markers; invalid entries are skipped."""
     try:
         found = json.loads(keys.text(collection, keys.MARKERS))
-    except ValueError:
+    except (ValueError, RecursionError):
         return []
     pairs = [pair for pair in found if isinstance(pair, list) and len(pair) == 2] if isinstance(found, list) else []
     return [(name, frame) for name, frame in pairs if isinstance(name, str) and isinstance(frame, int)]

@@ -149,7 +149,7 @@ def _level(
                 for step in run:
                     yield Progress(0.9 * step.fraction, "following")
             except core.NestedCagesError as error:
-                problem = problem or _with_frames(str(error), frames)
+                problem = problem or _said(error, frames)
                 break
             finally:
                 run.close()
@@ -159,6 +159,15 @@ def _level(
                 return
             problem = stored
     raise UserError(f"'{name}': {problem}")
+
+
+def _said(error: core.NestedCagesError, frames: NDArray[np.float64]) -> str:
+    """An error of the core in frames instead of poses, with advice that Blender has: a smaller Step."""
+    if error.code not in ("motion.blocked", "motion.collides"):
+        return _with_frames(str(error), frames)
+    frame = frames[min(error.data["pose"], len(frames) - 1)]
+    advice = "lower Step" if (np.diff(frames) > 1.0).any() else "slow the motion down there"
+    return f"frame {frame:g}: the cage cannot follow the drawing here; {advice}, or use more vertices or clearance"
 
 
 def _with_frames(sentence: str, frames: NDArray[np.float64]) -> str:
@@ -208,7 +217,7 @@ def stand_still(poses: Poses, options: Options) -> Work[Moving]:
     try:
         union = remembered(lambda: core.swept(fine, poses.points), poses.points.nbytes, "swept", fine, poses.points)
     except core.NestedCagesError as error:
-        raise UserError(f"'{name}': {_with_frames(str(error), poses.frames)}") from error
+        raise UserError(f"'{name}': {_said(error, poses.frames)}") from error
     whole = replace(poses.drawing, loops=tuple(union.vertices[loop] for loop in union.loops))
     generation = Generation([Request(whole)], replace(options, levels=counts))
     for step in generation:

@@ -48,10 +48,7 @@ class Job(Generic[Result]):
         self._work = work
 
     def advance(self, seconds: float = SLICE) -> bool:
-        """Works for about `seconds`; True when everything is done. Raises: UserError.
-
-        The start of a stage ends the slice, so that the panel shows it before it runs.
-        """
+        """Works for about `seconds`; True when everything is done. Raises: UserError."""
         until = time.perf_counter() + seconds
         while True:
             try:
@@ -59,9 +56,8 @@ class Job(Generic[Result]):
             except StopIteration as done:
                 self.result = done.value
                 return True
-            begins = progress.message != self.message
             self.fraction, self.message = progress.fraction, progress.message
-            if begins or time.perf_counter() >= until:
+            if time.perf_counter() >= until:
                 return False
 
     def start(self, end: Callable[[bpy.types.Context], None] | None = None) -> None:

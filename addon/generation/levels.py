@@ -67,8 +67,9 @@ def wanted_levels(
         return tuple(Wanted(mesh) for mesh in own)
     if levels.count(OWN) != len(own):
         raise UserError(
-            f"'{name}': own objects (*) in the levels: {levels.count(OWN)}, objects named: {len(own)}; "
-            "name one for each"
+            f"'{name}': {levels.count(OWN)} of the levels should be an object of your own (*), and {len(own)} "
+            f"{'is' if len(own) == 1 else 'are'} chosen: click the plus next to Levels and choose one for each, or "
+            "select them and tick 'Selected as Levels'"
         )
     sizes = [len(loop) for loop in fine.loops]
     if convex:  # so many vertices around each part
@@ -81,8 +82,21 @@ def wanted_levels(
             distance = None if level.distance is None else level.distance / scale
             found.append(Wanted(replace(level, distance=distance)))
         else:
-            found.append(counted(level, sizes))
+            found.append(_in_order(counted(level, sizes), found))
     return tuple(found)
+
+
+def _in_order(wanted: Wanted, before: Sequence[Wanted]) -> Wanted:
+    """A vertex count, no larger than that of the level before: a cage has at most as many vertices as what it is
+    around."""
+    last = before[-1].level if before else None
+    if not (isinstance(last, int) and isinstance(wanted.level, int) and wanted.level > last):
+        return wanted
+    note = (
+        f"Levels go from fine to coarse: level {len(before) + 1} asks for {wanted.level} vertices, more than the "
+        f"{last} of the cage in it, so it has {last} too. Give the larger number first."
+    )
+    return Wanted(last, (*wanted.notes, note))
 
 
 def are_counts(levels: Sequence[Level]) -> bool:

@@ -52,6 +52,8 @@ class Canvas:
 
 def load(path: Path) -> bpy.types.Image:
     """The image of a file, reused if it is already loaded. Raises: UserError."""
+    if not path.exists():
+        raise UserError(f"There is no file '{path}'")
     try:
         return bpy.data.images.load(str(path), check_existing=True)
     except RuntimeError as error:

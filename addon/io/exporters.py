@@ -13,7 +13,7 @@ from mathutils import Matrix
 from .. import keys
 from ..animation import visibility
 from ..core import core, triangulation
-from ..errors import UserError
+from ..errors import UserError, told
 from ..scene import convert, display, filling, ownership, placement, strokes
 from ..scene.plane import PLANARITY, Frame, size
 
@@ -190,7 +190,7 @@ def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, 
         text, count = WRITERS[kind](shapes, flip_y, extras)
         core.exchange.write_whole(path, text)
     except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be written: {error}") from error
+        raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
     return count
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..core import core
-from ..errors import UserError
+from ..errors import UserError, told
 from ..generation.job import Progress, Work
 from ..scene.chains import without_doubles
 from ..scene.plane import size
@@ -41,6 +41,8 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
     outlines: of an SVG, "ONE" of everything, "SEVERAL" of each shape, or "AUTO", several of exported cages.
     """
     exchange = core.exchange
+    if not path.exists():
+        raise UserError(f"There is no file '{path}'")
     try:
         if path.suffix.lower() in SVG:
             return _svg_shapes(path, outlines)
@@ -51,7 +53,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
             return [Shape(path.stem, exchange.from_engine_json(text), True, EXPORTED)]
         features = exchange.features_from_geojson(text)
     except (core.NestedCagesError, OSError) as error:
-        raise UserError(f"'{path.name}' cannot be read: {error}") from error
+        raise UserError(f"'{path.name}' cannot be read: {told(error)}") from error
     if not features:
         raise UserError(f"'{path.name}' has no polygons")
     return [

@@ -67,17 +67,24 @@ def _facing(active: bpy.types.Object, x: NDArray[np.float64], y: NDArray[np.floa
 
 
 def outline(
-    context: bpy.types.Context, objects: Sequence[bpy.types.Object], frame: Frame, options: Options = Options()
-) -> Work[tuple[NDArray[np.float64], ...]]:
-    """The loops (k, 2) of the silhouette of objects in a frame. Raises: UserError."""
+    context: bpy.types.Context,
+    objects: Sequence[bpy.types.Object],
+    frame: Frame,
+    options: Options = Options(),
+) -> Work[tuple[tuple[NDArray[np.float64], ...], list[UserError]]]:
+    """The loops (k, 2) of the silhouette of objects in a frame, and why some have none. Raises: UserError if all do."""
     areas: list[core.exchange.Painted] = []
+    problems: list[UserError] = []
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
-        for area in areas_of(context, obj, strokes=options.strokes):
-            areas += _painted(area, frame)
+        try:
+            for area in areas_of(context, obj, strokes=options.strokes):
+                areas += _painted(area, frame)
+        except UserError as error:
+            problems.append(error)
     name = objects[0].name
     if not areas:
-        raise UserError(f"'{name}' is seen from the side: choose another plane")
+        raise problems[0] if problems else UserError(f"'{name}' is seen from the side: choose another plane")
     yield Progress(0.5, "uniting painted areas")
     loops = united(name, areas)
     if options.gap > 0.0:
@@ -86,7 +93,7 @@ def outline(
         mesh = core.Mesh.from_loops(loops)
         outer = [mesh.vertices[loop] for loop, sign in zip(mesh.loops, mesh.loop_signs, strict=True) if sign > 0]
         loops = united(name, [core.exchange.Painted([loop]) for loop in outer])
-    return loops
+    return loops, problems
 
 
 def _changed(name: str, mesh: core.Mesh) -> tuple[NDArray[np.float64], ...]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
 from bpy.props import BoolProperty
 
-from ..errors import Fault, UserError
+from ..errors import Fault, UserError, counted
 from ..generation.job import TICK, Job, Work, completed, running
 from ..scene import ownership
 from ..scene.selection import collection_of_active
@@ -55,6 +56,14 @@ class Reporting(Mixin):
         remember_fault(error.fault)
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
+
+    def tell_skipped(self, problems: Sequence[UserError], noun: str = "drawing") -> None:
+        """Lists what could not be worked on; the rest was."""
+        remember_fault(next((problem.fault for problem in problems if problem.fault is not None), None))
+        for problem in problems:
+            self.report({"WARNING"}, f"Skipped: {problem}")
+        if problems:
+            self.report({"WARNING"}, f"{counted(len(problems), noun)} skipped, see the Info editor")
 
 
 class OnOutput(Reporting):

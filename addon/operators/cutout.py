@@ -14,7 +14,6 @@ from bpy_extras.io_utils import ImportHelper
 
 from ..animation import bake
 from ..binding import binding, handles
-from ..core import core
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
@@ -96,23 +95,36 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         parts, settings = self._parts(context), settings_of(context)
         levels = parse_levels(self.levels, units.lengths(scene_of(context)))
-        frames = [part.canvas.frame() for part in parts]
-        outlines: list[core.Mesh] = []
-        requests: list[Request] = []
-        for part, frame in zip(parts, frames, strict=True):
-            shown = Picture.of(part.image)
-            found = yield from shown.outline(self.vertices, **picture.values(self))
-            points = part.canvas.placed(np.asarray(found.vertices) / shown.size)
-            drawing = Drawing(_stem(part.image), frame, tuple(points[loop] for loop in found.loops))
-            outlines.append(drawing.mesh())
-            requests.append(Request(drawing))
+        drawings: list[tuple[Part, Drawing]] = []
+        problems: list[UserError] = []
+        opaque: list[str] = []
+        for part in parts:
+            try:
+                frame, shown = part.canvas.frame(), Picture.of(part.image)
+                found = yield from shown.outline(self.vertices, **picture.values(self))
+                points = part.canvas.placed(np.asarray(found.vertices) / shown.size)
+                drawing = Drawing(_stem(part.image), frame, tuple(points[loop] for loop in found.loops))
+                drawing.mesh()
+            except UserError as error:
+                problems.append(error)
+                continue
+            drawings.append((part, drawing))
+            if (shown.alpha > self.threshold).all():
+                opaque.append(part.image.name)
+        if not drawings:
+            raise problems[0]
+        requests = [Request(drawing) for _, drawing in drawings]
         generation = Generation(requests, Options(levels=levels, methods=conversion.methods(settings)))
         yield from generation
+        problems += generation.problems
+        # Those that have a cage, in the same order.
+        caged = {id(result.drawing) for result in generation.results}
+        parts = [part for part, drawing in drawings if id(drawing) in caged]
         made: list[bpy.types.Object] = []
         try:
-            for part, outline, result in zip(parts, outlines, generation.results, strict=True):
+            for part, result in zip(parts, generation.results, strict=True):
                 shown_by, drawing = found_object(part.shown_by), result.drawing
-                data = cutout.filled(drawing.name, outline, part.canvas, part.image)
+                data = cutout.filled(drawing.name, drawing.mesh(), part.canvas, part.image)
                 made.append(cutout.place(context, drawing.name, data, drawing.frame, shown_by))
             context.view_layer.update()
             self._write(context, made, generation.results)
@@ -127,6 +139,13 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
             if shown_by is not None:
                 shown_by.hide_set(True)
                 shown_by.hide_render = True
+        self.tell_skipped(problems, "picture")
+        for name in opaque:
+            self.report(
+                {"WARNING"},
+                f"'{name}' has no transparent pixels, so its outline is a rectangle: erase its background, or raise "
+                "the threshold",
+            )
         return {"FINISHED"}
 
     def show_result_in(self, context: bpy.types.Context) -> None:

@@ -11,6 +11,7 @@ from .. import keys
 from ..binding import binding, field
 from ..errors import UserError, counted
 from ..generation import output
+from ..generation.advice import part
 from ..generation.generate import Generation, Request, Result
 from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
@@ -20,7 +21,7 @@ from ..properties.settings import GenerationProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
 from ..scene.selection import scene_of
-from .base import JobOperator, Outcome, remember_fault
+from .base import JobOperator, Outcome
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
@@ -66,16 +67,8 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if scene is None:
             raise UserError("The scene of the drawing is gone, so its cages were discarded")
         done = self._write(scene, generation.results)
-        self._tell_skipped(problems)
+        self.tell_skipped(problems)
         return done
-
-    def _tell_skipped(self, problems: Sequence[UserError]) -> None:
-        """Lists the drawings that could not be caged; the others were."""
-        remember_fault(next((problem.fault for problem in problems if problem.fault is not None), None))
-        for problem in problems:
-            self.report({"WARNING"}, f"Skipped: {problem}")
-        if problems:
-            self.report({"WARNING"}, f"{counted(len(problems), 'drawing')} skipped, see the Info editor")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
@@ -110,9 +103,13 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
             self.report({"WARNING"}, note)
         for need in filter(None, (level.need for level in cages)):
             self.report({"INFO"}, need)
-        sizes = ", ".join(f"{100.0 * abs(level.excess):.2f} %" for level in cages)
+        sizes = [abs(level.excess) for level in cages]
+        around, shown = "", ", ".join(map(part, sizes))
+        if len(results) > 1:
+            around = f" for {len(results)} drawings"
+            shown = f"{part(min(sizes))} to {part(max(sizes))}"
         kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
-        self.report({"INFO"}, f"{counted(len(cages), kind)}; {measure} {sizes}")
+        self.report({"INFO"}, f"{counted(len(cages), kind)}{around}; {measure} {shown}")
         return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:

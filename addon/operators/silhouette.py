@@ -65,12 +65,13 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         frame = silhouette.plane_of(context, objects[0], self.plane)
         options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
         identity = objects[0].session_uid
-        loops = yield from silhouette.outline(context, objects, frame, options)
+        loops, problems = yield from silhouette.outline(context, objects, frame, options)
         first = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
         if first is None:
             raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
         made = silhouette.place(context, first, frame, loops)
         select(context, made)
+        self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {len(loops)} loops")
         return {"FINISHED"}
 

@@ -101,6 +101,10 @@ def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOpti
     vertices, edges = lines_of(context, obj, options.resolution)
     loops = _closed_loops(obj, vertices, edges, options)
     matrix = world_matrix(obj)
+    lost = np.ptp(np.concatenate(loops), axis=0).astype(bool) & ~matrix[:3, :3].any(axis=0)
+    if lost.any():
+        axes = " and ".join(axis for axis, gone in zip("XYZ", lost, strict=True) if gone)
+        raise UserError(f"'{obj.name}' is scaled to nothing along {axes}: give it a scale first")
     return Outline(obj.name, loops, matrix, obj.session_uid, letters=obj.type == "FONT")
 
 
@@ -178,6 +182,8 @@ def _closed_loops(
     loops = [vertices[line] for line in (*found.closed, *found.opened)]
     if not loops and len(vertices) and not len(edges):
         raise UserError(f"'{obj.name}' is a solid and has no outline: select a flat drawing, or delete faces")
+    if not loops and obj.type == "FONT" and not obj.data.body.strip():
+        raise UserError(f"'{obj.name}' is a text without letters: write some (Tab)")
     if not loops:
         raise UserError(f"'{obj.name}' has no outline: neither edges without faces nor an open boundary")
     extent = extent_of(loops)

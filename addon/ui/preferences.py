@@ -6,7 +6,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, FloatProperty, PointerProperty, StringProperty
 
-from ..operators.base import Outcome
+from ..operators.base import Outcome, remember_fault
 from ..properties import groups
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
@@ -112,8 +112,9 @@ def preferences() -> NestedCagesPreferences | None:
 
 
 @persistent  # type: ignore[untyped-decorator]
-def _begin_with_defaults(filepath: str = "", _unused: object = None) -> None:
-    """Applies the user's defaults to the scenes of a new file; saved files keep their settings."""
+def _begin_file(filepath: str = "", _unused: object = None) -> None:
+    """Forgets the last fault, and applies the user's defaults to a new file; saved files keep their settings."""
+    remember_fault(None)
     found = preferences()
     if found is None or not found.has_defaults or filepath or bpy.data.filepath:
         return
@@ -127,13 +128,13 @@ CLASSES = (NestedCagesDefaults, NestedCagesPreferences, SCENE_OT_nested_cages_st
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.app.handlers.load_post.append(_begin_with_defaults)
+    bpy.app.handlers.load_post.append(_begin_file)
     found = preferences()
     if found is not None:
         panels.move_to(found.category.strip() or panels.CATEGORY)
 
 
 def unregister() -> None:
-    bpy.app.handlers.load_post.remove(_begin_with_defaults)
+    bpy.app.handlers.load_post.remove(_begin_file)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -15,7 +15,8 @@ from .outputs import WRITTEN
 
 DESCRIPTION = """\
 Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly enclose them, never cross themselves,
-and are as tight as their vertex counts allow. Exact predicates certify every cage before it is written."""
+and are as tight as their vertex counts allow. Exact predicates certify every cage before it is written; to check files
+that were written by code that shares nothing with this, use: nested-cages check DRAWING RESULT"""
 
 EPILOG = """\
 input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
@@ -90,7 +91,7 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--report", metavar="FILE", help="write all measures and messages as JSON, - for the output")
     options.add_argument(
         "--clearance",
-        type=_length,
+        type=length,
         metavar="LENGTH",
         help="smallest distance between a cage and what it encloses (default: 1e-5 of the drawing's diagonal)",
     )
@@ -101,13 +102,13 @@ def parser() -> argparse.ArgumentParser:
     )
     options.add_argument(
         "--symmetry",
-        type=_symmetry,
+        type=symmetry,
         metavar="WHAT",
         help="cages are symmetric: x (left and right alike), y (top and bottom alike), both about the middle of the "
         "drawing, a number (rotations of that order about its centroid), or found (the drawing's own)",
     )
     options.add_argument(
-        "--min-edge", type=_length, metavar="LENGTH", help="no cage edge is shorter than this, where there is room"
+        "--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter than this, where there is room"
     )
     options.add_argument(
         "--min-angle",
@@ -118,13 +119,13 @@ def parser() -> argparse.ArgumentParser:
     grids = options.add_mutually_exclusive_group()
     grids.add_argument(
         "--grid",
-        type=_length,
+        type=length,
         metavar="LENGTH",
         help="cage vertices are multiples of this length, and certified as such",
     )
     grids.add_argument(
         "--decimals",
-        type=_decimals,
+        type=decimals,
         metavar="N",
         help="the same by decimals: 6 or 7 for maps in degrees, 0 for whole pixels",
     )
@@ -141,7 +142,7 @@ def parser() -> argparse.ArgumentParser:
     drawings = options.add_argument_group("drawings (.svg)")
     drawings.add_argument(
         "--tolerance",
-        type=_length,
+        type=length,
         metavar="LENGTH",
         help="greatest distance between a curve and its chords (default: 1/2000 of the drawing's diagonal); a "
         "clearance of at least as much encloses the curves themselves",
@@ -162,7 +163,7 @@ def parser() -> argparse.ArgumentParser:
         help="cut cages at the borders that features share, so that they overlap as little as cages can",
     )
     sprites = options.add_argument_group("pictures (.png)")
-    sprites.add_argument("--padding", type=_length, metavar="PIXELS", help="the clearance; parts closer are joined")
+    sprites.add_argument("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined")
     sprites.add_argument(
         "--threshold",
         type=_share,
@@ -235,11 +236,11 @@ def _corners(text: str) -> int:
     return int(_number(text, "a whole number of at least 3 is needed", lambda value: value >= 3 and value % 1 == 0))
 
 
-def _length(text: str) -> float:
+def length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
 
 
-def _symmetry(text: str) -> Mirror | Rotation | Found:
+def symmetry(text: str) -> Mirror | Rotation | Found:
     if text == "found":
         return Found()
     if text in AXES:
@@ -252,7 +253,7 @@ def _angle(text: str) -> float:
     return _number(text, "an angle above 0 and below 60 degrees is needed", lambda value: 0.0 < value < 60.0)
 
 
-def _decimals(text: str) -> int:
+def decimals(text: str) -> int:
     what = f"a whole number from 0 to {MAX_DECIMALS} is needed"
     return int(_number(text, what, lambda value: 0 <= value <= MAX_DECIMALS and value % 1 == 0))
 

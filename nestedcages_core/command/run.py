@@ -11,6 +11,7 @@ from typing import Any, TextIO
 
 from ..errors import NestedCagesError
 from ..exchange import Limits
+from .check import main as check_files
 from .checks import check_use
 from .making import Result, make
 from .options import of_drawings, parser
@@ -24,11 +25,14 @@ DONE, FAILED, INTERRUPTED = 0, 1, 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status."""
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    if words[:1] == ["check"]:
+        return check_files(words[1:])
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError, OSError):  # a replaced stream, without an encoding
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     options = parser()
-    given = options.parse_args(arguments)
+    given = options.parse_args(words)
     try:
         paths = expanded(given.input)
     except NestedCagesError as error:

@@ -116,7 +116,8 @@ class LevelBuilder:
         for cage in sorted(cages, key=lambda cage: cage.rank):
             source = cage.start.source
             if errors and source != tried[0]:
-                said = f"Started from the {source} instead of a coarse mesh {tried[0]}: {errors[0]}"
+                what = "shrink into" if isinstance(errors[0], FlowError) else "return from"
+                said = f"Started from the {source}: the mesh could not {what} a coarse mesh {tried[0]}."
                 notes = (*notes, Fault(said, "note.start", source=source))
             elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
                 said = f"Started from the {source}: with its vertices on the curve it would cross itself."

@@ -185,3 +185,18 @@ def test_a_file_that_is_no_picture_is_told(tmp_path) -> None:
     path.write_text("no picture")
     with pytest.raises(RuntimeError, match=r"note.png"):
         cut(filepath=str(path))
+
+
+def test_pictures_without_a_cage_are_skipped_and_opaque_ones_told(capfd) -> None:
+    """A distance in units that is more than the clearance of a small picture, and less than that of a large one."""
+    solid = bpy.data.images.new("solid.png", 8, 8, alpha=True)
+    solid.pixels.foreach_set(np.ones(8 * 8 * 4, np.float32))
+    large, small, rectangle = empty(picture("large.png")), empty(picture()), empty(solid)
+    large.empty_display_size, small.empty_display_size, rectangle.empty_display_size = 300.0, 1.0, 1.0
+    cut(levels="1e-4u", bind=False)
+    told = capfd.readouterr().out
+    assert "Skipped: 'large, level 1': No cage within a distance" in told and "1 picture skipped" in told
+    assert "'solid.png' has no transparent pixels, so its outline is a rectangle" in told
+    assert "'part.png' has no" not in told
+    assert {"part", "solid"} <= set(bpy.data.objects.keys()) and "large" not in bpy.data.objects
+    assert not large.hide_get() and small.hide_get() and rectangle.hide_get()

@@ -282,7 +282,7 @@ def test_points_that_float32_cannot_tell_apart_become_one(tmp_path) -> None:
         ("a.svg", "hello", "not an SVG"),
         ("a.geojson", "{", "not GeoJSON"),
         ("b.geojson", '{"type": "FeatureCollection", "features": []}', "no polygons"),
-        ("none.svg", None, "cannot be read"),
+        ("none.svg", None, "There is no file '.*none.svg'"),
     ],
 )
 def test_files_that_cannot_be_read_are_refused(tmp_path, name, text, sentence) -> None:

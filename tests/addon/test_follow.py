@@ -300,3 +300,14 @@ def test_cancelling_leaves_the_scene(addon, steps) -> None:
         assert not work.advance(0.0)
     work.stop()
     assert snapshot() == before
+
+
+def test_a_motion_too_fast_for_its_step_names_the_step() -> None:
+    obj = wire("Turned", [star(60)])
+    obj.shape_key_add(name="Basis")
+    shape = obj.shape_key_add(name="Round")
+    for point in shape.data:
+        point.co.xy = -point.co.xy
+    key(shape, "value", [0.0, 1.0])
+    sentence = refused(obj, levels="12", frame_start=1, frame_end=6, frame_step=5)
+    assert "frame 1: the cage cannot follow the drawing here; lower Step, or use more vertices" in sentence

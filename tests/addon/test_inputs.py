@@ -212,8 +212,49 @@ def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:
     poly_curve("Drawing", [star()])
     before = snapshot()
     generate = bpy.ops.object.nested_cages_generate
-    assert generate(levels="*", level_objects="Own", tighten=False) == {"FINISHED"}
+    assert generate(levels="*", level_objects="Own", tighten=False, shrink=False) == {"FINISHED"}
     cage = bpy.data.objects["Drawing Cage 1"]
     first = evaluated(cage, at_frame(cage["nested_cages_flow_start"]))
     np.testing.assert_allclose(in_world(cage, first), expected, atol=1e-5)
     assert snapshot()["hidden"] == ["Drawing Moving", *before["hidden"]]
+
+
+@pytest.mark.parametrize(
+    ("drawing", "options", "sentence"),
+    [
+        (lambda: scaled((0.0, 1.0, 1.0)), {}, "'Drawing' is scaled to nothing along X: give it a scale first"),
+        (lambda: scaled((0.0, 0.0, 0.0)), {}, "'Drawing' is scaled to nothing along X and Y"),
+        (lambda: text("Text", "  "), {}, "'Text' is a text without letters: write some"),
+        (lambda: scaled((1.0, 1.0, 1.0)), {"levels": "12, *"}, "1 of the levels should be an object of your own"),
+    ],
+)
+def test_what_cannot_be_caged_is_said_in_words(drawing, options, sentence) -> None:
+    drawing()
+    bpy.context.view_layer.update()
+    before = snapshot()
+    with pytest.raises(RuntimeError, match=sentence):
+        bpy.ops.object.nested_cages_generate(**{"levels": "12", **options})
+    assert snapshot() == before
+
+
+def scaled(scale):
+    obj = poly_curve("Drawing", [star()])
+    obj.scale = scale
+    return obj
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"levels": "12", "clearance": 1000.0}, "larger than the drawing, since the clearance is 3"),
+        ({"levels": "8%, 20%"}, "Levels go from fine to coarse: level 2 asks for "),
+        ({"levels": "12"}, "3 certified cages for 3 drawings; excess "),
+    ],
+)
+def test_what_was_made_is_said_in_words(capfd, options, sentence) -> None:
+    for k in range(1 + 2 * ("drawings" in sentence)):
+        poly_curve(f"Drawing {k}", [star() + 3.0 * k])
+    for obj in bpy.data.objects:
+        obj.select_set(True)
+    assert bpy.ops.object.nested_cages_generate(**options) == {"FINISHED"}
+    assert sentence in capfd.readouterr().out

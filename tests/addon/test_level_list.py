@@ -108,7 +108,7 @@ def test_an_own_object_may_be_selected_with_the_drawing() -> None:
 @pytest.mark.parametrize(
     ("levels", "objects", "sentence"),
     [
-        ("20, *", "", "in the levels: 1, objects named: 0; name one for each"),
+        ("20, *", "", "1 of the levels should be an object of your own .*, and 0 are chosen"),
         ("20, *", "Nobody", "'Nobody' is named as a level but is not in the scene"),
         ("20, *", "Empty", "'Empty' is named as a level but has no outline"),
         ("*", "Drawing", "Select the drawing too"),

@@ -88,10 +88,13 @@ def test_a_thick_curve_counts_with_its_width() -> None:
     assert filled(silhouette(line)).area == pytest.approx(1.0, rel=0.02)
 
 
-def test_an_open_line_without_a_width_is_told() -> None:
+def test_an_open_line_without_a_width_is_told_and_skipped(capfd) -> None:
     line = poly_curve("Line", [np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])], cyclic=False, dimensions="3D")
     with pytest.raises(RuntimeError, match="'Line' has no silhouette: it has neither faces nor closed lines"):
         silhouette(line)
+    capfd.readouterr()
+    assert in_common(silhouette(line, wire("Ring", [circle(48)])), disc(1.0)) < 1e-6
+    assert "Skipped: 'Line' has no silhouette" in capfd.readouterr().out
 
 
 @NO_STROKES
@@ -108,6 +111,7 @@ def test_strokes_count_with_their_widths() -> None:
     made = filled(silhouette(pen))
     assert made.symmetric_difference(expected).area < 0.01 * expected.area
     assert (expected - made).area < 1e-6
+    bpy.ops.object.select_all(action="DESELECT")
     with pytest.raises(RuntimeError, match="'Pen' has no silhouette"):
         silhouette(pen, strokes=False)
 
