@@ -59,6 +59,7 @@ ADDON_ROOMS = (
     "binding",
     "following",
     "io",
+    "characters",
     "properties",
     "presets",
     "operators",

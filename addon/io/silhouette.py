@@ -31,11 +31,12 @@ EDGE_ON = 1e-12
 
 @dataclass(frozen=True)
 class Options:
-    """`strokes`: with the width of strokes. `fill_holes`: without holes. `gap`: parts closer than this length of the
-    scene are joined.
+    """`strokes`: with the width of strokes; `closed`: closed ones are areas too. `fill_holes`: without holes.
+    `gap`: parts closer than this length of the scene are joined.
     """
 
     strokes: bool = True
+    closed: bool = False
     fill_holes: bool = False
     gap: float = 0.0
 
@@ -78,7 +79,7 @@ def outline(
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
         try:
-            for area in areas_of(context, obj, strokes=options.strokes):
+            for area in areas_of(context, obj, strokes=options.strokes, closed=options.closed):
                 areas += _painted(area, frame)
         except UserError as error:
             problems.append(error)
