@@ -151,6 +151,7 @@ def main() -> int:
     columns += ["jitter", "ms a pose"]
     print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
     drawn, failures = {}, 0
+    areas, times, certified_all, keys_all, free_all = [], [], 0, 0, 0
     for name, (sizes, motion) in motions().items():
         poses = np.array([motion(frame / chosen.frames) for frame in range(chosen.frames + 1)])
         fine = Mesh.from_loops(np.split(poses[0], np.cumsum(sizes)[:-1]))
@@ -171,11 +172,24 @@ def main() -> int:
             free = verify_motion(level.cage, fine, level.cage_steps, level.fine_steps)
             shaken = np.abs(np.diff(cages, 2, axis=0)).mean() / np.abs(np.diff(poses, 2, axis=0)).mean()
             certified, added = sum(map(bool, level.report.certificates)), level.report.keys_added
+            areas.append(float(np.median(ratio)))
+            times.append(spent)
+            certified_all, keys_all, free_all = (
+                certified_all + certified,
+                keys_all + len(level.times),
+                free_all + free.holds,
+            )
             cells = [name, len(poses[0]), count, f"{certified} of {len(level.times)}", added]
             cells += ["all" if free else "not all", f"{np.median(ratio):.3f}", f"{max(ratio):.3f}"]
             cells += [f"{shaken:.2f}", f"{spent:.0f}"]
             print(f"| {' | '.join(map(str, cells))} |", flush=True)
             drawn.setdefault(name, (fine, poses, level))
+    if areas:
+        print(
+            f"\n{certified_all} of {keys_all} keys and all motion between them in {free_all} of {len(areas)} rows are "
+            f"certified; area, median of a row: {np.median(areas):.3f} in the median, {max(areas):.3f} at most; "
+            f"{np.median(times):.0f} ms a pose in the median, {max(times):.0f} at most"
+        )
     if chosen.plot:
         plot(drawn, chosen.plot)
     return failures

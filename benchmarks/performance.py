@@ -37,8 +37,12 @@ RUNS: dict[str, tuple[str, str]] = {
     "growth": ("growth.py --plot docs/growth.png", r"kind|.* 100000 |.*: time"),
     "million": ("growth.py --sizes 1000000 --cage 1000 --kinds smooth", r"kind|smooth +1"),
     "many": ("many_shapes.py --dask", r".*: \d|.*times as fast"),
+    "motions": ("motions.py --plot docs/motions.png", r"\d+ of \d+ keys"),
 }
 """Place in the page: program with its arguments, and which of the lines that it prints the page shows."""
+
+PAGES = {"motions": "motion.md"}
+"""Pages of runs that are not in docs/performance.md."""
 
 LOOPS, MATRIX, PRODUCTS = 2_000_000, 300, 20
 """Of the speed of the machine: rounds of a loop in Python; size and number of products of matrices."""
@@ -64,7 +68,8 @@ def main() -> int:
         print(f"{name}: {time.perf_counter() - began:.0f} s{'' if printed else ', failed'}", flush=True)
         if printed:
             command = f"python benchmarks/{command}"
-            measured(options.page, name, command, printed, as_markdown(printed, shown))
+            page = options.page.with_name(PAGES.get(name, options.page.name))
+            measured(page, name, command, printed, as_markdown(printed, shown))
         else:
             failed.append(name)
     return 1 if failed else 0
@@ -84,7 +89,7 @@ def run(command: str) -> str:
 
 def as_markdown(printed: str, shown: str) -> str:
     """The lines that begin with a pattern, as they are if they have a table in Markdown, else as a block."""
-    if "\n|---" in printed:
+    if "\n|---" in printed and shown == ".*":
         return printed
     lines = [line for line in printed.splitlines() if re.match(shown, line)]
     return "\n".join(["```text", *lines, "```"]) if any(lines) else ""

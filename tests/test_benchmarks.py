@@ -158,6 +158,8 @@ def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType
     shutil.copy(performance.PAGE, copy)
     page.put(copy, "machine", "NEW")
     for name, (command, _) in performance.RUNS.items():
+        source = performance.PAGE.with_name(performance.PAGES.get(name, performance.PAGE.name))
+        shutil.copy(source, copy)
         assert (BENCHMARKS / command.split()[0]).is_file()
         page.measured(copy, name, "the command", f"all of {name}\nthe end", f"a part of {name}")
         assert (page.MEASURED / f"{name}.txt").read_text().endswith(f"\n\nall of {name}\nthe end\n")
@@ -167,7 +169,7 @@ def test_the_page_has_a_place_for_every_benchmark_that_it_shows(data: ModuleType
         page.put(copy, "nothing", "NEW")
     printed = "one\nratio 1\ntwo"
     assert performance.as_markdown(printed, "ratio") == "```text\nratio 1\n```"
-    assert performance.as_markdown("| a |\n|---|\nx", "ratio") == "| a |\n|---|\nx"
+    assert performance.as_markdown("| a |\n|---|\nx", ".*") == "| a |\n|---|\nx"
 
 
 PRETENDED = """#!{python}

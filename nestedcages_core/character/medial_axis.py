@@ -21,7 +21,7 @@ LEAST_SAMPLES = 8
 AROUND = 1.3
 """An edge of the axis lies between points of the outline that are this many times as far apart along it as straight."""
 
-APART = 0.5
+SEPARATE = 0.5
 """The same along the outline, in radii of the two ends of the edge; nearer ones are noise of the outline."""
 
 Graph = dict[int, set[int]]
@@ -60,7 +60,7 @@ def medial_axis(mesh: Mesh) -> MedialAxis:
     between = np.abs(along[a] - along[b])
     between = np.where(loop[a] == loop[b], np.minimum(between, total[loop[a]] - between), np.inf)
     straight = np.hypot(*(points[a] - points[b]).T)
-    real = (between > AROUND * straight) & (between > APART * (radii[first] + radii[second]))
+    real = (between > AROUND * straight) & (between > SEPARATE * (radii[first] + radii[second]))
     links: Graph = {}
     for i, j in zip(first[real].tolist(), second[real].tolist(), strict=True):
         links.setdefault(i, set()).add(j)

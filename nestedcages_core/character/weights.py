@@ -23,7 +23,7 @@ SHORTENED, MOST_SHORTENED = 3.0, 0.49
 to weigh bones, on six figures with each bone turned by ±70° and 20 random poses, this one folds least: 0.09 % of the
 area."""
 
-APART = 0.3
+SAME = 0.3
 """Distance below which points of two bones are one, in spacings."""
 
 CLEAR = 0.5
@@ -81,7 +81,7 @@ def _grid_with_bones(cage: Mesh, ends: FloatArray) -> tuple[Triangulation, BoolA
     on_rim = len(rim.edge)
     clear = scipy.spatial.cKDTree(rim.points[:on_rim]).query(candidates)[0] > 0.0
     candidates, owner = candidates[clear], owner[clear]
-    first = _first_of_near(candidates, APART * spacing)
+    first = _first_of_near(candidates, SAME * spacing)
     kept, index = np.unique(first, return_inverse=True)
     inner = rim.points[on_rim:]
     if len(kept) and len(inner):

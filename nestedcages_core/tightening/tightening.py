@@ -139,7 +139,8 @@ class _Run:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
         settings, energy, successor = self.settings, self.energy, self.bodies.cage_successor
         unit = self.bodies.cage_edge_length
-        region = TrustRegion.start(self.m, settings.first_radius * unit, settings.largest_radius * unit, unit)
+        first = settings.first_radius * unit
+        region = TrustRegion(first, first, settings.largest_radius * unit, unit, self.m)
         value = first_value = energy.value(self.x[: self.m], successor)
         negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
@@ -165,7 +166,7 @@ class _Run:
             quiet = quiet + 1 if solution.converged and max(solution.decrease, gain) < threshold else 0
             still = quiet > 0 and solution.decrease < max(NEGLIGIBLE_DECREASE * threshold, FAST_CONVERGENCE * previous)
             previous = solution.decrease
-            region.update(solution, trial, value, self.clearance, self.x[: self.m])
+            region.update(solution, trial, value)
             value = yield from self._accept(trial)
             if still or quiet >= settings.patience:
                 escape = self._escape(model, solution, value) if escapes < MAX_ESCAPES else None
