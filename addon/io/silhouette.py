@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from .. import keys
 from ..core import core
 from ..errors import UserError
 from ..generation.job import Progress, Work
@@ -123,9 +124,16 @@ def _has_room(loop: NDArray[np.float64]) -> bool:
 
 
 def place(
-    context: bpy.types.Context, active: bpy.types.Object, frame: Frame, loops: Sequence[NDArray[np.float64]]
+    context: bpy.types.Context,
+    active: bpy.types.Object,
+    frame: Frame,
+    loops: Sequence[NDArray[np.float64]],
+    parts: Sequence[bpy.types.Object],
 ) -> bpy.types.Object:
-    """A new flat mesh with the loops as its border, in the collection of the active object and with its material."""
+    """A new flat mesh with the loops as its border, in the collection of the active object and with its material.
+
+    parts: the objects whose silhouette it is, which will follow its cages too.
+    """
     mesh = core.Mesh.from_loops(loops)
     name = f"{active.name} Silhouette"
     obj = bpy.data.objects.new(name, filling.filled(name, frame.points(mesh.vertices), mesh))
@@ -133,4 +141,5 @@ def place(
         obj.data.materials.append(active.active_material)
     (active.users_collection or [context.scene.collection])[0].objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
+    obj[keys.OTHERS] = {str(number): part for number, part in enumerate(parts)}
     return obj

@@ -79,6 +79,18 @@ class OBJECT_OT_nested_cages_bind(BindingOperator, bpy.types.Operator):
     )
     needs_bound = False
 
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        bound = ownership.is_bound(collection)
+        return "" if bound and binding.newcomers(bpy.context, collection) else super().unsuitable(collection)
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        collection = output_of_active(context)
+        if not ownership.is_bound(collection):
+            return (yield from super().work(context))
+        self.report({"INFO"}, f"{binding.take_in(context, collection)} bound, with what is in the cages already")
+        return {"FINISHED"}
+
 
 class OBJECT_OT_nested_cages_rebind(BindingOperator, bpy.types.Operator):
     """Binds again to edited cages."""

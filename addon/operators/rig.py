@@ -7,12 +7,14 @@ from collections.abc import Sequence
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
+from ..binding import field
 from ..characters import bones, drawing, rig
 from ..core import core
 from ..errors import UserError, counted
-from ..generation.job import Work
+from ..generation.job import Progress, Work, completed
 from ..scene import ownership
 from ..scene.areas import paints
+from ..scene.convert import Drawing
 from ..scene.selection import found_object, select
 from .base import JobOperator, Outcome
 
@@ -40,6 +42,11 @@ class OnParts(JobOperator):
             return "Select the drawings: meshes, curves, texts or Grease Pencil"
         return super().unavailable(context)
 
+    def united(self, context: bpy.types.Context, parts: Sequence[bpy.types.Object]) -> tuple[Drawing, list[UserError]]:
+        """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
+        with field.unposed(map(field.shown_by, parts)):
+            return completed(drawing.united(context, parts, self.gap))
+
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
     """Binds drawings to an armature by a cage."""
@@ -65,7 +72,8 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
         armature = _armature(context)
         assert armature is not None
         identity, parts = armature.session_uid, _drawings(context)
-        whole, problems = yield from drawing.united(context, parts, self.gap)
+        whole, problems = self.united(context, parts)
+        yield Progress(0.0, "uniting painted areas")
         armature = found_object(identity)
         if armature is None or whole.source is None:
             raise UserError("The armature or a drawing was deleted meanwhile, so the cage was discarded")
@@ -113,7 +121,8 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         parts = [part.session_uid for part in _drawings(context)]
-        whole, problems = yield from drawing.united(context, _drawings(context), self.gap)
+        whole, problems = self.united(context, _drawings(context))
+        yield Progress(0.0, "uniting painted areas")
         skeleton = core.character.Skeleton(self.protrudes, self.bends, self.longest)
         found = core.suggest_bones(whole.mesh(), skeleton)
         if not found:

@@ -53,11 +53,13 @@ def collection_of(
 
 
 def outputs_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.types.Collection]:
-    """The output that an object belongs to, or those that it is the source of."""
+    """The output that an object belongs to, or those that it is a source of."""
     obj = keys.block(obj, keys.HANDLES_OF, bpy.types.Object) or obj
     if level_of(obj) is not None:
         return [c for c in obj.users_collection if is_output(c)][:1]
-    return outputs_of(scene, obj)
+    return outputs_of(scene, obj) or [
+        c for c in scene.collection.children_recursive if is_output(c) and obj in originals(c)
+    ]
 
 
 def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
@@ -72,10 +74,19 @@ def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
 
 
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The source objects of an output, first the one that it is named after; without deleted ones."""
-    others = collection.get(keys.OTHERS)
-    stored = [collection.get(keys.SOURCE), *(others.values() if hasattr(others, "values") else ())]
-    return [obj for obj in stored if isinstance(obj, bpy.types.Object) and obj.users_scene]
+    """The source objects of an output, first the one that it is named after, and those whose silhouette they are;
+    without deleted ones.
+    """
+    first = collection.get(keys.SOURCE)
+    stored = [first, *_others(collection), *(_others(first) if isinstance(first, bpy.types.Object) else ())]
+    found = [obj for obj in stored if isinstance(obj, bpy.types.Object) and obj.users_scene]
+    return list(dict.fromkeys(found))
+
+
+def _others(owner: bpy.types.ID) -> list[object]:
+    """Other objects that an output, or a silhouette, was made of."""
+    others = owner.get(keys.OTHERS)
+    return list(others.values()) if hasattr(others, "values") else []
 
 
 def colours_of(scene: bpy.types.Scene, collection: bpy.types.Collection) -> int:

@@ -144,3 +144,93 @@ def test_rigging_needs_bones_in_the_plane() -> None:
     with pytest.raises(RuntimeError, match="has no bone"):
         bpy.ops.object.nested_cages_rig()
     assert rig.select_get() and not [o for o in bpy.data.objects if "Cage" in o.name]
+
+
+def select(*objects):
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[-1]
+
+
+def instance():
+    """An empty that shows a collection of one face, at the left hand."""
+    home = bpy.data.collections.new("Glove")
+    glove = face("Glove Face", capsule((0.0, 0.0), (0.1, 0.0), 0.05))
+    bpy.context.scene.collection.objects.unlink(glove)
+    home.objects.link(glove)
+    home.instance_offset = (0.02, 0.0, 0.0)
+    bpy.ops.object.collection_instance_add(collection="Glove", location=(1.5, 1.1, 0.02))
+    return bpy.context.object
+
+
+def instanced(empty):
+    """Displayed points (n, 3) of what an empty instances, or of the object that shows it."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = [o for o in empty.children if o.type == "MESH"]
+    if shown:
+        return points(shown[0])
+    return np.concatenate(
+        [
+            [o.matrix_world @ v.co for v in o.object.data.vertices]
+            for o in depsgraph.object_instances
+            if o.is_instance and o.parent.original == empty
+        ]
+    )
+
+
+def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    ring = face("Ring", capsule((1.2, 1.1), (1.25, 1.1), 0.04))
+    empty = instance()
+    rest = {"Ring": points(ring), "Glove": instanced(empty)}
+    select(ring, empty, cage)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    np.testing.assert_allclose(instanced(empty), rest["Glove"], atol=1e-5)
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    assert np.abs(points(ring) - rest["Ring"]).max() > 0.1
+    assert np.abs(instanced(empty) - rest["Glove"]).max() > 0.3
+    select(cage)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    ring.location.y += 1.0
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert "does not enclose 'Ring'" in cage["nested_cages_finding"]
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert not ring.modifiers and empty.instance_type == "COLLECTION" and not empty.children
+
+
+def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
+    head, eye = face("Head", capsule((0.0, 0.0), (0.0, 0.2), 1.0)), face("Eye", capsule((0.3, 0.2), (0.3, 0.3), 0.1))
+    select(eye, head)
+    for silhouette in (False, True):
+        if silhouette:
+            assert bpy.ops.object.nested_cages_silhouette() == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_generate(levels="8", together=True) == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+        cage = bpy.context.object
+        assert len(cage.data.vertices) == 8  # one loop: the eye is no hole
+        before = points(eye)
+        cage.data.transform(Matrix.Diagonal((1.5, 1.0, 1.0, 1.0)))
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(points(eye), before * (1.5, 1.0, 1.0), atol=1e-5)
+        assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+        select(eye, head)
+
+
+def test_rigging_again_fits_the_cage_to_new_parts() -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    hat = face("Hat", capsule((-0.3, 2.1), (0.3, 2.1), 0.1))
+    select(*parts.values(), hat, armature)
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert cage.name in bpy.data.objects and [m.type for m in cage.modifiers].count("ARMATURE") == 1
+    assert [m.name for m in hat.modifiers] == ["Nested Cages Follow"]
+    assert all([m.name for m in part.modifiers] == ["Nested Cages Follow"] for part in parts.values())
+    select(cage)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]

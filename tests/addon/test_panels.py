@@ -147,7 +147,7 @@ def test_results_are_short_and_the_numbers_are_in_a_report(draw) -> None:
     assert {"object.nested_cages_add_handles", "object.nested_cages_unbind"} <= set(draw("VIEW3D_PT_nested_cages"))
     assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
     report = bpy.data.texts["Nested Cages Report"].as_string()
-    for words in ("Drawing Cage 1", "clearance: ", "under affine poses", "Certified as stored"):
+    for words in ("Drawing Cage 1", "clearance: ", "at rest", "Certified as stored"):
         assert words in report
 
 
