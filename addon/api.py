@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import bpy
 
-from . import keys
+from . import record
 from .animation import stage
 from .core import core
 from .scene import convert, ownership, units
@@ -106,7 +106,7 @@ def _word(level: Level) -> str:
 def _shown(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
     """Temporarily shows drawings that the animation of earlier cages hides."""
     outputs = [output for obj in objects for output in ownership.outputs_of(scene_of(context), obj)]
-    hiding = [found for found in outputs if keys.has(found, keys.HIDES)]
+    hiding = [found for found in outputs if record.of(found).playing]
     for collection in hiding:
         stage.leave(collection)
     context.view_layer.update()

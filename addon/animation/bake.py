@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from .. import keys
+from .. import record
 from ..errors import UserError
 from ..scene import ownership
 from . import shape_keys, stage, timeline, visibility
@@ -26,8 +26,6 @@ KEYFRAME = (
     ("back", 1, np.float32),
     ("period", 1, np.float32),
 )
-# The custom properties of a cage about its animation.
-TIMES = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
 
 
 def is_animated(collection: bpy.types.Collection) -> bool:
@@ -79,8 +77,15 @@ def remove(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
         if obj.animation_data is not None and obj.animation_data.action is not None:
             visibility.always_show(obj)
         obj.hide_viewport = obj.hide_render = False
-        keys.remove(obj, (*TIMES, keys.PHASES))
-    keys.remove(collection, [keys.MOVING])
+        forget_times(obj)
+    record.written(collection).moving = False
+    record.keep(collection)
+
+
+def forget_times(obj: bpy.types.Object) -> None:
+    """Removes what an object says about its animation."""
+    record.described(obj).property_unset("phases")
+    record.described(obj).property_unset("frames")
 
 
 def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:

@@ -141,6 +141,14 @@ def curves_of(owner: Any) -> Any:
     return next((bag.fcurves for bag in bags if bag is not None), ())
 
 
+def own_action(owner: Any) -> None:
+    """Gives a data-block its own copy of its action, with the same slot."""
+    slot = getattr(owner.animation_data, "action_slot", None)
+    owner.animation_data.action = owner.animation_data.action.copy()
+    if slot is not None:
+        owner.animation_data.action_slot = owner.animation_data.action.slots[slot.identifier]
+
+
 def remove_animation(owner: Any) -> None:
     """Removes a data-block's animation, and its action if nothing else uses it."""
     if owner is None or owner.animation_data is None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import keys
+from .. import record
 from ..scene import filled_copy, ownership
 from . import shape_keys, timeline, visibility
 
@@ -24,25 +24,24 @@ def enter(collection: bpy.types.Collection) -> None:
     # Before the way back, if there is one, the result is held for a step.
     back = [] if last == result else [(result + 1 + (last - 2 * result + first), True), (last + 1, False)]
     playing = [(first - 1, False), (first, True), (result, False), *back]
-    originals = ownership.originals(collection)
-    hides = [visibility.is_free(original) for original in originals]
-    for original, hidden in zip(originals, hides, strict=True):
-        if hidden:
-            visibility.switch(original, playing)
-    collection[keys.HIDES] = hides
-    copy = filled_copy.make(collection, fine, originals[0] if originals else None)
+    found = record.written(collection)
+    found.playing = True
+    for part in found.sources:
+        if ownership.exists(part.object) and visibility.is_free(part.object):
+            part.hidden = True
+            visibility.switch(part.object, playing)
+    copy = filled_copy.make(collection, fine, ownership.source_of(collection))
     visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing])
 
 
 def leave(collection: bpy.types.Collection) -> None:
     """Shows the originals again and removes the moving copy."""
-    originals = ownership.originals(collection)
-    stored = collection.get(keys.HIDES)
-    hides = list(stored) if hasattr(stored, "__len__") and not isinstance(stored, str) else []
-    for original, hidden in zip(originals, hides, strict=False):
-        if hidden:
-            visibility.always_show(original)
-    keys.remove(collection, [keys.HIDES])
+    found = record.written(collection)
+    for part in found.sources:
+        if part.hidden and ownership.exists(part.object):
+            visibility.always_show(part.object)
+        part.hidden = False
+    found.playing = False
     fine = ownership.member(collection, 0)
     for copy in filled_copy.copies_of(fine) if fine is not None else []:
         shape_keys.remove_animation(copy)

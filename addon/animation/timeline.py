@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
@@ -12,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import keys, record
 
 Frames = TypeVar("Frames", float, NDArray[np.float64])
 
@@ -73,10 +72,8 @@ class StoredPhases:
     @classmethod
     def of(cls, cage: bpy.types.Object) -> StoredPhases | None:
         """The phases of an animated cage; None if there are none, or invalid ones."""
-        found = keys.numbers(cage, keys.PHASES, 3)
-        if found is None or not 0 <= found[0] <= found[1] <= found[2]:
-            return None
-        return cls(*map(int, found))
+        found = tuple(record.member(cage).phases)
+        return cls(*found) if 0 <= found[0] <= found[1] <= found[2] else None
 
 
 @dataclass(frozen=True)
@@ -171,26 +168,31 @@ def extend_scene(
 ) -> None:
     """Adds the marker of an output and extends the scene's range to it; the collection stores both for
     `restore_scene`."""
-    name, result = keys.text(collection, keys.NAME) or collection.name, played[-1].end
-    collection[keys.MARKERS] = json.dumps(add_markers(scene, name, result))
-    collection[keys.FRAMES] = [played[0].flow, result, last_frame(played, timing)]
+    found, result = record.written(collection), played[-1].end
+    for name, frame in add_markers(scene, found.title or collection.name, result):
+        marker = found.markers.add()
+        marker.name, marker.frame = name, frame
+    found.frames, found.animated = (played[0].flow, result, last_frame(played, timing)), True
     _fit_range(scene)
 
 
 def restore_scene(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     """Removes the marker of an output and restores the scene's range, as far as other outputs do not need it."""
-    remove_markers(scene, _stored_markers(collection))
-    found = keys.numbers(collection, keys.FRAME_END, 2)
-    if found is not None and found[0] > 0 and scene.frame_end == found[1]:
-        scene.frame_end = int(found[0])
-    keys.remove(collection, [keys.MARKERS, keys.FRAME_END, keys.FRAMES])
+    found = record.written(collection)
+    remove_markers(scene, [(marker.name, marker.frame) for marker in found.markers])
+    before = keys.numbers(collection, keys.FRAME_END, 2)
+    if before is not None and before[0] > 0 and scene.frame_end == before[1]:
+        scene.frame_end = int(before[0])
+    keys.remove(collection, [keys.FRAME_END])
+    found.markers.clear()
+    found.animated = False
     _fit_range(scene)
 
 
 def frames_of(collection: bpy.types.Collection) -> tuple[int, int, int] | None:
     """First frame of an output's animation, frame of its result, and last frame; None if it has no animation."""
-    found = keys.numbers(collection, keys.FRAMES, 3)
-    return None if found is None else (int(found[0]), int(found[1]), int(found[2]))
+    found = record.of(collection)
+    return tuple(found.frames) if found.animated else None
 
 
 def _fit_range(scene: bpy.types.Scene) -> None:
@@ -198,7 +200,7 @@ def _fit_range(scene: bpy.types.Scene) -> None:
     now = (float(scene.frame_start), float(scene.frame_end))
     stored = keys.numbers(scene, keys.RANGE, 4) or (*now, *now)
     start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
-    played = [frames for c in scene.collection.children_recursive if (frames := frames_of(c)) is not None]
+    played = [frames for c in bpy.data.collections if _plays_in(scene, c) and (frames := frames_of(c)) is not None]
     first = min([start, *(max(frames[0], 0) for frames in played)])
     last = max([end, *(frames[2] for frames in played)])
     if not played:
@@ -209,11 +211,10 @@ def _fit_range(scene: bpy.types.Scene) -> None:
         scene[keys.RANGE] = [start, end, first, last]
 
 
-def _stored_markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:
-    """Names and frames of an output's markers; invalid entries are skipped."""
-    try:
-        found = json.loads(keys.text(collection, keys.MARKERS))
-    except (ValueError, RecursionError):
-        return []
-    pairs = [pair for pair in found if isinstance(pair, list) and len(pair) == 2] if isinstance(found, list) else []
-    return [(name, frame) for name, frame in pairs if isinstance(name, str) and isinstance(frame, int)]
+def _plays_in(scene: bpy.types.Scene, collection: bpy.types.Collection) -> bool:
+    """Whether objects of an output are in the scene."""
+    parts = record.of(collection).levels if collection.nested_cages.version else ()  # type: ignore[attr-defined]
+    found = [part.object for part in parts if part.object is not None]
+    return any(scene.objects.get(obj.name) == obj for obj in found) or (
+        keys.has(collection, keys.FRAMES) and collection in scene.collection.children_recursive
+    )

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
+from .. import keys, record
 from ..animation import stage, visibility
 from ..animation.shape_keys import remove_mesh
 from ..core import core
@@ -96,7 +96,7 @@ def newcomers(context: bpy.types.Context, collection: bpy.types.Collection) -> l
     ]
 
 
-def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> str:
+def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Binding]:
     """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
     cage = ownership.members(collection)[1]
     made = field.field_of(cage)
@@ -105,9 +105,10 @@ def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> str
     parts = newcomers(context, collection)
     for part in parts:
         field.follow(part, made, in_place=False)
-    others = [obj for obj in ownership.originals(collection) if obj != ownership.source_of(collection)]
-    collection[keys.OTHERS] = {str(number): obj for number, obj in enumerate([*others, *parts])}
-    return _named(parts)
+        record.written(collection).sources.add().object = part
+    record.keep(collection)
+    yield from ()
+    return Binding((), f"{_named(parts)} bound, with what is in the cages already")
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
@@ -117,7 +118,7 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
     levels = ownership.members(collection)
     _disconnect(collection, levels)
     lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in _unpark(obj)]
-    keys.remove(collection, [keys.BOUND])
+    record.bind(collection, "")
     stage.enter(collection)
     return lost
 
@@ -138,8 +139,8 @@ def forget(collection: bpy.types.Collection) -> str:
             remove_mesh(mesh)
         if action is not None and action.users == 0:
             bpy.data.actions.remove(action)
-    method = keys.text(collection, keys.BOUND)
-    keys.remove(collection, [keys.BOUND])
+    method = str(record.of(collection).bound)
+    record.bind(collection, "")
     return method
 
 
@@ -251,7 +252,7 @@ def _connect(
 ) -> Work[Binding]:
     """Makes a field for each cage, which what is inside follows."""
     kind = method if method in field.NAMES else field.HARMONIC
-    collection[keys.BOUND] = kind
+    record.bind(collection, kind)
     context.view_layer.update()
     for inner, cage in pairwise(levels):
         _check_enclosed(inner, cage)

@@ -103,8 +103,7 @@ def why_not(obj: bpy.types.Object) -> str:
 
 def field_of(cage: bpy.types.Object) -> bpy.types.Object | None:
     """The field of a cage."""
-    found = (obj for home in cage.users_collection for obj in home.objects if obj.get(keys.FIELD_OF) == cage)
-    return next(found, None)
+    return next((obj for obj in bpy.data.objects if obj.get(keys.FIELD_OF) == cage), None)
 
 
 def followed(obj: bpy.types.Object) -> bpy.types.Object | None:

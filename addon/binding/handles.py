@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import bpy
@@ -22,16 +23,18 @@ LENGTH = 0.05
 
 def handles_of(cage: bpy.types.Object) -> list[bpy.types.Object]:
     """The armature, or the empties, that move the corners of a cage."""
-    return [obj for obj in bpy.data.objects if obj.get(keys.HANDLES_OF) == cage and obj.users_scene]
+    moving = {getattr(modifier, "object", None) for modifier in cage.modifiers}
+    return [obj for obj in moving if obj is not None and keys.has(obj, keys.HANDLES_OF) and obj.users_scene]
 
 
-def add(context: bpy.types.Context, cage: bpy.types.Object, kind: str) -> list[bpy.types.Object]:
-    """Adds handles of a kind to a cage in Object Mode, each with full weight on its corner; returns the new objects."""
-    corners = filling.points_of(filling.mesh_of(cage))
-    outward = _outward(cage)
-    made = (_bones if kind == BONES else _empties)(context, cage, corners, outward)
+def add(context: bpy.types.Context, cages: Sequence[bpy.types.Object], kind: str) -> list[bpy.types.Object]:
+    """Adds handles of a kind to cages in Object Mode, each with full weight on its corner; returns the new objects:
+    one armature for all cages, or an empty per corner.
+    """
+    made = _bones(context, cages) if kind == BONES else [empty for cage in cages for empty in _empties(cage)]
     for obj in made:
-        obj[keys.HANDLES_OF] = cage
+        if not keys.has(obj, keys.HANDLES_OF):
+            obj[keys.HANDLES_OF] = cages[0]
         obj.show_in_front = True
     return made
 
@@ -56,39 +59,43 @@ def _outward(cage: bpy.types.Object) -> Points:
     return outward
 
 
-def _bones(
-    context: bpy.types.Context, cage: bpy.types.Object, corners: Points, outward: Points
-) -> list[bpy.types.Object]:
-    """An armature with a bone per corner, in a bone collection named after the cage, and its modifier on the cage."""
-    armature = bpy.data.armatures.new(f"{cage.name} Handles")
+def _bones(context: bpy.types.Context, cages: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """An armature with a bone per corner, in a bone collection for each cage, and its modifier on the cages."""
+    name = f"{cages[0].name} Handles" if len(cages) == 1 else f"Handles of {len(cages)} Drawings"
+    armature = bpy.data.armatures.new(name)
     rig = bpy.data.objects.new(armature.name, armature)
-    for collection in cage.users_collection:
+    for collection in cages[0].users_collection:
         collection.objects.link(rig)
-    placement.accompany(rig, cage)
+    if len(cages) == 1:
+        placement.accompany(rig, cages[0])
+    else:
+        rig.matrix_world = cages[0].matrix_world
     armature.display_type = "STICK"
-    group, length = armature.collections.new(cage.name), LENGTH * size(corners)
+    context.view_layer.update()
     select(context, rig)
     bpy.ops.object.mode_set(mode="EDIT")
-    for name, corner, direction in zip(names(cage), corners, outward, strict=True):
-        bone = armature.edit_bones.new(name)
-        bone.head = Vector(corner)
-        bone.tail = bone.head + length * Vector((*direction, 0.0))
-        bone.use_deform = True
-        group.assign(bone)
+    for cage in cages:
+        corners, group = filling.points_of(filling.mesh_of(cage)), armature.collections.new(cage.name)
+        there, length = rig.matrix_world.inverted_safe() @ cage.matrix_world, LENGTH * size(corners)
+        for name, corner, direction in zip(names(cage), corners, _outward(cage), strict=True):
+            bone = armature.edit_bones.new(name)
+            bone.head = there @ Vector(corner)
+            bone.tail = there @ (Vector(corner) + length * Vector((*direction, 0.0)))
+            bone.use_deform = True
+            group.assign(bone)
     bpy.ops.object.mode_set(mode="OBJECT")
-    for index, name in enumerate(names(cage)):
-        _weigh(cage, name, index)
-    modifier = cage.modifiers.new("Nested Cages Handles", "ARMATURE")
-    assert isinstance(modifier, bpy.types.ArmatureModifier)
-    modifier.object = rig
+    for cage in cages:
+        for index, name in enumerate(names(cage)):
+            _weigh(cage, name, index)
+        modifier = cage.modifiers.new("Nested Cages Handles", "ARMATURE")
+        assert isinstance(modifier, bpy.types.ArmatureModifier)
+        modifier.object = rig
     return [rig]
 
 
-def _empties(
-    _context: bpy.types.Context, cage: bpy.types.Object, corners: Points, _outward: Points
-) -> list[bpy.types.Object]:
+def _empties(cage: bpy.types.Object) -> list[bpy.types.Object]:
     """An empty per corner, with a Hook modifier of the cage."""
-    made = []
+    corners, made = filling.points_of(filling.mesh_of(cage)), []
     for index, (name, corner) in enumerate(zip(names(cage), corners, strict=True)):
         empty = bpy.data.objects.new(name, None)
         for collection in cage.users_collection:

@@ -10,18 +10,21 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import replace
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import bake
 from ..core import core
 from ..errors import UserError
+from ..generation import needs
 from ..generation.generate import AUTOMATIC_CLEARANCES, FLOAT32_ROUNDING, MARGIN, Generation, Options, Request, Result
 from ..generation.job import Job, Work, running
+from ..generation.levels import wanted_levels
 from ..scene import filling, ownership
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.selection import found_object
@@ -36,8 +39,10 @@ REST = 0.3
 
 
 class Live:
-    """Follows the edits of one drawing. ``behind``: whether the cages are out of date; ``problem``: why they cannot
-    follow; ``seconds``: time of the last step.
+    """Follows the edits of one drawing, with the settings that its cages were made with.
+
+    ``behind``: whether the cages are out of date; ``problem``: why they cannot follow; ``seconds``: time of the last
+    step.
     """
 
     def __init__(
@@ -46,9 +51,10 @@ class Live:
         source: bpy.types.Object,
         options: Options,
         reading: ReadingOptions,
+        used: dict[str, Any],
         changed: Callable[[], None],
     ) -> None:
-        self.identity, self.scene = source.session_uid, scene.name
+        self.identity, self.scene, self._used = source.session_uid, scene.name, used
         self.options, self.reading, self._changed = options, reading, changed
         self.behind, self.problem, self.seconds = True, "", 0.0
         self._marked = self._since = time.perf_counter()
@@ -119,25 +125,25 @@ class Live:
             return False
         if np.array_equal(before.vertices, after.vertices):
             return True
-        settings = self.options.methods.settings()
+        settings, wanted_of = self.options.methods.settings(), self._tolerances(drawing, after, len(objects) - 1)
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(after.vertices).max())
-        moved, certificates = [after], []
-        for cage in cages:
+        moved, certificates, needs_met = [after], [], []
+        for cage, tolerance in zip(cages, wanted_of, strict=True):
             wanted = self._clearance(drawing, moved[0])
             found = core.followed(cage, before, moved[-1], wanted + margin, settings)
             if found is None:
                 return False
             stored = found.moved(found.vertices.astype(np.float32).astype(np.float64))
             certificates.append(core.verify(stored, moved[-1], wanted))
-            if not certificates[-1].holds:
+            if not certificates[-1].holds or (tolerance is not None and not tolerance.is_met(stored, after)):
                 return False
+            needs_met.append(needs.kept(tolerance, stored, after, writing.scale_of(objects[0])))
             before, moved = cage, [*moved, stored]
         for obj, mesh in zip(objects, moved, strict=True):
             _move(obj, drawing.frame.points(mesh.vertices))
         scale = writing.scale_of(objects[0])
-        for number, (obj, certificate) in enumerate(zip(objects[1:], certificates, strict=True), 1):
-            keys.remove(obj, [keys.CHECK, keys.FINDING])
-            keys.store(obj, writing.still_facts(certificate, number, scale))
+        for obj, certificate, need in zip(objects[1:], certificates, needs_met, strict=True):
+            writing.describe_still(obj, certificate, scale, need)
         return True
 
     def _clearance(self, drawing: Drawing, fine: core.Mesh) -> float:
@@ -147,14 +153,31 @@ class Live:
             return self.options.clearance / writing.scale_of(source)
         return AUTOMATIC_CLEARANCES[0] * fine.diagonal
 
+    def _tolerances(self, drawing: Drawing, fine: core.Mesh, count: int) -> list[core.Within | None]:
+        """The distance or excess that each cage keeps, in the drawing's units; None for a number of vertices."""
+        levels = [level if isinstance(level, core.Within) else 3 for level in self.options.levels]
+        found = wanted_levels(levels, fine, (), drawing.name, self._scale(drawing)) if len(levels) == count else ()
+        return [each.level if isinstance(each.level, core.Within) else None for each in found] or [None] * count
+
+    @staticmethod
+    def _scale(drawing: Drawing) -> float:
+        """The scene's length of a unit of the drawing's own space."""
+        return writing.scale_of(drawing.source) if drawing.source is not None else 1.0
+
     def _begin(self, collection: bpy.types.Collection, drawing: Drawing) -> None:
-        """Starts to make cages again, with the same vertex counts as far as the drawing has as many vertices."""
-        total = sum(map(len, drawing.loops))
-        levels = tuple(min(total, len(filling.mesh_of(obj).vertices)) for obj in ownership.members(collection)[1:])
-        clearance = self._clearance(drawing, drawing.mesh()) if self.options.clearance > 0.0 else 0.0
+        """Starts to make cages again, within the same distance or excess, or with the same vertex counts as far as the
+        drawing has as many vertices.
+        """
+        fine, cages = drawing.mesh(), ownership.members(collection)[1:]
+        tolerances = self._tolerances(drawing, fine, len(cages))
+        levels = tuple(
+            tolerance or min(len(fine.vertices), len(filling.mesh_of(obj).vertices))
+            for tolerance, obj in zip(tolerances, cages, strict=True)
+        )
+        clearance = self._clearance(drawing, fine) if self.options.clearance > 0.0 else 0.0
 
         def work() -> Work[list[Result]]:
-            generation = Generation([Request(drawing)], Options(levels, clearance, methods=self.options.methods))
+            generation = Generation([Request(drawing)], replace(self.options, levels=levels, clearance=clearance))
             yield from generation
             return generation.results
 
@@ -173,7 +196,7 @@ class Live:
             if not job.advance(REMAKE_SLICE):
                 return
             self.stop()
-            writing.write_still(scene, job.result[0])
+            writing.write_still(scene, job.result[0], self._used)
             self.behind = False
         except UserError as error:
             self.stop()
@@ -184,12 +207,14 @@ def why_not(collection: bpy.types.Collection) -> str:
     """Why the cages of an output cannot follow edits; empty if they can."""
     if ownership.is_inside(collection):
         return "Only cages around a drawing follow its edits: make inner cages again with Generate"
-    kinds = keys.text(collection, keys.KINDS)
+    if not record.of(collection).known:
+        return "An earlier version made these cages and did not keep their settings: make them again with Generate"
+    kinds = record.of(collection).kinds
     if kinds:
         return f"These cages are {kinds}, which following edits would undo: make them again with Generate"
     if ownership.is_bound(collection):
         return "Unbind the drawing from its cages first"
-    if keys.flag(collection, keys.MOVING):
+    if record.of(collection).moving:
         return "The cages follow an animation: remove that first"
     return ""
 

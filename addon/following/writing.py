@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import bake, shape_keys, stage, timeline, visibility
 from ..animation.timeline import Timing
 from ..core import core
@@ -24,7 +24,9 @@ from ..scene.plane import Frame
 from .moving import Moving, MovingCage
 
 
-def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0) -> list[str]:
+def write(
+    scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 0.0, used: dict[str, Any] | None = None
+) -> list[str]:
     """Writes the output of each drawing in place of earlier output; returns sentences about the artist's work on that
     which could not be transferred. Raises: UserError, before anything is changed.
     """
@@ -37,7 +39,9 @@ def write(scene: bpy.types.Scene, results: Sequence[Moving], thickness: float = 
             raise UserError(f"'{earlier.name}' is bound to its cages, which move it: unbind it first")
     start = round(float(results[0].poses.frames[0]))
     timing = Timing(start_frame=start, frames_per_step=1, show_flow=False)
-    collections, lost = output.write(scene, [_standing(result) for result in results], timing, thickness)
+    collections, lost = output.write(
+        scene, [replace(_standing(result), used=used) for result in results], timing, thickness
+    )
     for collection, result in zip(collections, results, strict=True):
         _play(scene, collection, result)
     return lost
@@ -84,8 +88,11 @@ def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Movi
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1")
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
         shape_keys.add_steps(obj, cage.steps, cage.frames, f"Level {number}")
-        keys.store(obj, _facts(poses.frames, cage, number, poses.scale))
-    keys.store(collection, {keys.MOVING: True, keys.END: round(float(poses.frames[-1]))})
+        _describe(obj, poses.frames, cage, poses.scale)
+    found = record.written(collection)
+    first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
+    found.moving, found.frames = True, (first, last, last)
+    record.keep(collection)
 
 
 def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
@@ -94,11 +101,14 @@ def _end_animation(scene: bpy.types.Scene, collection: bpy.types.Collection) -> 
     timeline.restore_scene(scene, collection)
     for obj in ownership.members(collection):
         visibility.always_show(obj)
-        keys.remove(obj, (*bake.TIMES, keys.PHASES))
+        bake.forget_times(obj)
 
 
-def write_still(scene: bpy.types.Scene, result: Result) -> None:
-    """Writes the finished cages of a drawing in its object's space, without animation. Raises: UserError."""
+def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) -> None:
+    """Writes the finished cages of a drawing in its object's space, without animation. Raises: UserError.
+
+    used: the settings that they were made with.
+    """
     source = result.drawing.source
     if source is None:
         raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
@@ -108,10 +118,11 @@ def write_still(scene: bpy.types.Scene, result: Result) -> None:
     ]
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))
-    (collection,), _ = output.write(scene, [Result(drawing, tuple(levels))], timing)
+    (collection,), _ = output.write(scene, [Result(drawing, tuple(levels), result.kinds, used)], timing)
     _end_animation(scene, collection)
     for obj in ownership.members(collection):
         shape_keys.remove_steps(obj)
+    record.keep(collection)
 
 
 def scale_of(obj: bpy.types.Object) -> float:
@@ -119,29 +130,17 @@ def scale_of(obj: bpy.types.Object) -> float:
     return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
 
 
-def still_facts(certificate: core.Certificate, number: int, scale: float) -> dict[str, Any]:
-    """Custom properties of a cage that was moved by a step; lengths in scene units."""
-    clearance, excess = float(certificate.clearance) * scale, float(certificate.excess)
-    sentence = (
-        f"Certified as stored: simple, strictly encloses level {number - 1}; clearance {clearance:.3g}, "
-        f"excess {100.0 * excess:.2f} %"
-    )
-    return {keys.CLEARANCE: clearance, keys.EXCESS: excess, keys.CERTIFICATE: sentence}
+def describe_still(obj: bpy.types.Object, certificate: core.Certificate, scale: float, need: str = "") -> None:
+    """Describes a cage that was moved by a step, or edited; scale: the scene's length of its unit."""
+    found = record.described(obj)
+    found.clearance, found.excess = float(certificate.clearance) * scale, float(certificate.excess)
+    found.check, found.finding, found.need, found.stamp = "NONE", "", need, record.stamp(obj)
+    record.publish(obj)
 
 
-def _facts(frames: NDArray[np.float64], cage: MovingCage, number: int, scale: float) -> dict[str, Any]:
-    """Custom properties of a cage, for the panel and other programs; lengths in scene units."""
-    first, last = round(float(frames[0])), round(float(frames[-1]))
-    clearance, excess = cage.clearance * scale, cage.excess
-    sentence = (
-        f"Certified as stored from frame {first} to {last} and at all instants between: simple, strictly encloses "
-        f"level {number - 1}; clearance {clearance:.3g} at least, excess {100.0 * np.median(excess):.2f} % in the "
-        f"median, {100.0 * excess.max():.2f} % at most"
-    )
-    return {
-        keys.CLEARANCE: clearance,
-        keys.EXCESS: float(np.median(excess)),
-        keys.FLOW_START: first,
-        keys.END: last,
-        keys.CERTIFICATE: sentence,
-    }
+def _describe(obj: bpy.types.Object, frames: NDArray[np.float64], cage: MovingCage, scale: float) -> None:
+    """Describes a cage that follows; scale: the scene's length of its unit."""
+    found, excess = record.described(obj), cage.excess
+    found.clearance, found.certified = cage.clearance * scale, {"MOTION"}
+    found.excess, found.most = float(np.median(excess)), float(excess.max())
+    found.frames = (round(float(frames[0])), -1, -1, round(float(frames[-1])))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -75,11 +76,14 @@ class Request:
 
 @dataclass(frozen=True)
 class Result:
-    """All levels around one drawing, or inside of it, and what they are by the rules for them."""
+    """All levels around one drawing, or inside of it, what they are by the rules for them, and the settings that were
+    used, by name; None if they are unknown.
+    """
 
     drawing: Drawing
     levels: tuple[CageLevel, ...]
     kinds: tuple[str, ...] = ()
+    used: dict[str, Any] | None = None
 
     @property
     def inside(self) -> bool:

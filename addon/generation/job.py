@@ -73,6 +73,20 @@ class Job(Generic[Result]):
             self._work.close()
 
 
+def part(work: Work[Result], number: int, count: int, begin: float = 0.0, end: float = 1.0) -> Work[Result]:
+    """Work on one of several things, with its progress scaled to that of all, which goes from `begin` to `end`."""
+    try:
+        while True:
+            try:
+                step = next(work)
+            except StopIteration as done:
+                result: Result = done.value
+                return result
+            yield Progress(begin + (end - begin) * (number + step.fraction) / count, step.message)
+    finally:
+        work.close()
+
+
 def completed(work: Work[Result]) -> Result:
     """Runs work to its end at once and returns its result. Raises: UserError."""
     while True:

@@ -40,6 +40,16 @@ def missed(level: Level, drawing: core.Mesh, made: CageLevel) -> str:
     )
 
 
+def kept(level: core.Within | None, cage: core.Mesh, drawing: core.Mesh, scale: float) -> str:
+    """That a moved cage is still within a tolerance, as a sentence in units of the scene; empty for none."""
+    if level is None:
+        return ""
+    taken, count = level.measured(cage, drawing), len(cage.vertices)
+    if level.distance is None:
+        return f"{count} vertices, within {100.0 * level.limit:.4g} % more area: {100.0 * taken:.4g} %."
+    return f"{count} vertices, within a distance of {level.limit * scale:.4g}: {taken * scale:.4g}."
+
+
 def told(made: CageLevel, level: Level, drawing: core.Mesh, clearance: float, scale: float) -> CageLevel:
     """A level made within a tolerance, with a sentence on that in units of the scene instead of the core's.
 

@@ -5,13 +5,12 @@ output.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import shape_keys, stage, timeline, visibility
 from ..animation.timeline import Span, StoredPhases, Timing
 from ..errors import UserError
@@ -124,8 +123,10 @@ def _write_one(
     """Writes one output into its collection."""
     source, first = result.drawing.source, result.levels[0]
     name = source.name if source is not None else result.drawing.name
-    collection[keys.COLOURS] = colours_of(scene, collection)
-    for obj in members(collection):
+    found = record.written(collection)
+    found.colours = colours_of(collection)
+    before = members(collection)
+    for obj in before:
         rollback.set_aside(obj)
     _rename(collection, name)
     timeline.restore_scene(scene, collection)
@@ -136,7 +137,7 @@ def _write_one(
         collection, 0, f"{name} {inner}Fine", first.fine_edges, first.fine_steps[-1], result, rollback
     )
     _play(fine, first.fine_steps, first, played, timing, 1)
-    keys.store(fine, {keys.LEVEL: 0, keys.VERTICES: len(fine.data.vertices)})
+    made = [fine]
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
         cage = _member_with_mesh(
             collection,
@@ -153,29 +154,22 @@ def _write_one(
             _play(cage, following.fine_steps, following, played, timing, number + 1, from_rest=True)
         gone = timeline.mirrored(span.flow, played[-1].end, timing)
         visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
-        keys.store(cage, _facts(result, level, span, number))
-    for surplus in members(collection)[len(result.levels) + 1 :]:
+        _describe(cage, result, level, span)
+        made.append(cage)
+    for surplus in [obj for obj in before if obj not in made]:
         (rollback.keep if is_rigged(surplus) else rollback.drop)(surplus)
 
-    if source is not None:
-        collection[keys.SOURCE] = source
-    others = {
-        str(number): made for number, part in enumerate(result.drawing.others) if (made := part.source) is not None
-    }
-    keys.remove(collection, [keys.OTHERS, keys.MOVING])
-    if others:
-        collection[keys.OTHERS] = others
-    keys.store(
-        collection,
-        {
-            keys.NAME: name,
-            keys.LEVELS: len(result.levels),
-            keys.END: played[-1].end,
-            keys.INSIDE: result.inside,
-            keys.KINDS: ", ".join(result.kinds),
-        },
-    )
+    record.fill(found.sources, filter(None, (source, *(part.source for part in result.drawing.others))))
+    record.fill(found.levels, made)
+    found.title, found.inside, found.kinds, found.moving = name, result.inside, ", ".join(result.kinds), False
+    found.known = result.used is not None
+    if result.used is not None:
+        record.assign(found.settings, result.used)
+    for number, obj in enumerate(made):
+        member_of_it = record.described(obj)
+        member_of_it.level, member_of_it.of, member_of_it.home = number, source, collection
     timeline.extend_scene(scene, collection, played, timing)
+    record.keep(collection)
     return collection
 
 
@@ -217,9 +211,9 @@ def _member_with_mesh(
     obj = member(collection, level)
     if obj is None:
         obj = bpy.data.objects.new(name, mesh)
-        obj[keys.LEVEL] = level
+        record.described(obj).role = record.CAGE if level else record.FINE
         collection.objects.link(obj)
-        display.apply_display(obj, level, keys.integer(collection, keys.COLOURS) or 0)
+        display.apply_display(obj, level, record.of(collection).colours)
     else:
         rig = Rig.of(obj)
         obj.data = mesh
@@ -228,36 +222,24 @@ def _member_with_mesh(
     return obj
 
 
-def _facts(result: Result, level: CageLevel, span: Span, number: int) -> dict[str, Any]:
-    """Custom properties of a cage, for the panel and other programs; lengths in scene units."""
-    certificate, report = level.certificate, level.report
-    clearance = certificate.clearance * result.drawing.frame.scale
-    loops = "all loops kept" if certificate.loops_kept else "with loops of its own"
-    nested = "strictly inside" if level.inside else "strictly encloses"
-    area = f"{-100.0 * level.excess:.2f} % less area" if level.inside else f"excess {100.0 * level.excess:.2f} %"
-    sentence = f"Certified as stored: simple, {loops}, {nested} level {number - 1}; clearance {clearance:.3g}, {area}"
-    return {
-        keys.LEVEL: number,
-        keys.VERTICES: len(level.cage),
-        keys.CLEARANCE: clearance,
-        keys.EXCESS: level.excess,
-        keys.INSIDE: level.inside,
-        keys.NEED: level.need,
-        keys.BEGINS_FROM: str(report.start),
-        keys.SECONDS: float(sum(report.seconds.values())),
-        keys.NOTES: "; ".join(report.notes),
-        keys.FLOW_START: span.flow,
-        keys.REINFLATION_START: span.reinflation,
-        keys.TIGHTENING_START: span.tightening,
-        keys.END: span.end,
-        keys.PHASES: [level.flow_end, level.tightening, level.last],
-        keys.CERTIFICATE: sentence,
-    }
+def _describe(obj: bpy.types.Object, result: Result, level: CageLevel, span: Span) -> None:
+    """What is certified of a cage, how it came about and when it plays; lengths in scene units."""
+    found, report = record.described(obj), level.report
+    found.inside, found.need = level.inside, level.need
+    found.clearance, found.excess = level.certificate.clearance * result.drawing.frame.scale, level.excess
+    found.most, found.start, found.seconds = level.excess, str(report.start), float(sum(report.seconds.values()))
+    found.certified = {"LOOPS"} if level.certificate.loops_kept else set()
+    found.frames = (span.flow, span.reinflation, span.tightening, span.end)
+    found.phases = (level.flow_end, level.tightening, level.last)
+    found.check, found.finding, found.stamp = "NONE", "", record.stamp(obj)
+    found.notes.clear()
+    for note in report.notes:
+        record.note(found, record.TEXT, text=note)
 
 
 def _rename(collection: bpy.types.Collection, name: str) -> None:
     """Renames an output if its drawing was renamed; names given by the user stay."""
-    before = keys.text(collection, keys.NAME)
+    before = record.of(collection).title
     if before in ("", name):
         return
     for block in (collection, *members(collection)):

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from .. import keys
+from .. import keys, record
 from ..animation import shape_keys
 from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
@@ -27,7 +27,7 @@ class Rollback:
         self._scene = scene
         self._range = (scene.frame_start, scene.frame_end, _properties(scene))
         self._markers = [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers]
-        self._collections = [(c, c.name, _properties(c)) for c in found]
+        self._collections = [(c, c.name, _properties(c), record.values(record.written(c))) for c in found]
         self._members = [_Member(obj) for c in found for obj in members(c)]
         self._known = set(_everything())
         self._names: list[tuple[bpy.types.ID, str]] = []
@@ -65,7 +65,7 @@ class Rollback:
             shape_keys.remove_steps(obj)
             for modifier in [modifier for modifier in obj.modifiers if display.is_ours(modifier)]:
                 display.remove_modifier(obj, modifier)
-            keys.remove(obj, keys.ours(obj))
+            record.remove(obj)
             self._lost.append(f"'{obj.name}' is no level any more and was kept for what was made on it")
         for obj in self._surplus:
             shape_keys.remove_animation(obj)
@@ -88,9 +88,10 @@ class Rollback:
             block.name = name
         for member in self._members:
             member.obj.name = member.name
-        for collection, name, properties in self._collections:
+        for collection, name, properties, values in self._collections:
             collection.name = name
             _set_properties(collection, properties)
+            record.assign(record.written(collection), values)
         scene = self._scene
         scene.frame_start, scene.frame_end, properties = self._range
         _set_properties(scene, properties)
@@ -122,7 +123,7 @@ class _Member:
             (child, tuple(child.parent_vertices)) for child in obj.children if "VERTEX" in child.parent_type
         ]
         self.visibility_values = {name: getattr(obj, name) for name in VISIBILITY}
-        self.properties = _properties(obj)
+        self.properties, self.values = _properties(obj), record.values(record.described(obj))
         self.thickness = {name: display.thickness_of(obj, name) for name in display.THICKNESSES}
         self.visibility: VisibilityAnimation | None = None
 
@@ -145,6 +146,7 @@ class _Member:
             if thickness or not any(self.thickness.values()):
                 display.set_thickness(obj, thickness, name)
         _set_properties(obj, self.properties)
+        record.assign(record.described(obj), self.values)
 
 
 def _everything() -> Iterator[bpy.types.ID]:

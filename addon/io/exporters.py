@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import keys
-from ..animation import visibility
+from .. import keys, record
+from ..animation import shape_keys, visibility
 from ..core import core, triangulation
 from ..errors import UserError, told
 from ..scene import convert, display, filling, ownership, placement, strokes
@@ -69,7 +70,7 @@ def make(
         name = f"{obj.name} {shape.replace('_', ' ').title()}"
         points = frame.points(mesh.vertices)
         new = bpy.data.objects.new(name, SHAPES[shape](name, points, mesh, height / frame.scale))
-        new.color = display.colour(obj.get(keys.LEVEL, 0))
+        new.color = display.colour(ownership.level_of(obj) or 0)
         if shape == "GREASE_PENCIL":
             strokes.set_colour(new, tuple(obj.color))
         (obj.users_collection or [context.scene.collection])[0].objects.link(new)
@@ -105,22 +106,14 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
         new.name = new.data.name = f"{obj.name} Animated"
         filling.add_faces(filling.mesh_of(new), triangulation.triangulate(outline).triangles)
         if new.animation_data is not None and new.animation_data.action is not None:
-            _own_action(new)
+            shape_keys.own_action(new)
             visibility.always_show(new)
         display.set_thickness(new, 0.0)
         new.display_type, new.show_in_front = "TEXTURED", False
-        keys.remove(new, keys.ours(new))
+        record.remove(new)
         (obj.users_collection or [bpy.context.scene.collection])[0].objects.link(new)
         made.append(new)
     return made
-
-
-def _own_action(obj: bpy.types.Object) -> None:
-    """Gives an object its own copy of its action, with the same slot."""
-    slot = getattr(obj.animation_data, "action_slot", None)
-    obj.animation_data.action = obj.animation_data.action.copy()
-    if slot is not None:
-        obj.animation_data.action_slot = obj.animation_data.action.slots[slot.identifier]
 
 
 def meshes(
@@ -205,10 +198,20 @@ def _geojson(shapes: dict[str, core.Mesh], flip_y: bool, _extras: Extras) -> tup
 
 
 def _engine(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:
-    """The last mesh only, the outermost."""
-    outermost = list(shapes.values())[-1]
+    """All outlines in one document."""
     flip, pieces = 0.0 if flip_y else None, extras.pieces or None
-    return core.exchange.to_engine_json(outermost, flip_y=flip, triangles=extras.triangles, pieces=pieces), 1
+    texts = [
+        core.exchange.to_engine_json(mesh, flip_y=flip, triangles=extras.triangles, pieces=pieces)
+        for mesh in shapes.values()
+    ]
+    whole, *others = (json.loads(text) for text in texts)
+    for other in others:
+        before = len(whole.get("points", ()))
+        for name in ("polygons", "points"):
+            whole[name] = whole.get(name, []) + other.get(name, [])
+        for name in {"triangles", "pieces"} & set(other):
+            whole[name] += [[before + index for index in corners] for corners in other[name]]
+    return (json.dumps({key: value for key, value in whole.items() if value != []}) if others else texts[0]), len(texts)
 
 
 WRITERS: dict[str, Callable[[dict[str, core.Mesh], bool, Extras], tuple[str, int]]] = {

@@ -7,6 +7,7 @@ import bpy
 from ..following import live as following_live
 from ..generation.job import running
 from . import (
+    adopt,
     bake,
     bind,
     cutout,
@@ -30,6 +31,7 @@ CLASSES = (
     OBJECT_OT_nested_cages_generate,
     OBJECT_OT_nested_cages_cancel,
     OBJECT_OT_nested_cages_verify,
+    *adopt.CLASSES,
     *fault.CLASSES,
     *bake.CLASSES,
     *bind.CLASSES,

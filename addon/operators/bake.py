@@ -5,14 +5,14 @@ from __future__ import annotations
 import bpy
 
 from ..animation import bake
-from ..errors import UserError
+from ..generation.job import Work
 from ..scene import ownership
-from ..scene.selection import output_of_active, scene_of
-from .base import OnOutput, Outcome
+from ..scene.selection import scene_of
+from .base import OutputOperator
 
 
-class OnAnimation(OnOutput):
-    """Base of both operators, which work on the animated cages of the active object."""
+class OnAnimation(OutputOperator):
+    """Base of both operators, which work on animated cages."""
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
@@ -33,13 +33,10 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
     def unavailable(cls, context: bpy.types.Context) -> str:
         return super().unavailable(context) if bake.has_slots() else "One action for several objects needs Blender 4.4"
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        try:
-            action = bake.bake(output_of_active(context))
-        except UserError as error:
-            return self.fail(error)
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
+        action = bake.bake(collection)
         self.report({"INFO"}, f"The animation is in the action '{action.name}'")
-        return {"FINISHED"}
+        yield from ()
 
 
 class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
@@ -50,12 +47,9 @@ class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
     bl_description = "Remove the steps, their keyframes and markers, and keep the finished cages"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        try:
-            bake.remove(scene_of(context), output_of_active(context))
-        except UserError as error:
-            return self.fail(error)
-        return {"FINISHED"}
+    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
+        bake.remove(scene_of(context), collection)
+        yield from ()
 
 
 CLASSES = (OBJECT_OT_nested_cages_bake_action, OBJECT_OT_nested_cages_remove_animation)

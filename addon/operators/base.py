@@ -8,12 +8,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import bpy
 from bpy.props import BoolProperty
 
+from .. import record
+from ..binding.adoption import adopt, waiting
 from ..errors import Fault, UserError, counted
-from ..generation.job import TICK, Job, Work, completed, running
+from ..generation.job import TICK, Job, Work, completed, part, running
 from ..scene import ownership
-from ..scene.selection import collection_of_active
+from ..scene.selection import chosen, outputs_of_chosen, scene_of
 
 Outcome = set[Literal["RUNNING_MODAL", "CANCELLED", "FINISHED", "PASS_THROUGH", "INTERFACE"]]
+
+NOTHING = "Select a drawing that has cages, or one of its cages"
 
 # The place named by the last message, for Select Fault.
 _fault: list[Fault] = []
@@ -64,28 +68,6 @@ class Reporting(Mixin):
             self.report({"WARNING"}, f"Skipped: {problem}")
         if problems:
             self.report({"WARNING"}, f"{counted(len(problems), noun)} skipped, see the Info editor")
-
-
-class OnOutput(Reporting):
-    """Works on the output of the active object. `purpose`: what inner cages cannot be used for, if they cannot."""
-
-    purpose = ""
-
-    @classmethod
-    def unavailable(cls, context: bpy.types.Context) -> str:
-        collection = collection_of_active(context)
-        if context.mode != "OBJECT":
-            return "Switch to Object Mode"
-        if collection is None:
-            return "Select a drawing that has cages, or one of its cages"
-        if cls.purpose and ownership.is_inside(collection):
-            return f"Inner cages do not contain the drawing, so they cannot {cls.purpose}"
-        return cls.unsuitable(collection)
-
-    @classmethod
-    def unsuitable(cls, collection: bpy.types.Collection) -> str:
-        """Why the operator cannot be used on this output; empty if it can."""
-        return ""
 
 
 class JobOperator(Reporting):
@@ -175,6 +157,65 @@ class JobOperator(Reporting):
             f"Nested Cages {100.0 * self._job.fraction:.0f} %  {self._job.message}   |   Esc over the 3D view: cancel"
         )
         redraw(context)
+
+
+class OutputOperator(JobOperator):
+    """Works on the outputs of all selected drawings, one after the other. `purpose`: what inner cages cannot be used
+    for, if they cannot. `modes`: where it works.
+    """
+
+    purpose = ""
+    modes: tuple[str, ...] = ("OBJECT",)
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if context.mode not in cls.modes:
+            return "Switch to Object Mode"
+        found = outputs_of_chosen(context)
+        if not found:
+            copies = any(waiting(obj) for obj in chosen(context))
+            return "" if copies else NOTHING
+        reasons = [cls._why_not(collection) for collection in found]
+        return "" if "" in reasons else reasons[0]
+
+    @classmethod
+    def _why_not(cls, collection: bpy.types.Collection) -> str:
+        if cls.purpose and ownership.is_inside(collection):
+            return f"Inner cages do not contain the drawing, so they cannot {cls.purpose}"
+        return cls.unsuitable(collection)
+
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        """Why the operator cannot be used on this output; empty if it can."""
+        return ""
+
+    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+        adopt(scene_of(context), chosen(context))
+        found = outputs_of_chosen(context)
+        suitable = [collection for collection in found if not self._why_not(collection)]
+        if not suitable:
+            raise UserError(self._why_not(found[0]) if found else NOTHING)
+        done, problems = [], []
+        for number, collection in enumerate(suitable):
+            try:
+                result = yield from part(self.each(context, collection), number, len(suitable))
+                done.append((collection, result))
+            except UserError as error:
+                problems.append(error)
+        if not done:
+            raise problems[0]
+        for collection, _ in done:
+            record.keep(collection)
+        self.finish(context, done)
+        self.tell_skipped(problems)
+        return {"FINISHED"}
+
+    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Any]:
+        """The work on one output. Raises: UserError, with nothing changed."""
+        raise NotImplementedError
+
+    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, Any]]) -> None:
+        """Selects and reports, given the outputs and what `each` has returned for them."""
 
 
 class DialogJobOperator(JobOperator):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import EnumProperty
 
@@ -10,8 +12,8 @@ from ..binding.field import HARMONIC, LINEAR, NAMES
 from ..errors import UserError
 from ..generation.job import Work
 from ..scene import ownership
-from ..scene.selection import output_of_active, select
-from .base import JobOperator, OnOutput, Outcome
+from ..scene.selection import select
+from .base import OutputOperator
 
 METHOD_ITEMS = (
     ("AUTO", "Automatic", "Harmonic; linear where that would take too many weights to play"),
@@ -23,12 +25,13 @@ METHOD_ITEMS = (
 ALL_EDGES, OUTLINES = 1.0, 0.5
 
 
-class OnBinding(OnOutput):
-    """Works on an output that is bound, or is not bound yet."""
+class BindingOperator(OutputOperator):
+    """Works on outputs that are bound, or are not bound yet."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs_bound = True
     purpose = "move it: select cages around it"
+    exclusive = True
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
@@ -37,10 +40,8 @@ class OnBinding(OnOutput):
         return "Nothing is bound to these cages" if cls.needs_bound else "These cages are already bound"
 
 
-class BindingOperator(OnBinding, JobOperator):
+class LinkOperator(BindingOperator):
     """Base of Bind and Rebind."""
-
-    exclusive = True
 
     method: EnumProperty(
         name="Method",
@@ -55,20 +56,22 @@ class BindingOperator(OnBinding, JobOperator):
         if isinstance(space, bpy.types.SpaceView3D) and space.overlay.wireframe_threshold == ALL_EDGES:
             space.overlay.wireframe_threshold = OUTLINES
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        collection = output_of_active(context)
-        made = yield from (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
-        cage = ownership.members(collection)[-1]
-        select(context, cage)
+    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
+        return (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
+
+    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, binding.Binding]]) -> None:
+        cages = [ownership.members(collection)[-1] for collection, _ in done]
+        error = max((link.rest for _, made in done for link in made.links), default=0.0)
+        select(context, *cages)
+        name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
+        said = done[0][1].original if len(done) == 1 else f"{len(done)} drawings follow."
         self.report(
             {"INFO"},
-            f"Move '{cage.name}' and the drawing follows; error {max(link.rest for link in made.links):.1e} at rest. "
-            f"{made.original}",
+            f"Move {name} and the drawing follows; error {error:.1e} at rest. {said}",
         )
-        return {"FINISHED"}
 
 
-class OBJECT_OT_nested_cages_bind(BindingOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_bind(LinkOperator, bpy.types.Operator):
     """Binds every level to the next one."""
 
     bl_idname = "object.nested_cages_bind"
@@ -84,15 +87,15 @@ class OBJECT_OT_nested_cages_bind(BindingOperator, bpy.types.Operator):
         bound = ownership.is_bound(collection)
         return "" if bound and binding.newcomers(bpy.context, collection) else super().unsuitable(collection)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
-        collection = output_of_active(context)
-        if not ownership.is_bound(collection):
-            return (yield from super().work(context))
-        self.report({"INFO"}, f"{binding.take_in(context, collection)} bound, with what is in the cages already")
-        return {"FINISHED"}
+    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
+        return (
+            binding.take_in(context, collection)
+            if ownership.is_bound(collection)
+            else super().each(context, collection)
+        )
 
 
-class OBJECT_OT_nested_cages_rebind(BindingOperator, bpy.types.Operator):
+class OBJECT_OT_nested_cages_rebind(LinkOperator, bpy.types.Operator):
     """Binds again to edited cages."""
 
     bl_idname = "object.nested_cages_rebind"
@@ -100,21 +103,20 @@ class OBJECT_OT_nested_cages_rebind(BindingOperator, bpy.types.Operator):
     bl_description = "Bind the drawing in its original shape to the cages as they are now"
 
 
-class OBJECT_OT_nested_cages_unbind(OnBinding, bpy.types.Operator):
+class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
     """Restores cages and drawing."""
 
     bl_idname = "object.nested_cages_unbind"
     bl_label = "Unbind"
     bl_description = "Restore cages and drawing as they were before binding, with their animation"
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        collection = output_of_active(context)
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
         problem = next(filter(None, map(ownership.why_locked, ownership.members(collection))), "")
         if problem:
-            return self.fail(UserError(problem))
+            raise UserError(problem)
         for sentence in binding.unbind(collection):
             self.report({"WARNING"}, sentence)
-        return {"FINISHED"}
+        yield from ()
 
 
 CLASSES = (OBJECT_OT_nested_cages_bind, OBJECT_OT_nested_cages_rebind, OBJECT_OT_nested_cages_unbind)

@@ -166,15 +166,15 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
             if bake.is_animated(collection):
                 bake.remove(scene, collection)
         context.view_layer.update()
-        rigs: list[bpy.types.Object] = []
+        cages: list[bpy.types.Object] = []
         for collection in collections if self.bind else ():
             try:
                 completed(binding.bind(context, collection))
             except UserError as error:
                 self.report({"WARNING"}, f"Not bound: {error}")
                 continue
-            if self.handles:
-                rigs += handles.add(context, ownership.members(collection)[-1], handles.BONES)
+            cages.append(ownership.members(collection)[-1])
+        rigs = handles.add(context, cages, handles.BONES) if self.handles and cages else []
         select(context, *(rigs or made))
         how = "the bones" if rigs else "the vertices of the cage"
         self.report({"INFO"}, f"{counted(len(made), 'picture')} cut out: move {how} to pose it")

@@ -12,7 +12,7 @@ from bpy_extras.io_utils import ExportHelper
 from ..errors import UserError, counted
 from ..io import exporters
 from ..scene import convert, ownership
-from ..scene.selection import scene_of, select
+from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
 from .base import Outcome, Reporting
 
 SHAPE_ITEMS = (
@@ -35,13 +35,15 @@ SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json"}
 
 
 class OnOutlines(Reporting):
-    """Works on the selected outlines, as they are on this frame."""
+    """Works on the selected outlines, as they are on this frame. `modes`: where it works."""
+
+    modes: tuple[str, ...] = ("OBJECT",)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and not chosen(context):
-            return "Select cages, or other objects with a closed outline"
-        return super().unavailable(context)
+        if context.mode not in cls.modes:
+            return "Switch to Object Mode"
+        return "" if outlines(context) else "Select cages, or other objects with a closed outline"
 
 
 class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
@@ -64,7 +66,7 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Outcome:
         try:
-            objects = chosen(context)
+            objects = outlines(context)
             if self.shape == "ANIMATED":
                 made = exporters.make_animated(objects)
             else:
@@ -84,6 +86,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         "Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file"
     )
     bl_options = {"REGISTER", "PRESET"}
+    modes = ("OBJECT", "POSE")
 
     filepath: StringProperty(
         name="File Path", description="File to write", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
@@ -136,7 +139,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:  # type: ignore[override]
         if not self.filepath:
-            name = bpy.path.clean_name(chosen(context)[0].name)
+            name = bpy.path.clean_name(outlines(context)[0].name)
             self.filepath = str(Path(bpy.data.filepath).parent / (name + self.filename_ext))
         asked: Any = super().invoke(context, event)
         return {*asked}
@@ -146,7 +149,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             if not self.filepath:
                 raise UserError("Choose a file to write")
             path = Path(bpy.path.abspath(self.filepath))
-            objects = chosen(context)
+            objects = coarsest(context) if self.kind == "ENGINE" else outlines(context)
             shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
             extras = exporters.Extras(
                 self.triangles,
@@ -161,16 +164,29 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         return {"FINISHED"}
 
 
-def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected outlines, the coarsest last; for a single drawing with cages, the drawing and all its cages."""
-    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
-    if len(selected) == 1 and not ownership.level_of(selected[0]):
-        found = [ownership.members(output) for output in ownership.outputs_about(scene_of(context), selected[0])]
-        if len(found) == 2:  # around it and inside: one copy of the drawing is enough
-            return sorted(found[0] + found[1][1:], key=ownership.depth_of)
-        if found:
-            return found[0]
-    return sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name))
+def outlines(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected outlines, and of a drawing with cages, or of what moves them, the drawing and all its cages; drawing
+    by drawing, the coarsest last.
+    """
+    found: list[bpy.types.Object] = []
+    selected = list(context.selected_objects or chosen(context)[:1])
+    for obj in sorted(selected, key=lambda obj: (ownership.level_of(obj) or 0, obj.name)):
+        about = ownership.outputs_about(scene_of(context), obj) if ownership.level_of(obj) is None else []
+        members = [ownership.members(output) for output in about]
+        if about:
+            # Around it and inside: one copy of the drawing is enough.
+            found += sorted(members[0] + [cage for more in members[1:] for cage in more[1:]], key=ownership.depth_of)
+        elif convert.readable(obj):
+            found.append(obj)
+    return list(dict.fromkeys(found))
+
+
+def coarsest(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Of these, the coarsest cage of each drawing, and other selected outlines."""
+    found, selected = outlines(context), context.selected_objects
+    sets = [[obj for obj in ownership.members(each) if obj in found] for each in outputs_of_chosen(context)]
+    finer = {obj for objects in sets for obj in objects[:-1] if obj not in selected}
+    return [obj for obj in found if obj not in finer]
 
 
 CLASSES = (OBJECT_OT_nested_cages_to_objects, OBJECT_OT_nested_cages_export)

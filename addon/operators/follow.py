@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, IntProperty
 
 from ..errors import UserError, counted
 from ..following import moving, poses, writing
-from ..generation.job import Progress, Work
+from ..generation.job import Work, part
 from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties
 from ..scene.selection import scene_of
@@ -89,19 +89,21 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
         self.exclusive = True  # reading changes the frame
         objects, read = sources(context), []
         for number, obj in enumerate(objects):
-            found = yield from _part(poses.read_poses(context, obj, frames, reading), number, len(objects), 0.0)
+            found = yield from part(
+                poses.read_poses(context, obj, frames, reading), number, len(objects), end=READING_PART
+            )
             read.append(found)
         self.exclusive = False
         results = []
         for number, found in enumerate(read):
             asked = replace(options, clearance=options.clearance / found.scale)
             work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
-            result = yield from _part(work, number, len(read), READING_PART)
+            result = yield from part(work, number, len(read), READING_PART)
             results.append(result)
         after = bpy.data.scenes.get(name)
         if after is None:
             raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        for sentence in writing.write(after, results, self.thickness):
+        for sentence in writing.write(after, results, self.thickness, conversion.used(self)):
             self.report({"WARNING"}, sentence)
         self._tell(results)
         return {"FINISHED"}
@@ -119,20 +121,6 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
         shown = ", ".join(f"{100.0 * cage.excess.mean():.2f} %" for cage in cages)
         certified = f"certified on {counted(len(results[0].poses.frames), 'frame')} and between them"
         self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; mean excess {shown}")
-
-
-def _part(work: Work[Any], number: int, count: int, begin: float) -> Work[Any]:
-    """Work on one of several drawings, with its progress scaled to that of all."""
-    length = READING_PART if begin == 0.0 else 1.0 - READING_PART
-    try:
-        while True:
-            try:
-                step = next(work)
-            except StopIteration as done:
-                return done.value
-            yield Progress(begin + length * (number + step.fraction) / count, step.message)
-    finally:
-        work.close()
 
 
 CLASSES = (OBJECT_OT_nested_cages_follow,)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
-from .. import keys
+from .. import keys, record
 from ..binding import binding, field
 from ..errors import UserError, counted
 from ..generation import output
@@ -66,7 +67,8 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         scene = bpy.data.scenes.get(name)
         if scene is None:
             raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        done = self._write(scene, generation.results)
+        used = conversion.used(self)
+        done = self._write(scene, [replace(result, used=used) for result in generation.results])
         self.tell_skipped(problems)
         return done
 
@@ -89,7 +91,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         collections, lost = output.write(scene, results, conversion.timing(self), self.thickness)
         bound = {collection: binding.forget(collection) for collection in collections}
         if self.show_result:
-            scene.frame_set(max(keys.integer(collection, keys.END) or 0 for collection in collections))
+            scene.frame_set(max(record.of(collection).frames[1] for collection in collections))
         for collection, method in bound.items():
             self._bind_again(collection, method)
             for obj in ownership.members(collection):

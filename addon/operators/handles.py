@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import EnumProperty
 
 from ..binding import handles
-from ..errors import UserError, counted
-from ..scene import ownership
-from ..scene.selection import output_of_active, select
-from .base import OnOutput, Outcome
+from ..errors import counted
+from ..generation.job import Work
+from ..scene import filling, ownership
+from ..scene.selection import select
+from .base import OutputOperator
 
 KIND_ITEMS = (
     (handles.BONES, "Bones", "One armature with a bone per corner"),
@@ -17,7 +20,7 @@ KIND_ITEMS = (
 )
 
 
-class OBJECT_OT_nested_cages_add_handles(OnOutput, bpy.types.Operator):
+class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
     """Adds handles."""
 
     bl_idname = "object.nested_cages_add_handles"
@@ -37,17 +40,17 @@ class OBJECT_OT_nested_cages_add_handles(OnOutput, bpy.types.Operator):
             return f"'{cage.name}' has handles already"
         return "" if cage.is_editable else f"'{cage.name}' cannot be changed because it is linked from another file"
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        cage = ownership.members(output_of_active(context))[-1]
-        try:
-            made = handles.add(context, cage, self.kind)
-        except UserError as error:
-            return self.fail(error)
-        select(context, *made)
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[bpy.types.Object]:
+        yield from ()
+        return ownership.members(collection)[-1]
+
+    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, bpy.types.Object]]) -> None:
+        cages = [cage for _, cage in done]
+        select(context, *handles.add(context, cages, self.kind))
         if self.kind == handles.BONES:
             bpy.ops.object.mode_set(mode="POSE")
-        self.report({"INFO"}, f"{counted(len(cage.data.vertices), 'handle')}: move them, and the drawing follows")
-        return {"FINISHED"}
+        number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
+        self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
 
 
 CLASSES = (OBJECT_OT_nested_cages_add_handles,)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import bpy
 
+from .. import record
 from ..animation import bake
+from ..binding.adoption import adopt
 from ..errors import UserError
 from ..following import live
-from ..generation.generate import Options
 from ..properties import conversion
-from ..properties.settings import settings_of
 from ..scene import ownership
-from ..scene.selection import collection_of_active, output_of_active, scene_of
+from ..scene.selection import chosen, collection_of_active, scene_of
 from .base import Outcome, Reporting, redraw
 
 
@@ -41,18 +41,22 @@ class OBJECT_OT_nested_cages_live(Reporting, bpy.types.Operator):
         if live.current() is not None:
             live.stop()
             return {"FINISHED"}
-        scene, collection, settings = scene_of(context), output_of_active(context), settings_of(context)
-        source = ownership.source_of(collection)
-        assert source is not None
+        scene = scene_of(context)
+        adopt(scene, chosen(context)[:1])
+        collection = collection_of_active(context)
+        source = ownership.source_of(collection) if collection is not None else None
+        assert collection is not None and source is not None
         try:
-            options = Options(clearance=settings.clearance, methods=conversion.methods(settings))
+            settings = record.written(collection).settings
+            options = conversion.options(settings, scene)
             if bake.is_animated(collection):
                 bake.remove(scene, collection)
                 self.report({"INFO"}, "The animation was removed: Generate makes it again")
         except UserError as error:
             return self.fail(error)
         reading = conversion.reading_options(settings)
-        live.start(live.Live(scene, source, options, reading, lambda: redraw(bpy.context)))
+        used = conversion.used(settings)
+        live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))
         return {"FINISHED"}
 
 

@@ -9,7 +9,7 @@ from ..errors import UserError, counted
 from ..io import pieces
 from ..scene.selection import select
 from .base import Outcome
-from .exporters import OnOutlines, chosen
+from .exporters import OnOutlines, coarsest
 
 BODY_ITEMS = (
     ("NONE", "None", "Objects alone"),
@@ -47,9 +47,7 @@ class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
     body: EnumProperty(name="Rigid Body", description="What the pieces do in a simulation", items=BODY_ITEMS)
 
     def execute(self, context: bpy.types.Context) -> Outcome:
-        objects = chosen(context)
-        if len(context.selected_objects) == 1:
-            objects = objects[-1:]
+        objects = coarsest(context)
         try:
             made = pieces.make(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
         except UserError as error:

@@ -2,59 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import bpy
 
-from .. import keys
+from .. import keys, record
+from ..generation.job import Work
 from ..scene import ownership
-from ..scene.selection import output_of_active
-from .base import OnOutput, Outcome
+from .base import OutputOperator
 
 NAME = "Nested Cages Report"
-# Lines of a report about a cage, by custom property.
-NUMBERS = (
-    ("vertices", keys.VERTICES),
-    ("excess", keys.EXCESS),
-    ("clearance", keys.CLEARANCE),
-    ("seconds", keys.SECONDS),
-    ("first frame", keys.FLOW_START),
-    ("growing back from frame", keys.REINFLATION_START),
-    ("tightening from frame", keys.TIGHTENING_START),
-    ("result on frame", keys.END),
-)
-SENTENCES = (keys.BEGINS_FROM, keys.CERTIFICATE, keys.NEED, keys.LINK, keys.NOTES, keys.FINDING)
+FRAMES = ("first frame", "growing back from frame", "tightening from frame", "result on frame")
 
 
-class OBJECT_OT_nested_cages_report(OnOutput, bpy.types.Operator):
+class OBJECT_OT_nested_cages_report(OutputOperator, bpy.types.Operator):
     """Writes a report."""
 
     bl_idname = "object.nested_cages_report"
     bl_label = "Write Report"
     bl_description = "Write a text with all facts about these cages: certificates, binding errors, times, notes"
     bl_options = {"REGISTER", "UNDO"}
+    modes = ("OBJECT", "POSE")
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        collection = output_of_active(context)
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[list[str]]:
+        yield from ()
+        return list(lines(collection))
+
+    def finish(self, _context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, list[str]]]) -> None:
         text = bpy.data.texts.get(NAME) or bpy.data.texts.new(NAME)
-        text.from_string("\n".join(lines(collection)) + "\n")
+        text.from_string("\n\n".join("\n".join(found) for _, found in done) + "\n")
         self.report({"INFO"}, f"Written to the text '{NAME}': open it in a Text Editor")
-        return {"FINISHED"}
 
 
 def lines(collection: bpy.types.Collection) -> Iterator[str]:
     """The lines of the report, level by level."""
     yield collection.name
     for obj in ownership.members(collection):
+        found = record.member(obj)
+        numbers: dict[str, float] = {"vertices": len(obj.data.vertices)}
+        if found.role == record.CAGE:
+            numbers |= {"excess": found.excess, "clearance": found.clearance, "seconds": found.seconds}
+            numbers |= {name: frame for name, frame in zip(FRAMES, found.frames, strict=True) if frame >= 0}
         yield ""
         yield obj.name
-        for label, key in NUMBERS:
-            value = keys.number(obj, key)
-            if value is not None:
-                yield f"    {label}: {value:.6g}"
-        for key in SENTENCES:
-            if sentence := keys.text(obj, key):
-                yield f"    {sentence}"
+        for label, value in numbers.items():
+            yield f"    {label}: {value:.6g}"
+        said = (found.start, record.certificate(found), found.need, keys.text(obj, keys.LINK), *record.sentences(found))
+        for sentence in filter(None, (*said, found.finding)):
+            yield f"    {sentence}"
 
 
 CLASSES = (OBJECT_OT_nested_cages_report,)

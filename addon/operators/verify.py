@@ -8,9 +8,10 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
-from .. import keys
+from .. import record
 from ..animation import bake, shape_keys
 from ..binding import field
+from ..binding.adoption import adopt, waiting
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work, completed
@@ -18,7 +19,7 @@ from ..io import silhouette
 from ..scene import convert, ownership
 from ..scene.convert import Drawing, Outline
 from ..scene.plane import Frame, transform, world_matrix
-from ..scene.selection import outputs_of_active, scene_of, select
+from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
 from .base import JobOperator, Outcome
 
 
@@ -44,14 +45,15 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode != "OBJECT":
+        if context.mode not in {"OBJECT", "POSE"}:
             return "Switch to Object Mode"
-        if not _nested(context):
+        if not _nested(context) and not any(waiting(obj) for obj in chosen(context)):
             return "Select a drawing with its cages, or at least two objects of which one encloses the other"
         return ""
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         scene = scene_of(context)
+        adopt(scene, chosen(context))
         chains = [_with_originals(context, objects) for objects in _nested(context, self.whole)]
         objects = [obj for chain in chains for obj in chain.objects]
         originals = list(dict.fromkeys(obj for chain in chains for obj in chain.originals))
@@ -71,12 +73,12 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             outer, inner = by_name[finding.cage], by_name[finding.fine]
             cage = outer if ownership.depth_of(outer) > 0 else inner
             if ownership.level_of(cage) is not None:
-                keys.store(cage, {keys.CHECK: _verdict(finding), keys.FINDING: finding.sentence})
+                _remember(cage, finding)
         names = {original.name for original in originals}
         shown = [found for found in findings if not found.holds or names.isdisjoint((found.fine, found.cage))]
         for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
-        if at_fault:
+        if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
         return {"FINISHED"}
 
@@ -128,7 +130,7 @@ def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Obje
     """Raises: UserError if the cages play how they form, when the drawing crosses them on purpose."""
     for obj in objects:
         collection = ownership.collection_about(scene, obj) if ownership.level_of(obj) is not None else None
-        if collection is None or ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
+        if collection is None or ownership.is_bound(collection) or record.of(collection).moving:
             continue
         if bake.is_animated(collection):
             raise UserError(
@@ -151,25 +153,29 @@ def _select_faults(
     return found
 
 
-def _verdict(finding: Finding) -> str:
-    """The verdict for the panel."""
-    first, last = finding.frames
-    if not finding.holds:
-        return f"Broken on frame {last}"
-    if first == last:
-        return f"Holds on frame {last}"
-    return f"Holds on {first} – {last}"
+def _remember(cage: bpy.types.Object, finding: Finding) -> None:
+    """Stores a finding for the panel."""
+    home = ownership.home_of_member(cage)
+    if home is not None:
+        record.written(home)
+        found = record.described(cage)
+        found.check, found.checked = record.HOLDS if finding.holds else record.FAULT, finding.frames
+        found.finding = finding.sentence
+        record.publish(cage)
 
 
 def _nested(context: bpy.types.Context, hidden: bool = False) -> list[list[bpy.types.Object]]:
-    """The objects to check, from the inside out: the selected ones, or the outputs of the active one; without objects
-    hidden on this frame unless `hidden`.
+    """The objects to check, from the inside out: selected ones of one set, or without sets; else all outputs of the
+    selection, without objects hidden on this frame unless `hidden`.
     """
-    chosen = [obj for obj in context.selected_objects if convert.readable(obj)]
-    if len(chosen) > 1:
-        return [sorted(chosen, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
+    selected = [obj for obj in context.selected_objects if convert.readable(obj)]
+    outputs = outputs_of_chosen(context)
+    mine = [obj for obj in selected if ownership.level_of(obj) is not None]
+    plain = len(selected) > len(mine) and not any(ownership.outputs_of(scene_of(context), obj) for obj in selected)
+    if len(selected) > 1 and (not outputs or (len(outputs) == 1 and (plain or len(mine) > 1))):
+        return [sorted(selected, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
     found = [
         sorted((obj for obj in ownership.members(output) if hidden or not obj.hide_viewport), key=ownership.depth_of)
-        for output in outputs_of_active(context)
+        for output in outputs
     ]
     return [objects for objects in found if len(objects) > 1]

@@ -15,7 +15,7 @@ from ..generation.rules import Rules
 from ..scene import units
 from ..scene.convert import ReadingOptions
 from . import level_list
-from .settings import GenerationProperties
+from .settings import NAMES, GenerationProperties
 
 Filled = TypeVar("Filled", ReadingOptions, Timing, Methods, Rules)
 
@@ -37,6 +37,11 @@ def options(values: GenerationProperties, scene: bpy.types.Scene) -> Options:
         rules=rules(values),
         methods=methods(values),
     )
+
+
+def used(values: GenerationProperties) -> dict[str, Any]:
+    """All settings, by name."""
+    return {name: getattr(values, name) for name in NAMES}
 
 
 def rules(values: GenerationProperties) -> Rules:

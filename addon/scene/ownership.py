@@ -1,65 +1,117 @@
-"""Which objects belong to which drawing: an output collection refers to the drawing's object, whatever its name."""
+"""Which objects belong to which drawing: a set of cages refers to its objects, whatever their names, collections and
+scenes.
+"""
 
 from __future__ import annotations
 
 import bpy
 
-from .. import keys
+from .. import keys, record
 
 
 def depth_of(obj: bpy.types.Object) -> int:
     """The place of an object in its nest, from the inside out: inner cages below 0, 0 for the drawing, cages above."""
     level = level_of(obj) or 0
-    return -level if is_inside(obj) else level
+    return -level if record.member(obj).inside else level
 
 
 def level_of(obj: bpy.types.Object) -> int | None:
-    """The level of an output object, 0 for the fine mesh; None for other objects."""
-    level = keys.integer(obj, keys.LEVEL) if obj.type == "MESH" else None
-    return level if level is not None and level >= 0 else None
+    """The level of an output object, 0 for the fine mesh; None for other objects, and for a copy of one alone."""
+    if obj.type != "MESH":
+        return None
+    found = record.member(obj)
+    if found.role == "NONE":
+        return None
+    return int(found.level) if home_of_member(obj) is not None or _went_along(obj) else None
+
+
+def home_of_member(obj: bpy.types.Object) -> bpy.types.Collection | None:
+    """The collection of the set that an output object belongs to; None for a copy that has no set yet."""
+    home: bpy.types.Collection | None = record.member(obj).home
+    return home if home is not None and any(part.object == obj for part in record.of(home).levels) else None
+
+
+def _went_along(obj: bpy.types.Object) -> bool:
+    """Whether an object without a set is the copy of a drawing's cage that was copied with its drawing, or has lost its
+    collection.
+    """
+    found = record.member(obj)
+    return found.of is not None and (found.home is None or found.of != source_of(found.home))
 
 
 def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The hidden helper objects of an output."""
-    return [obj for obj in collection.objects if keys.flag(obj, keys.HELPER) and level_of(obj) is None]
+    """The hidden helper objects of an output; those of earlier versions are in its collection."""
+    own = set(members(collection))
+    return [
+        obj
+        for obj in bpy.data.objects
+        if keys.flag(obj, keys.HELPER)
+        and level_of(obj) is None
+        and (_shown(obj) in own or (_shown(obj) is None and collection in obj.users_collection))
+    ]
+
+
+def _shown(helper: bpy.types.Object) -> bpy.types.Object | None:
+    """What a helper shows."""
+    return keys.block(helper, keys.FIELD_OF, bpy.types.Object) or keys.block(helper, keys.LINES_OF, bpy.types.Object)
 
 
 def is_output(collection: bpy.types.Collection) -> bool:
     """Whether a collection holds the output of a drawing."""
-    return keys.has(collection, keys.SOURCE)
+    return bool(collection.nested_cages.version) or keys.has(collection, keys.SOURCE)  # type: ignore[attr-defined]
 
 
 def is_bound(collection: bpy.types.Collection) -> bool:
     """Whether the cages of an output collection are bound."""
-    return bool(keys.text(collection, keys.BOUND))
+    return bool(record.of(collection).bound)
 
 
-def is_inside(owner: bpy.types.ID) -> bool:
-    """Whether an output, or a cage, lies inside the drawing."""
-    return keys.flag(owner, keys.INSIDE)
+def is_inside(collection: bpy.types.Collection) -> bool:
+    """Whether an output lies inside the drawing."""
+    return bool(record.of(collection).inside)
+
+
+def exists(obj: bpy.types.Object | None) -> bool:
+    """Whether an object is in a scene: deleted ones may still be referred to."""
+    if obj is None:
+        return False
+    return any(scene.objects.get(obj.name) == obj for scene in bpy.data.scenes) or bool(obj.users_scene)
 
 
 def outputs_of(scene: bpy.types.Scene, source: bpy.types.Object) -> list[bpy.types.Collection]:
-    """The collections that hold the output of an object in the scene: of the cages around it, and of those inside."""
-    found = [c for c in scene.collection.children_recursive if c.get(keys.SOURCE) == source]
-    return sorted(found, key=is_inside)
+    """The collections that hold the output of an object: of the cages around it, and of those inside."""
+    found = []
+    for collection in bpy.data.collections:
+        if is_output(collection):
+            sources = record.of(collection).sources
+            if len(sources) and sources[0].object == source and members(collection):
+                found.append(collection)
+    if len(found) > 1:
+        here = set(scene.collection.children_recursive)
+        found.sort(key=lambda each: (is_inside(each), each not in here))
+    return found
 
 
 def collection_of(
     scene: bpy.types.Scene, source: bpy.types.Object, *, inside: bool = False
 ) -> bpy.types.Collection | None:
-    """The collection of the cages around an object, or of those inside, if there is one in the scene."""
+    """The collection of the cages around an object, or of those inside, if there is one."""
     return next((c for c in outputs_of(scene, source) if is_inside(c) == inside), None)
 
 
 def outputs_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.types.Collection]:
-    """The output that an object belongs to, or those that it is a source of."""
-    obj = keys.block(obj, keys.HANDLES_OF, bpy.types.Object) or obj
+    """The output that an object belongs to, those that it is a source of, or those whose cages it moves."""
     if level_of(obj) is not None:
-        return [c for c in obj.users_collection if is_output(c)][:1]
-    return outputs_of(scene, obj) or [
-        c for c in scene.collection.children_recursive if is_output(c) and obj in originals(c)
-    ]
+        home = home_of_member(obj)
+        return [home] if home is not None else []
+    found = outputs_of(scene, obj)
+    if found:
+        return found
+    sets = [c for c in bpy.data.collections if is_output(c) and members(c)]
+    shared = [c for c in sets if obj in originals(c)]
+    if shared or (obj.type not in {"ARMATURE", "EMPTY"} and not keys.has(obj, keys.HANDLES_OF)):
+        return shared
+    return [c for c in sets if any(getattr(m, "object", None) == obj for m in members(c)[-1].modifiers)]
 
 
 def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection | None:
@@ -69,48 +121,39 @@ def collection_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types
 
 def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
     """The source object of an output; None if it was deleted, even if the collection still refers to it."""
-    source = keys.block(collection, keys.SOURCE, bpy.types.Object)
-    return source if source is not None and source.users_scene else None
+    found = record.of(collection).sources
+    source: bpy.types.Object | None = found[0].object if len(found) else None
+    return source if exists(source) else None
 
 
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The source objects of an output, first the one that it is named after, and those whose silhouette they are;
+    """The source objects of an output, first the one that it is named after, and those whose silhouette that is;
     without deleted ones.
     """
-    first = collection.get(keys.SOURCE)
-    stored = [first, *_others(collection), *(_others(first) if isinstance(first, bpy.types.Object) else ())]
-    found = [obj for obj in stored if isinstance(obj, bpy.types.Object) and obj.users_scene]
+    found = [part.object for part in record.of(collection).sources if exists(part.object)]
+    others = found[0].get(keys.OTHERS) if found else None
+    shown = others.values() if hasattr(others, "values") else ()
+    found += [obj for obj in shown if isinstance(obj, bpy.types.Object) and exists(obj)]
     return list(dict.fromkeys(found))
 
 
-def _others(owner: bpy.types.ID) -> list[object]:
-    """Other objects that an output, or a silhouette, was made of."""
-    others = owner.get(keys.OTHERS)
-    return list(others.values()) if hasattr(others, "values") else []
-
-
-def colours_of(scene: bpy.types.Scene, collection: bpy.types.Collection) -> int:
-    """The number of the colours of an output, one that no other output in the scene has."""
-    own = keys.integer(collection, keys.COLOURS)
-    if own is not None and own >= 0:
+def colours_of(collection: bpy.types.Collection) -> int:
+    """The number of the colours of an output, one that no other output has."""
+    own = int(record.of(collection).colours)
+    if own >= 0:
         return own
-    used = {keys.integer(other, keys.COLOURS) for other in scene.collection.children_recursive}
+    used = {record.of(other).colours for other in bpy.data.collections if is_output(other)}
     return next(number for number in range(len(used) + 1) if number not in used)
 
 
 def member(collection: bpy.types.Collection, level: int) -> bpy.types.Object | None:
-    """The object of a level in an output collection; level 0 is the fine mesh."""
-    return next((o for o in collection.objects if level_of(o) == level), None)
+    """The object of a level of an output; level 0 is the fine mesh."""
+    return next((obj for obj in members(collection) if record.member(obj).level == level), None)
 
 
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """All output objects of a collection, the fine mesh first; without copies made by the user."""
-    found: dict[int, bpy.types.Object] = {}
-    for obj in collection.objects:
-        level = level_of(obj)
-        if level is not None:
-            found.setdefault(level, obj)
-    return [found[level] for level in sorted(found)]
+    """All output objects of a set, the fine mesh first, wherever they are; without deleted ones and copies."""
+    return [part.object for part in record.of(collection).levels if exists(part.object)]
 
 
 def home_of(scene: bpy.types.Scene, source: bpy.types.Object | None) -> bpy.types.Collection:

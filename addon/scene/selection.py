@@ -25,11 +25,16 @@ def outputs_of_active(context: bpy.types.Context) -> list[bpy.types.Collection]:
     return ownership.outputs_about(scene_of(context), active) if active is not None else []
 
 
-def output_of_active(context: bpy.types.Context) -> bpy.types.Collection:
-    """The output of the active object where it is known to have one."""
-    collection = collection_of_active(context)
-    assert collection is not None
-    return collection
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The active object and all selected ones. An original that its animation hides is active, but not selected."""
+    active = context.view_layer.objects.active
+    return list(dict.fromkeys((*((active,) if active is not None else ()), *context.selected_objects)))
+
+
+def outputs_of_chosen(context: bpy.types.Context) -> list[bpy.types.Collection]:
+    """The outputs of all these."""
+    found = [ownership.outputs_about(scene_of(context), obj) for obj in chosen(context)]
+    return list(dict.fromkeys(output for outputs in found for output in outputs))
 
 
 def found_object(identity: int | None) -> bpy.types.Object | None:

@@ -15,6 +15,7 @@ GUIDES = ((ROOT / "manual" / "docs" / "guide", ".html"), (ROOT / "docs" / "guide
 # Suffixes of operators, prefixes of settings, and the page about each.
 OPERATORS = {
     "verify": "verify",
+    "adopt": "bind",
     "bind": "bind",
     "rebind": "bind",
     "add_handles": "bind",

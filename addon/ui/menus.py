@@ -28,6 +28,7 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
         layout.operator("object.nested_cages_live", icon="REC")
         layout.operator("object.nested_cages_rebind", icon="FILE_REFRESH")
         layout.operator("object.nested_cages_unbind", icon="UNLINKED")
+        layout.operator("object.nested_cages_adopt", icon="COMMUNITY")
         layout.separator()
         layout.operator("object.nested_cages_bake_action", icon="ACTION")
         layout.operator("object.nested_cages_remove_animation", icon="X")

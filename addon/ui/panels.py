@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from .. import keys
+from .. import record
+from ..binding.adoption import waiting
 from ..errors import UserError
 from ..generation import output
 from ..generation.job import running
@@ -18,7 +19,7 @@ from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership, units
 from ..scene.counting import loop_sizes
-from ..scene.selection import collection_of_active, output_of_active, outputs_of_active, scene_of
+from ..scene.selection import collection_of_active, outputs_of_active, scene_of
 from . import motion, result
 
 CATEGORY = "Nested Cages"
@@ -162,13 +163,13 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         return collection_of_active(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        collection = output_of_active(context)
         layout: Any = self.layout
-        for found in outputs_of_active(context):
-            result.draw(layout, found)
+        found = outputs_of_active(context)
+        for collection in found:
+            result.draw(layout, collection)
         column = layout.column(align=True)
         column.operator("object.nested_cages_verify", icon="CHECKMARK")
-        if ownership.is_bound(collection) or keys.flag(collection, keys.MOVING):
+        if any(ownership.is_bound(each) or record.of(each).moving for each in found):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
         motion.draw_live(column, result.NOTE_WIDTH)
@@ -253,6 +254,8 @@ def _draw_binding(layout: bpy.types.UILayout, collection: bpy.types.Collection |
     """Bind, or the operators for bound cages."""
     if collection is None or not ownership.is_bound(collection):
         layout.operator("object.nested_cages_bind", icon="LINKED")
+        if collection is None and waiting(bpy.context.view_layer.objects.active):
+            layout.operator("object.nested_cages_adopt", icon="COMMUNITY")
         return
     layout.operator("object.nested_cages_add_handles", icon="BONE_DATA")
     row = layout.row(align=True)

@@ -6,7 +6,7 @@ import textwrap
 
 import bpy
 
-from .. import keys
+from .. import keys, record
 from ..scene import ownership
 
 # Letters per line of a note: fits into the sidebar at its default width.
@@ -26,10 +26,10 @@ def draw(layout: bpy.types.UILayout, collection: bpy.types.Collection) -> None:
 
 def _in_short(obj: bpy.types.Object) -> str:
     """The most important facts about an output object; all numbers are in the report."""
-    vertices, excess = keys.integer(obj, keys.VERTICES), keys.number(obj, keys.EXCESS)
-    parts = [] if vertices is None else [f"{vertices} vertices"]
-    if excess is not None:
-        parts.append(f"{100.0 * abs(excess):.3g} % {'smaller' if excess < 0.0 else 'larger'}")
+    found = record.member(obj)
+    parts = [f"{len(obj.data.vertices)} vertices"]
+    if found.role == record.CAGE:
+        parts.append(f"{100.0 * abs(found.excess):.3g} % {'smaller' if found.excess < 0.0 else 'larger'}")
     return ", ".join(parts)
 
 
@@ -37,5 +37,6 @@ def _notes(obj: bpy.types.Object) -> list[str]:
     """Lines of the notes about an output object."""
     method, _, _ = keys.text(obj, keys.LINK).partition(",")
     follows = f"Follows by {method}" if method else ""
-    sentences = [follows, *(keys.text(obj, key) for key in (keys.CHECK, keys.NEED, keys.NOTES))]
+    found = record.member(obj)
+    sentences = [follows, record.verdict(found), found.need, *record.sentences(found)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]

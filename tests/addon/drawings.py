@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -141,6 +142,29 @@ def grease_pencil(name: str, loops: Sequence[Loop], cyclic: bool = True) -> Any:
         for point, place in zip(stroke.points, raised(loop), strict=True):
             point.position = place
     return add(name, data)
+
+
+def of_before(addon: Any, collection: Any) -> None:
+    """Stores a set as the version before records did."""
+    record, keys = addon.record, addon.keys
+    found = record.of(collection)
+    objects = [part.object for part in found.levels]
+    collection[keys.LEVELS] = len(objects) - 1
+    collection[keys.MARKERS] = json.dumps([[marker.name, marker.frame] for marker in found.markers])
+    if found.playing:
+        collection[keys.HIDES] = [part.hidden for part in found.sources]
+    if len(found.sources) > 1:
+        collection[keys.OTHERS] = {str(k): part.object for k, part in enumerate(list(found.sources)[1:])}
+    for obj in objects:
+        member = record.member(obj)
+        if member.role == record.CAGE:
+            obj[keys.PHASES] = list(member.phases)
+        for name in [prop.identifier for prop in member.bl_rna.properties]:
+            if name not in {"rna_type", "kept"}:
+                member.property_unset(name)
+    for name in [prop.identifier for prop in found.bl_rna.properties]:
+        if name not in {"rna_type", "settings"}:
+            found.property_unset(name)
 
 
 def snapshot() -> dict[str, Any]:

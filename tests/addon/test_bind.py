@@ -19,6 +19,7 @@ from drawings import (
     grease_pencil,
     in_world,
     lines,
+    of_before,
     poly_curve,
     snapshot,
     star,
@@ -494,9 +495,10 @@ def test_a_bound_drawing_plays_its_own_changes_before_the_bend(edit) -> None:
     assert finest["nested_cages_check"].startswith("Holds" if inside else "Broken"), finest["nested_cages_finding"]
 
 
-def test_what_an_earlier_version_bound_is_unbound() -> None:
+def test_what_an_earlier_version_bound_is_unbound(addon) -> None:
     source, collection, fine, (cage,) = bound(wire, levels="12")
     bpy.ops.object.nested_cages_unbind()
+    of_before(addon, collection)
     before = {obj.name: [m.name for m in obj.modifiers] for obj in (source, fine, cage)}
     count = len(bpy.data.objects)
     collection["nested_cages_bound"] = "SURFACE_DEFORM"

@@ -254,3 +254,29 @@ def test_a_modifiers_slider_is_followed(addon, core, live, tick) -> None:
         assert live.current().behind
         tick()
         assert not live.current().behind and holds(core, addon, collection, obj)
+
+
+@pytest.mark.parametrize(("levels", "settings"), [("0.05u", {}), ("24, +20%", {}), ("24, 12", {"clearance": 0.05})])
+def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick, levels, settings) -> None:
+    """Whatever the panel shows; a step that would break one makes the cages again."""
+    bpy.context.scene.nested_cages.clearance = 0.0
+    obj = star_curve()
+    bpy.ops.object.nested_cages_generate(levels=levels, **settings)
+    collection = bpy.data.collections["Drawing Cages"]
+    obj.hide_viewport = False
+    assert bpy.ops.object.nested_cages_live() == {"FINISHED"}
+    tick()
+    for factor in (1.3, 1.2, 0.8):
+        move_points(obj, factor)
+        tick()
+        assert not live.current().behind and holds(core, addon, collection, obj)
+        fine, *cages = (core.Mesh(evaluated(o)[:, :2].astype(float), edges_of(o)) for o in collection.objects)
+        member = addon.record.member(addon.scene.ownership.members(collection)[-1])
+        if levels == "0.05u":
+            assert core.Within(distance=0.05).is_met(cages[0], fine) and "within a distance of 0.05" in member.need
+        elif settings:
+            found = [core.verify(o, i) for i, o in pairwise([fine, *cages])]
+            assert min(each.clearance for each in found) >= 0.05 * (1.0 - 1e-6)
+        else:
+            assert core.Within(excess=0.2).is_met(cages[1], fine) and "20 % more area" in member.need
+        assert addon.record.of(collection).settings.levels == levels

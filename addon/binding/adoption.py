@@ -1,0 +1,130 @@
+"""Copies become sets of their own: duplicated, appended or instanced drawings with their cages, and sets without their
+collection.
+
+Blender makes pointers of copied objects refer to the copies, and each object carries its set's record with it. What is
+hidden is not copied with the rest: the fine mesh and the fields of a binding are copied here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import bpy
+
+from .. import keys, record
+from ..animation import shape_keys, stage
+from ..scene import display, filling, ownership, placement
+from . import field
+
+
+def waiting(obj: bpy.types.Object | None) -> list[bpy.types.Object]:
+    """The objects without a set whose drawing an object is, or has in common with them."""
+    if obj is None:
+        return []
+    drawing = record.described(obj).of or obj
+    found = [each for each in bpy.data.objects if record.described(each).of == drawing]
+    return [each for each in found if _is_waiting(each)]
+
+
+def _is_waiting(obj: bpy.types.Object) -> bool:
+    ready = record.described(obj).kept.version > 0 and obj.is_editable and ownership.exists(obj)
+    return ready and ownership.home_of_member(obj) is None and ownership.level_of(obj) is not None
+
+
+def adopt(scene: bpy.types.Scene, objects: Iterable[bpy.types.Object]) -> list[bpy.types.Collection]:
+    """Makes sets of what waits for it with some objects; returns their collections."""
+    found: dict[tuple[bpy.types.Object, bool], dict[int, bpy.types.Object]] = {}
+    for copy in dict.fromkeys(each for obj in objects for each in waiting(obj)):
+        own = record.described(copy)
+        found.setdefault((own.of, own.kept.inside), {}).setdefault(own.level, copy)
+    return [_adopted(scene, drawing, copies) for (drawing, _), copies in found.items()]
+
+
+def _adopted(
+    scene: bpy.types.Scene, drawing: bpy.types.Object, copies: dict[int, bpy.types.Object]
+) -> bpy.types.Collection:
+    """A set of a drawing and the copies of its objects by level."""
+    first = record.described(next(iter(copies.values())))
+    kept, before, title = first.kept, first.home, drawing.name if ownership.exists(drawing) else "Adopted"
+    collection = bpy.data.collections.new(f"{title} {'Inner Cages' if kept.inside else 'Cages'}")
+    ownership.home_of(scene, drawing).children.link(collection)
+    found, latest = record.written(collection), kept if before is None else record.written(before)
+    sources = [part["object"] for part in record.values(kept)["sources"]]
+    originals = {} if before is None else {part.object: obj for part, obj in zip(latest.sources, sources, strict=False)}
+    old = {number: part.object for number, part in enumerate(latest.levels) if part.object is not None}
+    for level, obj in old.items():
+        if level not in copies and before is not None:
+            copies[level] = _copied(obj, originals)
+    objects = [copies[level] for level in sorted(copies)]
+    record.assign(found, {**record.values(latest), "colours": -1, "markers": [], "title": title})
+    record.fill(found.sources, sources)
+    record.fill(found.levels, objects)
+    found.colours = ownership.colours_of(collection)
+    for level, obj in enumerate(objects):
+        own = record.described(obj)
+        own.home, own.level, own.of = collection, level, drawing
+        _own_data(obj)
+        if before is not None:
+            display.apply_display(obj, level, found.colours)
+            for home in obj.users_collection:
+                if home == before:
+                    home.objects.unlink(obj)
+        if not obj.users_collection:
+            collection.objects.link(obj)
+    if before is not None:
+        cages = {old[level]: obj for level, obj in copies.items() if level in old}
+        _own_fields(collection, cages, [*objects, *sources], originals)
+        for part, earlier in zip(found.sources, latest.sources, strict=False):
+            part.hidden = earlier.hidden
+        if found.playing:
+            stage.enter(collection)
+    record.keep(collection)
+    return collection
+
+
+def _copied(obj: bpy.types.Object, originals: dict[bpy.types.Object, bpy.types.Object]) -> bpy.types.Object:
+    """A copy of a hidden object, carried by the copy of its drawing."""
+    made = obj.copy()
+    made.data = filling.mesh_of(obj).copy()
+    carrier, there = placement.carrier_of(obj)
+    if carrier in originals:
+        placement.carry(made, originals[carrier], there)
+    return made
+
+
+def _own_data(obj: bpy.types.Object) -> None:
+    """Meshes and actions that an object shares with the one that it is a copy of become its own."""
+    if obj.data.users > 1:
+        obj.data = obj.data.copy()
+    mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
+    if mesh is not None and mesh.users > 1:
+        mesh = obj[keys.STORED_MESH] = mesh.copy()
+    for owner in (obj, *(each.shape_keys for each in (obj.data, mesh) if each is not None)):
+        animation = owner.animation_data if owner is not None else None
+        if animation is not None and animation.action is not None and animation.action.users > 1:
+            shape_keys.own_action(owner)
+
+
+def _own_fields(
+    collection: bpy.types.Collection,
+    cages: dict[bpy.types.Object, bpy.types.Object],
+    followers: list[bpy.types.Object],
+    originals: dict[bpy.types.Object, bpy.types.Object],
+) -> None:
+    """Copies the fields that followers still share with the originals."""
+    made: dict[bpy.types.Object, bpy.types.Object] = {}
+    for obj in followers:
+        shared = field.followed(obj)
+        cage = keys.block(shared, keys.FIELD_OF, bpy.types.Object) if shared is not None else None
+        if shared is None or cage not in cages:
+            continue
+        if shared not in made:
+            own = made[shared] = _copied(shared, originals)
+            own[keys.FIELD_OF] = cages[cage]
+            collection.objects.link(own)
+            for shows in own.modifiers:
+                if isinstance(shows, bpy.types.NodesModifier):
+                    display.set_input(shows, "Object", cages[cage])
+        modifier = display.nodes_modifier(obj, field.FOLLOW)
+        assert modifier is not None
+        display.set_input(modifier, "Object", made[shared])

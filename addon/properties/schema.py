@@ -1,0 +1,128 @@
+"""The record of a set of cages: what was asked for, what is certified, and how it plays and is bound.
+
+One `NestedCagesRecord` per collection of cages, and a `NestedCagesMember` on each object: pointers of objects follow
+their copies, those of collections do not. `record` reads and writes both, and the properties of earlier files.
+"""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    IntVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .settings import GenerationProperties
+
+ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE")]
+CHECKS = [(name, name.title(), "") for name in ("NONE", "HOLDS", "FAULT")]
+PROMISES = [(name, name.title(), "") for name in ("LOOPS", "MOTION")]
+
+
+class NestedCagesNote(bpy.types.PropertyGroup):
+    """What is to be said: a code and its data as JSON; the sentence is made when it is drawn."""
+
+    code: StringProperty(name="Code", description="What kind of note it is")
+    data: StringProperty(name="Data", description="The values in it, as JSON")
+
+
+class NestedCagesMarker(bpy.types.PropertyGroup):
+    """A marker of the timeline that belongs to the animation; its name is the item's own."""
+
+    frame: IntProperty(name="Frame", description="Frame of the marker")
+
+
+class NestedCagesPart(bpy.types.PropertyGroup):
+    """An object of the set: a drawing, or the object of a level."""
+
+    object: PointerProperty(name="Object", description="The object", type=bpy.types.Object)
+    hidden: BoolProperty(name="Hidden", description="Whether the animation hides this drawing meanwhile")
+
+
+class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
+    """The settings that the cages were made with."""
+
+
+class NestedCagesRecord(bpy.types.PropertyGroup):
+    """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
+
+    version: IntProperty(name="Version", description="Version of the record; 0 for none", default=0)
+    sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesPart)
+    title: StringProperty(name="Title", description="Name of the drawing when the cages were made")
+    levels: CollectionProperty(name="Levels", description="The fine mesh and the cages", type=NestedCagesPart)
+    inside: BoolProperty(name="Inside", description="Whether the cages lie inside the drawing")
+    moving: BoolProperty(name="Moving", description="Whether the cages follow the drawing's own animation")
+    known: BoolProperty(name="Known", description="Whether the settings are those that the cages were made with")
+    settings: PointerProperty(name="Settings", description="As used", type=NestedCagesUsed)
+    kinds: StringProperty(name="Kinds", description="What the cages are by the rules for them")
+    colours: IntProperty(name="Colours", description="Number of its colours", default=-1)
+    bound: StringProperty(name="Bound", description="The method that the drawing is bound by; empty if it is not")
+    playing: BoolProperty(name="Playing", description="Whether a moving copy stands for the drawings meanwhile")
+    frames: IntVectorProperty(name="Frames", description="Start, result and end of the animation", size=3)
+    animated: BoolProperty(name="Animated", description="Whether the frames are those of an animation")
+    markers: CollectionProperty(name="Markers", description="The markers of the animation", type=NestedCagesMarker)
+
+
+class NestedCagesMember(bpy.types.PropertyGroup):
+    """Of an object: its place in a set, and what was found when it was made; lengths in scene units."""
+
+    role: EnumProperty(name="Role", description="What the object is", items=ROLES)
+    level: IntProperty(name="Level", description="Its level, 0 for the fine mesh", default=-1)
+    of: PointerProperty(name="Drawing", description="The drawing that it belongs to", type=bpy.types.Object)
+    home: PointerProperty(name="Home", description="The collection with the record", type=bpy.types.Collection)
+    kept: PointerProperty(name="Kept", description="The record, for copies", type=NestedCagesRecord)
+    inside: BoolProperty(name="Inside", description="Whether it lies inside the drawing")
+    vertices: IntProperty(name="Vertices", description="Number of vertices", default=-1)
+    certified: EnumProperty(
+        name="Certified", description="What is certified besides strict nesting", items=PROMISES, options={"ENUM_FLAG"}
+    )
+    stamp: StringProperty(name="Stamp", description="Digest of the certified coordinates")
+    clearance: FloatProperty(name="Clearance", description="Least distance from what it encloses")
+    asked: FloatProperty(name="Asked", description="The clearance asked for; 0 for the automatic one")
+    excess: FloatProperty(name="Excess", description="Area that it has more; of a motion, in the median")
+    most: FloatProperty(name="Most", description="Largest excess during a motion")
+    start: StringProperty(name="Start", description="What the run began with")
+    seconds: FloatProperty(name="Seconds", description="Time of the computation")
+    phases: IntVectorProperty(name="Phases", description="Last steps of its phases", size=3, default=(-1, -1, -1))
+    frames: IntVectorProperty(
+        name="Frames", description="First frames of its phases, and of the result", size=4, default=(-1, -1, -1, -1)
+    )
+    check: EnumProperty(name="Check", description="What Verify Cages found", items=CHECKS)
+    checked: IntVectorProperty(name="Checked", description="First and last frame of the check", size=2)
+    finding: StringProperty(name="Finding", description="What Verify Cages said")
+    need: StringProperty(name="Need", description="How a distance or an excess was met")
+    notes: CollectionProperty(name="Notes", description="Notes on the run", type=NestedCagesNote)
+
+
+CLASSES = (
+    NestedCagesNote,
+    NestedCagesMarker,
+    NestedCagesPart,
+    NestedCagesUsed,
+    NestedCagesRecord,
+    NestedCagesMember,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Collection.nested_cages = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
+        type=NestedCagesRecord, name="Nested Cages", description="The record of these cages"
+    )
+    bpy.types.Object.nested_cages_member = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
+        type=NestedCagesMember, name="Nested Cages Member", description="Its part in a set of cages"
+    )
+
+
+def unregister() -> None:
+    del bpy.types.Object.nested_cages_member  # type: ignore[attr-defined]
+    del bpy.types.Collection.nested_cages  # type: ignore[attr-defined]
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

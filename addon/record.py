@@ -1,0 +1,327 @@
+"""Reading and writing the records of sets of cages, and the custom properties of earlier versions as such records.
+
+`of` and `member` only read: a set of an earlier version is shown as a view, which may be linked. `written` brings such
+a set up to date before it is changed. What other programs may want to know of cages is published as custom properties.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import keys
+
+# Version of the schema.
+VERSION = 1
+FINE, CAGE = "FINE", "CAGE"
+HOLDS, FAULT = "HOLDS", "FAULT"
+# The code of notes that are sentences already.
+TEXT = "text"
+
+
+def of(collection: bpy.types.Collection) -> Any:
+    """The record of a set, or what an earlier version stored, as a view."""
+    found: Any = collection.nested_cages  # type: ignore[attr-defined]
+    return found if found.version or not keys.has(collection, keys.SOURCE) else _view(collection)
+
+
+def written(collection: bpy.types.Collection) -> Any:
+    """The record, to be changed; that of an earlier version is brought up to date first."""
+    found: Any = collection.nested_cages  # type: ignore[attr-defined]
+    if not found.version:
+        _migrate(collection, found)
+    return found
+
+
+def member(obj: bpy.types.Object) -> Any:
+    """What an object is in its set, or what an earlier version stored of that, as a view."""
+    found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
+    return found if found.role != "NONE" or keys.integer(obj, keys.LEVEL) is None else _member_view(obj)
+
+
+def described(obj: bpy.types.Object) -> Any:
+    """The same, to be changed."""
+    found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
+    return found
+
+
+def keep(collection: bpy.types.Collection) -> None:
+    """Keeps the record on each object too: it goes with copies, and is there if the collection is removed."""
+    found = of(collection)
+    if isinstance(found, SimpleNamespace):
+        return
+    objects = [part.object for part in found.levels if part.object is not None and part.object.is_editable]
+    given = values(found)
+    for obj in objects:
+        assign(described(obj).kept, given)
+        publish(obj)
+    facts = {
+        keys.SOURCE: found.sources[0].object if len(found.sources) else None,
+        keys.NAME: found.title,
+        keys.INSIDE: found.inside,
+        keys.KINDS: found.kinds,
+        keys.COLOURS: found.colours,
+        keys.END: found.frames[1],
+        keys.FRAMES: list(found.frames) if found.animated else None,
+        keys.BOUND: found.bound or None,
+        keys.MOVING: found.moving or None,
+    }
+    keys.remove(collection, facts)
+    keys.store(collection, {name: value for name, value in facts.items() if value is not None})
+
+
+def bind(collection: bpy.types.Collection, method: str) -> None:
+    """Notes by what method a drawing is bound; empty: not at all."""
+    written(collection).bound = method
+    keep(collection)
+
+
+def values(group: Any) -> dict[str, Any]:
+    """The properties of a group as plain values; those of an unset pointer to a group are there too."""
+    found: dict[str, Any] = {}
+    for prop in group.bl_rna.properties:
+        name, value = prop.identifier, getattr(group, prop.identifier)
+        if name == "rna_type":
+            continue
+        if prop.type == "COLLECTION":
+            found[name] = [values(item) for item in value]
+        elif prop.type == "POINTER" and isinstance(value, bpy.types.PropertyGroup):
+            found[name] = values(value)
+        elif getattr(prop, "is_array", False):
+            found[name] = tuple(value)
+        else:
+            found[name] = set(value) if isinstance(value, set) else value
+    return found
+
+
+def assign(group: Any, given: dict[str, Any]) -> None:
+    """Sets the properties of a group to `values` of one."""
+    for name, value in given.items():
+        if isinstance(value, list):
+            items = getattr(group, name)
+            items.clear()
+            for item in value:
+                assign(items.add(), item)
+        elif isinstance(value, dict):
+            assign(getattr(group, name), value)
+        else:
+            setattr(group, name, value)
+
+
+def fill(items: Any, objects: Any) -> None:
+    """Makes a list of parts refer to objects."""
+    items.clear()
+    for obj in objects:
+        items.add().object = obj
+
+
+def note(owner: Any, code: str, **data: Any) -> None:
+    """Adds a note to a member."""
+    item = owner.notes.add()
+    item.code, item.data = code, json.dumps(data)
+
+
+def sentences(found: Any) -> list[str]:
+    """The notes on a member, as sentences."""
+    return [text for item in found.notes if (text := _data(item.data).get(TEXT, ""))]
+
+
+def verdict(found: Any) -> str:
+    """The result of Verify Cages in a few words; empty if it was not checked."""
+    first, last = found.checked
+    if found.check == FAULT:
+        return f"Broken on frame {last}"
+    if found.check != HOLDS:
+        return ""
+    return f"Holds on frame {last}" if first == last else f"Holds on {first} – {last}"
+
+
+def certificate(found: Any) -> str:
+    """What is certified of a cage, as a sentence; empty for the fine mesh."""
+    if found.role != CAGE:
+        return ""
+    if isinstance(found, SimpleNamespace):
+        return str(found.sentence)
+    loops = "all loops kept" if "LOOPS" in found.certified else "with loops of its own"
+    nested = f"strictly {'inside' if found.inside else 'encloses'} level {found.level - 1}"
+    if "MOTION" in found.certified:
+        first, last = found.frames[0], found.frames[3]
+        return (
+            f"Certified as stored from frame {first} to {last} and at all instants between: simple, {nested}; "
+            f"clearance {found.clearance:.3g} at least, excess {100.0 * found.excess:.2f} % in the median, "
+            f"{100.0 * found.most:.2f} % at most"
+        )
+    area = f"{-100.0 * found.excess:.2f} % less area" if found.inside else f"excess {100.0 * found.excess:.2f} %"
+    return f"Certified as stored: simple, {loops}, {nested}; clearance {found.clearance:.3g}, {area}"
+
+
+def stamp(obj: bpy.types.Object) -> str:
+    """A digest of the coordinates of an object's mesh."""
+    points = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", points)
+    return hashlib.blake2b(points.tobytes(), digest_size=8).hexdigest()
+
+
+def publish(obj: bpy.types.Object) -> None:
+    """Writes what other programs may want to know of an object as custom properties, which the add-on never reads."""
+    found = described(obj)
+    facts: dict[str, Any] = {keys.LEVEL: found.level, keys.VERTICES: len(obj.data.vertices)}
+    if found.role == CAGE:
+        facts |= {
+            keys.CLEARANCE: found.clearance,
+            keys.EXCESS: found.excess,
+            keys.INSIDE: found.inside,
+            keys.NEED: found.need,
+            keys.BEGINS_FROM: found.start,
+            keys.SECONDS: found.seconds,
+            keys.NOTES: "; ".join(sentences(found)),
+            keys.CERTIFICATE: certificate(found),
+        }
+        names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
+        facts |= {name: frame for name, frame in zip(names, found.frames, strict=True) if frame >= 0}
+        facts |= {keys.CHECK: verdict(found), keys.FINDING: found.finding} if found.check != "NONE" else {}
+    keys.remove(obj, [name for name in PUBLISHED if name not in facts])
+    keys.store(obj, facts)
+
+
+# The names of what is published of objects; of a set `keep` writes what earlier versions stored.
+PUBLISHED = (
+    *(keys.LEVEL, keys.VERTICES, keys.CLEARANCE, keys.EXCESS, keys.INSIDE, keys.NEED, keys.BEGINS_FROM, keys.SECONDS),
+    *(keys.NOTES, keys.CERTIFICATE, keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END),
+    *(keys.CHECK, keys.FINDING),
+)
+
+
+def remove(obj: bpy.types.Object) -> None:
+    """Makes an object a plain one."""
+    found = described(obj)
+    for prop in found.bl_rna.properties:
+        if prop.identifier not in {"rna_type", "kept"}:
+            found.property_unset(prop.identifier)
+    assign(found.kept, {"version": 0, "sources": [], "levels": [], "markers": []})
+    keys.remove(obj, keys.ours(obj))
+
+
+def _data(text: str) -> dict[str, Any]:
+    """The data of a note; empty if a stranger's file has something else there."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _view(collection: bpy.types.Collection) -> SimpleNamespace:
+    """What an earlier version stored of a set. It had no clearance, grid and symmetry that were asked for."""
+    others = collection.get(keys.OTHERS)
+    stored = [collection.get(keys.SOURCE), *(others.values() if hasattr(others, "values") else ())]
+    hides = collection.get(keys.HIDES)
+    hidden = list(hides) if hasattr(hides, "__len__") and not isinstance(hides, str) else []
+    sources = [obj if isinstance(obj, bpy.types.Object) else None for obj in stored]
+    found: dict[int, bpy.types.Object] = {}
+    for obj in collection.objects:
+        level = keys.integer(obj, keys.LEVEL)
+        if obj.type == "MESH" and level is not None and level >= 0:
+            found.setdefault(level, obj)
+    frames = keys.numbers(collection, keys.FRAMES, 3)
+    colours = keys.integer(collection, keys.COLOURS)
+    return SimpleNamespace(
+        version=0,
+        sources=[
+            SimpleNamespace(object=obj, hidden=number < len(hidden) and bool(hidden[number]))
+            for number, obj in enumerate(sources)
+        ],
+        title=keys.text(collection, keys.NAME),
+        levels=[SimpleNamespace(object=found[level], hidden=False) for level in sorted(found)],
+        inside=keys.flag(collection, keys.INSIDE),
+        moving=keys.flag(collection, keys.MOVING),
+        known=False,
+        kinds=keys.text(collection, keys.KINDS),
+        colours=colours if colours is not None and colours >= 0 else -1,
+        bound=keys.text(collection, keys.BOUND),
+        playing=keys.has(collection, keys.HIDES),
+        frames=tuple(map(int, frames or (0, 0, 0))),
+        animated=frames is not None,
+        markers=[SimpleNamespace(name=name, frame=frame) for name, frame in _markers(collection)],
+    )
+
+
+def _markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:
+    """Names and frames of the markers that an earlier version stored; invalid entries are skipped."""
+    try:
+        found = json.loads(keys.text(collection, keys.MARKERS))
+    except (ValueError, RecursionError):
+        return []
+    pairs = [pair for pair in found if isinstance(pair, list) and len(pair) == 2] if isinstance(found, list) else []
+    return [(name, frame) for name, frame in pairs if isinstance(name, str) and isinstance(frame, int)]
+
+
+def _member_view(obj: bpy.types.Object) -> SimpleNamespace:
+    """What an earlier version stored of an object."""
+    level = keys.integer(obj, keys.LEVEL) or 0
+    home = next((found for found in obj.users_collection if keys.has(found, keys.SOURCE)), None)
+    check = keys.text(obj, keys.CHECK)
+    frames = [int(part) for part in check.split() if part.isdecimal()]
+    phases = keys.numbers(obj, keys.PHASES, 3)
+    names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
+    said = keys.text(obj, keys.NOTES)
+    return SimpleNamespace(
+        role="NONE" if level < 0 or obj.type != "MESH" else CAGE if level else FINE,
+        level=level,
+        of=keys.block(home, keys.SOURCE, bpy.types.Object) if home is not None else None,
+        home=home,
+        inside=keys.flag(obj, keys.INSIDE),
+        vertices=keys.integer(obj, keys.VERTICES) or -1,
+        certified=set(),
+        stamp="",
+        clearance=keys.number(obj, keys.CLEARANCE) or 0.0,
+        asked=0.0,
+        excess=keys.number(obj, keys.EXCESS) or 0.0,
+        most=keys.number(obj, keys.EXCESS) or 0.0,
+        start=keys.text(obj, keys.BEGINS_FROM),
+        seconds=keys.number(obj, keys.SECONDS) or 0.0,
+        phases=tuple(map(int, phases or (-1, -1, -1))),
+        frames=tuple(found if (found := keys.integer(obj, name)) is not None else -1 for name in names),
+        check=FAULT if check.startswith("Broken") else HOLDS if check else "NONE",
+        checked=(frames[0], frames[-1]) if frames else (0, 0),
+        finding=keys.text(obj, keys.FINDING),
+        need=keys.text(obj, keys.NEED),
+        notes=[SimpleNamespace(code=TEXT, data=json.dumps({TEXT: said}))] if said else [],
+        sentence=keys.text(obj, keys.CERTIFICATE),
+    )
+
+
+def _migrate(collection: bpy.types.Collection, found: Any) -> None:
+    """Writes what an earlier version stored as a record."""
+    if keys.has(collection, keys.SOURCE):
+        view = _view(collection)
+        given = {name: value for name, value in vars(view).items() if name not in {"sources", "levels", "markers"}}
+        assign(found, given)
+        for old, new in ((view.sources, found.sources), (view.levels, found.levels)):
+            fill(new, [part.object for part in old if part.object is not None])
+        for old, new in zip((part for part in view.sources if part.object is not None), found.sources, strict=True):
+            new.hidden = old.hidden
+        for old in view.markers:
+            new = found.markers.add()
+            new.name, new.frame = old.name, old.frame
+        for level, part in enumerate(found.levels):
+            _migrate_member(part.object, level, collection, found)
+    found.version = VERSION
+
+
+def _migrate_member(obj: bpy.types.Object, level: int, collection: bpy.types.Collection, found: Any) -> None:
+    if not obj.is_editable:
+        return
+    view, made = _member_view(obj), described(obj)
+    said = [_data(item.data).get(TEXT, "") for item in view.notes]
+    assign(made, {name: value for name, value in vars(view).items() if name not in {"notes", "sentence", "home"}})
+    made.level, made.home = level, collection
+    made.of = found.sources[0].object if len(found.sources) else None
+    made.certified = {"LOOPS"} if "all loops kept" in view.sentence else set()
+    for text in said:
+        note(made, TEXT, text=text)

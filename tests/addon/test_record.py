@@ -1,0 +1,230 @@
+"""The record of a set of cages: files of earlier versions, and sets that are moved, renamed, copied or lose a
+collection."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from drawings import circle, evaluated, grid_face, of_before, poly_curve, star, text
+
+MAKE = {
+    "curve": lambda: poly_curve("Drawing", [star()]),
+    "mesh": lambda: grid_face("Drawing"),
+    "text": lambda: text("Drawing", "Hi"),
+}
+
+
+def choose(*objects) -> None:
+    """Selects these objects alone, the last of them active, whatever hides them."""
+    bpy.ops.object.select_all(action="DESELECT")
+    for obj in objects:
+        obj.hide_viewport = False
+        obj.hide_set(False)
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[-1]
+
+
+def caged(kind: str = "curve", *, bind: bool = False, **settings):
+    """A drawing with two cages, bound or not, and its collection."""
+    source = MAKE[kind]()
+    bpy.ops.object.nested_cages_generate(levels="24, 12", **settings)
+    if bind:
+        bpy.ops.object.nested_cages_bind()
+    return source, bpy.data.collections["Drawing Cages"]
+
+
+def stretch(cage) -> None:
+    """Moves the corners of a cage apart."""
+    for vertex in cage.data.vertices:
+        vertex.co.x *= 1.5
+    cage.data.update()
+    bpy.context.view_layer.update()
+
+
+def moved_by(source, cage) -> float:
+    """How far a drawing moves with a cage."""
+    before = evaluated(source).copy()
+    stretch(cage)
+    return float(np.abs(evaluated(source) - before).max())
+
+
+@pytest.mark.parametrize("bound", [False, True], ids=["free", "bound"])
+def test_a_file_of_the_version_before_records_works(addon, bound, tmp_path) -> None:
+    source, collection = caged(bind=bound)
+    for obj in addon.scene.ownership.members(collection)[1:]:
+        obj["nested_cages_notes"] = "A note."
+    of_before(addon, collection)
+    path = str(tmp_path / "before.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    source, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
+    choose(source)
+    ownership, record = addon.scene.ownership, addon.record
+    # Reading writes nothing: the file may be linked.
+    members = ownership.members(collection)
+    assert [ownership.level_of(obj) for obj in members] == [0, 1, 2]
+    assert ownership.outputs_about(bpy.context.scene, source) == [collection]
+    assert addon.ui.result._in_short(members[1]) and "A note." in addon.ui.result._notes(members[1])
+    assert addon.generation.output.length(collection, addon.animation.timeline.Timing()) is not None
+    assert ownership.is_bound(collection) is bound and not collection.nested_cages.version
+    assert "earlier version" in addon.following.live.why_not(collection) or bound
+    assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
+    assert "Certified as stored" in bpy.data.texts["Nested Cages Report"].as_string()
+    if bound:
+        assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+        assert collection.nested_cages.version == record.VERSION
+    choose(source)
+    bpy.context.scene.frame_set(1)
+    assert source.hide_viewport  # its moving copy plays
+    bpy.context.scene.frame_set(collection["nested_cages_end"])
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert record.member(members[1]).check == record.HOLDS
+    assert record.sentences(record.member(members[1])) == ["A note."]
+    markers = len(bpy.context.scene.timeline_markers)
+    assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
+    assert len(ownership.members(collection)) == 2 and len(bpy.context.scene.timeline_markers) == markers
+    assert collection.nested_cages.known and collection.nested_cages.settings.levels == "16"
+
+
+def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
+    """Moved to other collections and scenes, renamed, with another parent, and with the collection removed."""
+    source, collection = caged(bind=True)
+    ownership, scene = addon.scene.ownership, bpy.context.scene
+    fine, finer, coarsest = ownership.members(collection)
+    choose(source)
+    bpy.ops.object.nested_cages_add_handles()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig = bpy.context.view_layer.objects.active
+    controls, parent = bpy.data.collections.new("Controls"), bpy.data.objects.new("Root", None)
+    scene.collection.children.link(controls)
+    controls.objects.link(parent)
+    for obj in (coarsest, rig):
+        collection.objects.unlink(obj)
+        controls.objects.link(obj)
+    coarsest.name = source.name = "Renamed"
+    assert ownership.members(collection) == [fine, finer, coarsest]
+    bpy.context.view_layer.update()
+    assert moved_by(fine, coarsest) > 0.1
+    for vertex in coarsest.data.vertices:
+        vertex.co.x /= 1.5
+    choose(source)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert all(addon.record.member(cage).check == addon.record.HOLDS for cage in (finer, coarsest))
+    bpy.ops.object.nested_cages_generate(levels="20, 10")
+    assert ownership.members(collection) == [fine, finer, coarsest] and len(coarsest.data.vertices) == 10
+    assert len(bpy.data.collections) == 2
+    for obj in (fine, finer):
+        controls.objects.link(obj)
+    bpy.data.collections.remove(collection)
+    choose(source)
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    (found,) = ownership.outputs_of(scene, source)
+    assert ownership.members(found) == [fine, finer, coarsest] and not ownership.is_bound(found)
+    assert found.nested_cages.settings.levels == "20, 10" and set(controls.objects) >= {fine, finer, coarsest}
+
+
+@pytest.mark.parametrize("kind", MAKE)
+@pytest.mark.parametrize("how", ["duplicated", "instanced"])
+def test_a_copy_is_a_character_of_its_own(addon, kind, how) -> None:
+    source, collection = caged(kind, bind=True)
+    ownership = addon.scene.ownership
+    objects = [source, *ownership.members(collection)]
+    before = set(bpy.data.objects)
+    if how == "duplicated":
+        choose(*objects)
+        bpy.ops.object.duplicate()
+    else:
+        home, instance = bpy.data.collections.new("Character"), bpy.data.objects.new("Instance", None)
+        home.objects.link(source)
+        home.children.link(collection)
+        bpy.context.scene.collection.objects.unlink(source)
+        bpy.context.scene.collection.children.unlink(collection)
+        instance.instance_type, instance.instance_collection = "COLLECTION", home
+        bpy.context.scene.collection.objects.link(instance)
+        bpy.context.view_layer.update()
+        choose(instance)
+        bpy.ops.object.duplicates_make_real(use_base_parent=True, use_hierarchy=True)
+        bpy.context.scene.collection.children.link(home)
+    members = [addon.record.member(obj) for obj in set(bpy.data.objects) - before]
+    (copy,) = {member.of for member in members if member.role == "CAGE"}
+    assert copy not in before
+    choose(copy)
+    assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
+    (own,) = ownership.outputs_of(bpy.context.scene, copy)
+    assert own != collection and not set(ownership.members(own)) & set(objects)
+    assert ownership.members(collection) == objects[1:]
+    assert moved_by(objects[1], ownership.members(own)[-1]) == 0.0
+    assert moved_by(copy, ownership.members(collection)[-1]) == 0.0
+    assert moved_by(copy, ownership.members(own)[-1]) > 0.1
+    choose(copy)
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert ownership.is_bound(collection) and not ownership.is_bound(own)
+    assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
+    assert [len(ownership.members(found)) for found in (collection, own)] == [3, 2]
+    meshes = [obj.data for found in (collection, own) for obj in ownership.members(found)]
+    assert len(set(meshes)) == len(meshes)
+
+
+def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
+    ownership = addon.scene.ownership
+    for k in range(4):
+        poly_curve(f"Part {k}", [circle(24, 0.5, (2.0 * k, 0.0))])
+    choose(*bpy.data.objects)
+    parts = list(bpy.data.objects)
+    bpy.ops.object.nested_cages_generate(levels="8")
+    choose(*parts)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    outputs = [ownership.collection_about(bpy.context.scene, part) for part in parts]
+    assert all(map(ownership.is_bound, outputs))
+    choose(*parts)
+    assert bpy.ops.object.nested_cages_add_handles() == {"FINISHED"}
+    rig = bpy.context.view_layer.objects.active
+    assert bpy.context.mode == "POSE" and len(rig.data.bones) == 32
+    cage = ownership.members(outputs[2])[-1]
+    before = [evaluated(ownership.members(output)[0]).copy() for output in outputs]
+    for k, bone in enumerate(sorted(rig.pose.bones, key=lambda bone: bone.name)):
+        bone.location.y = 0.2 * (cage.name in bone.name)
+        assert k < 32
+    bpy.context.view_layer.update()
+    change = [np.abs(evaluated(ownership.members(o)[0]) - b).max() for o, b in zip(outputs, before, strict=True)]
+    assert [value > 0.1 for value in change] == [False, False, True, False]
+    # A pose is checked where it is made.
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"} and bpy.context.mode == "POSE"
+    assert all(addon.record.member(ownership.members(output)[1]).check == "HOLDS" for output in outputs)
+    assert bpy.ops.object.nested_cages_report() == {"FINISHED"}
+    said = bpy.data.texts["Nested Cages Report"].as_string()
+    assert all(f"Part {k} Cages" in said for k in range(4))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    choose(*parts)
+    for action in ("rebind", "unbind", "remove_animation"):
+        assert getattr(bpy.ops.object, f"nested_cages_{action}")() == {"FINISHED"}
+    assert not any(map(ownership.is_bound, outputs)) and not any(map(addon.animation.bake.is_animated, outputs))
+
+
+def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
+    for k in range(3):
+        poly_curve(f"Part {k}", [circle(40, 0.5, (2.0 * k, 0.0))])
+    choose(*bpy.data.objects)
+    parts = list(bpy.data.objects)
+    bpy.ops.object.nested_cages_generate(levels="12, 6")
+    path = tmp_path / "cages.json"
+    for frame in (bpy.context.scene.frame_current, 1):  # before the result too
+        bpy.context.scene.frame_set(frame)
+        choose(*parts)
+        options = {"kind": "ENGINE", "triangles": True, "pieces": 4}
+        assert bpy.ops.object.nested_cages_export(filepath=str(path), **options) == {"FINISHED"}
+        found = json.loads(path.read_text())
+        assert [len(polygon["outer"]) for polygon in found["polygons"]] == [6, 6, 6]
+        assert len(found["points"]) == 18 and {i for corners in found["triangles"] for i in corners} == set(range(18))
+        assert {i for corners in found["pieces"] for i in corners} == set(range(18))
+    bpy.context.scene.frame_set(9000)
+    choose(*parts)
+    assert bpy.ops.object.nested_cages_export(filepath=str(tmp_path / "cages.svg")) == {"FINISHED"}
+    assert (tmp_path / "cages.svg").read_text().count("<path") == 9
+    assert bpy.ops.object.nested_cages_pieces(most=8) == {"FINISHED"}
+    assert sum(obj.name.startswith("Part") and "Piece" in obj.name for obj in bpy.data.objects) == 3
