@@ -82,6 +82,11 @@ def transform(matrix: Array, points: Array) -> Array:
     return moved
 
 
+def scale_of(obj: bpy.types.Object) -> float:
+    """The world length of a unit of an object's space."""
+    return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
+
+
 def size(points: Array) -> float:
     """Diagonal of the bounding box of points (n, d)."""
     return float(np.linalg.norm(np.ptp(points, axis=0)))
