@@ -25,10 +25,10 @@ from ..generation import needs
 from ..generation.generate import AUTOMATIC_CLEARANCES, FLOAT32_ROUNDING, MARGIN, Generation, Options, Request, Result
 from ..generation.job import Job, Work, running
 from ..generation.levels import wanted_levels
+from ..keys import found_object
 from ..scene import filling, ownership
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.plane import scale_of
-from ..scene.selection import found_object
 from . import writing
 from .editing import drawing_now
 

@@ -251,7 +251,7 @@ def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
 
 
 def test_generate_after_bind_makes_the_drawings_cages_again(addon) -> None:
-    source, collection = caged(bind=True)
+    _source, collection = caged(bind=True)
     coarsest = addon.scene.ownership.members(collection)[-1]
     assert bpy.context.view_layer.objects.active == coarsest and bpy.context.selected_objects == [coarsest]
     assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
