@@ -60,7 +60,9 @@ def main() -> int:
     if len(sys.argv) > 1:
         path = Path(sys.argv[1])
     else:
-        path = next(iter(sorted((ROOT / "dist").glob("nested_cages-*-linux_x64.zip"))), ROOT / "dist" / "missing.zip")
+        kind = "blender4.2" if sys.version_info < (3, 13) else "blender5.1"
+        zips = sorted((ROOT / "dist").glob(f"nested_cages-*-{kind}-linux_x64.zip"))
+        path = next(iter(zips), ROOT / "dist" / "missing.zip")
     if not path.is_file():
         print(f"There is no zip at {path}: run packaging/build_extension.py first.", file=sys.stderr)
         return 2

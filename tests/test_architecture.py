@@ -152,6 +152,7 @@ IMPORTABLE = [
     "MeanValue",
     "Mirror",
     "Rotation",
+    "LineCycles",
     "Midpoint",
     "NoEnergy",
     "NoFilter",

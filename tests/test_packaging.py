@@ -59,8 +59,25 @@ def test_the_zips_bring_the_packages_that_the_tests_ran_with(build_extension: Mo
         bundle = next(bundle for bundle in build_extension.BUNDLES if bundle.python == python)
         assert scipy in bundle.packages
         assert f"SCIPY_{python} := {scipy.removeprefix('scipy==')}\n" in makefile
-        assert set(bundle.platforms) == set(build_extension.PLATFORMS)
+        assert set(bundle.platforms) >= {"windows-x64", "macos-arm64", "macos-x64", "linux-x64"}
     assert len(build_extension.BUNDLES) >= 2
+
+
+def test_wheels_and_actions_are_pinned(build_extension: ModuleType, tmp_path: Path) -> None:
+    names = [line.split()[1] for line in build_extension.HASHES.read_text(encoding="utf-8").splitlines()]
+    for bundle in build_extension.BUNDLES:
+        for package in bundle.packages:
+            fits = [name for name in names if name.startswith(package.replace("==", "-"))]
+            assert any(f"cp{bundle.python.replace('.', '')}-" in name or "py3-none-any" in name for name in fits), (
+                package
+            )
+    (wrong := tmp_path / names[0]).write_bytes(b"")
+    with pytest.raises(SystemExit, match="not the one in"):
+        build_extension.check_hash(wrong)
+    workflows = [path.read_text(encoding="utf-8") for path in (ROOT / ".github" / "workflows").glob("*.yml")]
+    used = re.findall(r"uses: (\S+)", "\n".join(workflows))
+    assert used
+    assert [action for action in used if not re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", action)] == []
 
 
 def test_a_staged_extension_names_its_wheels(
@@ -78,15 +95,23 @@ def test_a_staged_extension_names_its_wheels(
         return path
 
     monkeypatch.setattr(build_extension, "wheel", pretend)
-    wheels = build_extension.fetch_wheels(tmp_path / "wheels")
-    assert len(wheels) == len(asked) == sum(len(b.packages) * len(b.platforms) for b in build_extension.BUNDLES)
-    source = build_extension.stage(tmp_path / "source", wheels)
-    manifest = tomllib.loads((source / "blender_manifest.toml").read_text(encoding="utf-8"))
-    assert set(manifest["platforms"]) == set(build_extension.PLATFORMS)
-    assert {Path(name).name for name in manifest["wheels"]} == {path.name for path in wheels}
-    assert all((source / name).is_file() for name in manifest["wheels"])
-    assert (source / "manual" / "docs" / "guide" / "README.html").is_file()
-    assert not (source / "tests").exists()
+    monkeypatch.setenv("REPOSITORY_URL", "https://host/owner/name/")
+    reached = "4.2.0"
+    for bundle in build_extension.BUNDLES[:2]:
+        asked.clear()
+        wheels = build_extension.fetch_wheels(tmp_path / "wheels", bundle)
+        assert len(wheels) == len(asked) == len(bundle.packages) * len(bundle.platforms)
+        source = build_extension.stage(tmp_path / "source", bundle, wheels)
+        manifest = tomllib.loads((source / "blender_manifest.toml").read_text(encoding="utf-8"))
+        assert manifest["website"] == "https://host/owner/name"
+        assert manifest["blender_version_min"] == reached
+        reached = manifest.get("blender_version_max")
+        assert tuple(manifest["platforms"]) == bundle.platforms
+        assert {Path(name).name for name in manifest["wheels"]} == {path.name for path in wheels}
+        assert all((source / name).is_file() for name in manifest["wheels"])
+        assert (source / "manual" / "docs" / "guide" / "README.html").is_file()
+        assert not (source / "tests").exists()
+    assert reached is None  # every Blender has a zip
 
 
 def test_an_index_gets_links_to_the_repository(setup_script: ModuleType) -> None:

@@ -59,7 +59,8 @@ class LevelBuilder:
         """Starts of the last attempt."""
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
-        """The level of the first attempt that succeeds. Raises the error of the last one."""
+        """The level of the first attempt that succeeds. Raises the error of the last one that had a start."""
+        started: list[NestedCagesError] = []
         failures: list[NestedCagesError] = []
         clamping = self.plan.remarks
         if not isinstance(wanted, Mesh):
@@ -84,7 +85,8 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-        raise failures[-1]
+                    started += [error] if self.starts else []
+        raise (started or failures)[-1]
 
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""

@@ -43,7 +43,7 @@ class NestingReport:
     excess: float
     """area(cage) / area(fine) - 1; negative for inner cages."""
     start: str
-    """"flow" or "outer hull": how the fine mesh came to lie inside the coarse one."""
+    """"flow", "line cycles" or "outer hull": how the fine mesh came to lie inside the coarse one."""
     iterations: Mapping[str, int]
     """Iterations per phase."""
     seconds: Mapping[str, float]

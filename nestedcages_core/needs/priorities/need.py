@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation import Decimation, OnCurve, OuterHull
+from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.hull.importance import PIN_REACH, Importance
 from ...energies import Area, BoundSum, CageEnergy
@@ -118,6 +118,8 @@ class Priorities(Need):
         return most, (Fault(said, "note.count", asked=count, given=most),)
 
     def _applied(self, decimation: Decimation) -> Decimation:
+        if isinstance(decimation, LineCycles):
+            decimation = OnCurve()
         if isinstance(decimation, OnCurve):
             return replace(decimation, hull=replace(decimation.hull, importance=self.importance))
         if isinstance(decimation, OuterHull):

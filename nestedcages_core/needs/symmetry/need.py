@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from ...contact import SequentialQP
-from ...decimation import Decimation, OnCurve, OuterHull
+from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.group import Symmetry
@@ -84,6 +84,8 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
 
 
 def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
+    if isinstance(decimation, LineCycles):
+        decimation = OnCurve()
     if isinstance(decimation, OnCurve):
         return replace(decimation, hull=replace(decimation.hull, symmetry=symmetry))
     if isinstance(decimation, OuterHull):

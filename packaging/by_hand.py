@@ -1,0 +1,59 @@
+"""Faults that tests once let pass, for ``mutants.py --by-hand``: each is put in, and its test must fail."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Fault(NamedTuple):
+    """What becomes of one place of a file, and the test that says so."""
+
+    path: str
+    before: str
+    after: str
+    test: str
+
+
+CORE = "nestedcages_core/"
+TESTS = "tests/core/test_deliberate_faults.py::test_"
+MOTION = CORE + "verification/motion.py"
+TRUST = CORE + "tightening/trust_region.py"
+
+FAULTS = (
+    Fault(MOTION, "step += len(block.positions) - 1", "step += len(block.positions)",
+          TESTS + "the_interval_between_two_blocks_of_steps_is_looked_at"),
+    Fault(MOTION, "travelled = self.away[:-1] + speed", "travelled = speed",
+          TESTS + "earlier_steps_of_a_block_count_as_travelled"),
+    Fault(MOTION, "self.slack = COEFFICIENT_ROUNDING * float(np.abs(self.positions).max())", "self.slack = 0.0",
+          TESTS + "distances_count_with_the_rounding_of_large_coordinates"),
+    Fault(CORE + "geometry/predicates/orientation.py", "EXTENDED_BOUND = 40.0 * UNIT_ROUND_OFF**2",
+          "EXTENDED_BOUND = 0.0", TESTS + "predicates_beyond_double_precision_are_exact"),
+    Fault(CORE + "tolerance/within.py", "return stays_within(cage, fine, self.limit)",
+          "return stays_within(cage, fine, 1.01 * self.limit)", TESTS + "limits_are_kept_to_the_digit"),
+    Fault(CORE + "tolerance/within.py", "return cage.area / fine.area - 1.0 <= self.limit",
+          "return cage.area / fine.area - 1.0 <= 1.01 * self.limit", TESTS + "limits_are_kept_to_the_digit"),
+    Fault(CORE + "tolerance/reach.py", "return _reach(cage, fine, None)", "return 1.02 * _reach(cage, fine, None)",
+          TESTS + "limits_are_kept_to_the_digit"),
+    Fault(CORE + "motion/stepping.py", "return moved if verify(moved, after, clearance).holds else None",
+          "return moved", TESTS + "a_step_that_leaves_the_drawing_is_no_cage"),
+    Fault(CORE + "batch/many.py", "known.made_of == task.made_of != \"\"", "known.made_of == task.made_of",
+          TESTS + "an_outcome_made_of_nothing_is_not_reused"),
+    Fault(CORE + "command/making.py", "min_angle=given.min_angle,", "",
+          TESTS + "every_option_of_the_command_reaches_the_settings"),
+    Fault(CORE + "level/builder.py", "            if clearance < wanted:\n                cage =",
+          "            if False:\n                cage =",
+          TESTS + "a_cage_is_tightened_again_at_each_smaller_clearance"),
+    Fault(CORE + "level/builder.py", "(1.0 + PAPER_PREFERENCE) * excess", "excess",
+          TESTS + "a_start_that_the_flow_entered_is_preferred_by_a_little"),
+    Fault(CORE + "needs/convex/need.py", "if certificate and is_convex(cage):", "if certificate:",
+          TESTS + "a_polygon_that_is_not_convex_is_no_convex_cage"),
+    Fault(CORE + "needs/convex/need.py", "if gap <= one.distance + other.distance:", "if gap <= 0.0:",
+          TESTS + "parts_too_close_for_a_wall_have_none"),
+    Fault(CORE + "level/early_stop.py", "= 2.0 / 3.0, 0.95", "= 0.2, 0.95",
+          TESTS + "a_tightening_whose_gains_shrink_fast_is_not_given_up"),
+    Fault(TRUST, "if gain > FAIR_GAIN:", "if False:", TESTS + "radii_grow_after_good_steps"),
+    Fault(CORE + "decimation/hull/thinning.py", "moves.cost[i] > moves.cost[j]", "moves.cost[i] < moves.cost[j]",
+          TESTS + "of_two_moves_in_each_others_way_the_cheaper_one_stays"),
+    Fault(CORE + "solver/quadratic_program.py", "max((after / complementarity) ** 3, SMALLEST_CENTRING)",
+          "max((after / complementarity) ** 3, 0.3)", TESTS + "quadratic_programs_take_few_iterations"),
+)  # fmt: skip
