@@ -155,9 +155,9 @@ class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
 def sources(context: bpy.types.Context, *, as_selected: bool = False) -> list[bpy.types.Object]:
     """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode.
 
-    Output is about to be replaced, not to be caged: it stands for its drawing, unless wanted `as_selected`. With
-    nothing selected, the active object counts if it has cages: an original hidden for its animation is no longer
-    selected.
+    Output of a selected drawing, and bound output, is about to be replaced, not to be caged, unless it is wanted
+    `as_selected`. With nothing selected, the active object counts if it has cages: an original hidden for its animation
+    is no longer selected.
     """
     if context.mode == "EDIT_MESH":
         return list(context.objects_in_mode_unique_data)
@@ -167,7 +167,7 @@ def sources(context: bpy.types.Context, *, as_selected: bool = False) -> list[bp
         return [active]
     if as_selected:
         return [obj for obj in selected if record.member(obj).of not in selected]
-    return list(dict.fromkeys(found for obj in selected for found in _drawings_of(obj)))
+    return list(dict.fromkeys(found for obj in selected for found in _drawings_of(obj, selected)))
 
 
 def why_nothing(context: bpy.types.Context) -> str:
@@ -194,15 +194,20 @@ def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
     return {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(collection)}
 
 
-def _drawings_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """The drawings that an object stands for: those of an output, of a moving copy none, else itself."""
+def _drawings_of(obj: bpy.types.Object, selected: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself. A cage that
+    is neither bound nor selected with its drawing is a drawing like any other.
+    """
     if keys.block(obj, keys.FILLS, bpy.types.Object) is not None:
         return []
     if ownership.level_of(obj) is None:
         return [obj]
-    home, drawing = ownership.home_of_member(obj), record.member(obj).of
-    found = ownership.originals(home) if home is not None else [drawing] if ownership.exists(drawing) else []
-    return found or [obj]
+    home, found = ownership.home_of_member(obj), record.member(obj)
+    if found.of in selected:
+        return []
+    if home is None:
+        return [found.of] if found.kept.bound and ownership.exists(found.of) else [obj]
+    return (ownership.originals(home) if ownership.is_bound(home) else []) or [obj]
 
 
 def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[list[Request], list[UserError]]:
