@@ -12,10 +12,11 @@ from ..characters import bones, drawing, rig
 from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
+from ..keys import found_object
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
-from ..scene.selection import found_object, select
+from ..scene.selection import select
 from .base import JobOperator, Outcome
 
 

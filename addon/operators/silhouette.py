@@ -8,8 +8,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from ..errors import UserError
 from ..generation.job import Work
 from ..io import silhouette
+from ..keys import found_object
 from ..scene.areas import paints
-from ..scene.selection import found_object, select
+from ..scene.selection import select
 from .base import JobOperator, Outcome
 
 PLANE_ITEMS = (
