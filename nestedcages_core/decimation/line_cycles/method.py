@@ -201,6 +201,8 @@ class _Around:
         """The search around each loop. Raises NoCyclesError."""
         target, minimum = self.request.target, self.request.minimum
         chains = [Chain(loop) for loop in self.outline.loops]
+        if any(chain.length == 0.0 for chain in chains):
+            raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
         deserved = weights(chains, target)
         whole = sum(float(weight.sum()) for weight in deserved)
         found: list[tuple[Lines, float, float]] = []
