@@ -185,7 +185,8 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
             folder = Path(bpy.path.abspath(self.directory))
             several = [folder / item.name for item in self.files if item.name]
             images = [cutout.load(path) for path in several or [Path(bpy.path.abspath(self.filepath))]]
-            return [Part(image, cutout.canvas_of(None, _size(image)), None) for image in images]
+            places = cutout.side_by_side([_size(image) for image in images])
+            return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
         shown = _shown(context)
         if not shown:
             raise UserError("Choose a picture file, or select image planes or image empties")
