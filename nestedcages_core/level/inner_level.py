@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import logging
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..decimation import OnCurve, OuterHull, Start
+from ..decimation import LineCycles, OnCurve, OuterHull, Start
 from ..decimation.hull.inner_hull import SOURCE, inner_hulls
+from ..decimation.line_cycles import inner_cycles
 from ..energies import inwards, signed_area
 from ..errors import Fault, NestingError
 from ..flow import FlowResult
@@ -107,9 +109,12 @@ class InnerLevelBuilder:
             count, replaced = self.plan.possible(wanted)
             notes += replaced
         yield from self.progress.begin("decimation")
-        search = inner_hulls(
-            _hull(self.settings), self.outline, count, clearance=self.clearances[0], most=self.settings.starts
-        )
+        clearance = self.clearances[0]
+        if isinstance(self.settings.decimation, LineCycles):
+            cycles = inner_cycles(self.outline, count, clearance=clearance)
+            with suppress(NestingError):
+                return (yield from self.progress.follow(cycles, lambda done: (done, "decimation"))), notes
+        search = inner_hulls(_hull(self.settings), self.outline, count, clearance=clearance, most=self.settings.starts)
         return (yield from self.progress.follow(search, lambda done: (done, "decimation"))), notes
 
     def _tightened(self, start: Start, clearance: float, best: float = np.inf) -> Stage[Progress, _Tightened | None]:
