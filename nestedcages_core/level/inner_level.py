@@ -109,13 +109,22 @@ class InnerLevelBuilder:
             count, replaced = self.plan.possible(wanted)
             notes += replaced
         yield from self.progress.begin("decimation")
-        clearance = self.clearances[0]
-        if isinstance(self.settings.decimation, LineCycles):
+        clearance, most = self.clearances[0], self.settings.starts
+        starts: list[Start] = []
+        if isinstance(self.settings.decimation, LineCycles) and not isinstance(wanted, Mesh):
             cycles = inner_cycles(self.outline, count, clearance=clearance)
             with suppress(NestingError):
-                return (yield from self.progress.follow(cycles, lambda done: (done, "decimation"))), notes
-        search = inner_hulls(_hull(self.settings), self.outline, count, clearance=clearance, most=self.settings.starts)
-        return (yield from self.progress.follow(search, lambda done: (done, "decimation"))), notes
+                starts = yield from self.progress.follow(cycles, lambda done: (done, "decimation"))
+        if len(starts) < most:
+            search = inner_hulls(
+                _hull(self.settings), self.outline, count, clearance=clearance, most=most - len(starts)
+            )
+            try:
+                starts += yield from self.progress.follow(search, lambda done: (done, "decimation"))
+            except NestingError:
+                if not starts:
+                    raise
+        return starts, notes
 
     def _tightened(self, start: Start, clearance: float, best: float = np.inf) -> Stage[Progress, _Tightened | None]:
         """The cage of a start; None if it cannot lose less area than ``best``."""
