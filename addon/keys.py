@@ -149,3 +149,8 @@ def remove(owner: bpy.types.ID, names: Iterable[str]) -> None:
 def ours(owner: bpy.types.ID) -> list[str]:
     """Names of the add-on's custom properties of a data-block."""
     return [key for key in owner.keys() if key.startswith(PREFIX)]  # noqa: SIM118 - an ID is no mapping
+
+
+def found_object(identity: int | None) -> bpy.types.Object | None:
+    """The object with a session ID, even after renaming, undo and redo."""
+    return next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)

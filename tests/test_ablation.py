@@ -20,11 +20,11 @@ from mechanisms import MECHANISMS
 
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_what_is_switched_off_is_there_and_comes_back(name: str) -> None:
-    before = tightening.MAX_ESCAPES
+    before = tightening.THINNEST_SKIN
     with switched_off(MECHANISMS[name].patches):
         pass
     assert MECHANISMS[name].settings() is not None
-    assert before == tightening.MAX_ESCAPES
+    assert before == tightening.THINNEST_SKIN
 
 
 def test_ratios_are_those_of_cases_with_needles_apart() -> None:

@@ -6,6 +6,7 @@ are unbound. The artist's work on either mesh is transferred to the other.
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,9 +24,11 @@ from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
 from ..scene import display, filling, ownership
-from ..scene.plane import PLANARITY, size, space_to_space, transform
+from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
 from . import field, legacy, node_groups
 
+# Relative change of a clearance that is more than round-off.
+CHANGED = 1e-3
 # What the job says.
 STAGE = "binding"
 # Largest error of a vertex at rest, as a fraction of the size: some roundings of float32.
@@ -195,8 +198,8 @@ def _fill(levels: list[bpy.types.Object]) -> None:
         cage.hide_render = True  # as wires they did not show in renders
 
 
-def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
-    """Raises: UserError unless the cage, unposed, strictly encloses the unposed inner mesh in its plane."""
+def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> core.Certificate:
+    """The certificate of a cage around what is in it, both unposed. Raises: UserError unless it holds, in its plane."""
     there = space_to_space(cage, inner)
     drawing, corners = filling.mesh_of(inner), filling.points_of(filling.mesh_of(cage))
     points = transform(there, filling.points_of(drawing))
@@ -214,6 +217,7 @@ def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
             f"'{cage.name}' does not enclose '{inner.name}' as it is now ({'; '.join(certificate.problems)}): "
             "move its vertices out, then bind again"
         )
+    return certificate
 
 
 def _connect(
@@ -223,11 +227,15 @@ def _connect(
     method: str,
 ) -> Work[Binding]:
     """Makes a field for each cage, which what is inside follows."""
-    kind = method if method in field.NAMES else field.HARMONIC
+    before = record.of(collection).bound
+    kind = next((each for each in (method, before) if each in field.NAMES), field.HARMONIC)
     record.bind(collection, kind)
     context.view_layer.update()
     for inner, cage in pairwise(levels):
-        _check_enclosed(inner, cage)
+        certificate, found = _check_enclosed(inner, cage), record.member(cage)
+        clearance, excess = float(certificate.clearance) * scale_of(inner), float(certificate.excess)
+        if record.is_edited(cage) or not math.isclose(clearance, found.clearance, rel_tol=CHANGED):
+            record.restate(cage, clearance, excess)
     originals = ownership.originals(collection)
     space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])
     links: list[Link] = []

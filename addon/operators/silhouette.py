@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from ..errors import UserError
 from ..generation.job import Work
 from ..io import silhouette
+from ..keys import found_object
 from ..scene.areas import paints
 from ..scene.selection import select
 from .base import JobOperator, Outcome
@@ -66,7 +67,7 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
         identity = objects[0].session_uid
         loops, problems = yield from silhouette.outline(context, objects, frame, options)
-        first = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
+        first = found_object(identity)
         if first is None:
             raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
         made = silhouette.place(context, first, frame, loops)

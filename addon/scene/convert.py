@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import keys
 from ..core import core
 from ..errors import Fault, UserError
 from . import faults
@@ -64,25 +65,23 @@ class Drawing:
     @property
     def source(self) -> bpy.types.Object | None:
         """Its source object; None if that is gone."""
-        return next((obj for obj in bpy.data.objects if obj.session_uid == self.identity), None)
+        return keys.found_object(self.identity)
 
     def mesh(self) -> core.Mesh:
         """The core's ``Mesh`` of this drawing. Raises: UserError, with the drawing's name, if it is invalid."""
         try:
             return core.Mesh.from_loops(self.loops)
         except core.NestedCagesError as error:
-            message = str(error)
-            raise UserError(f"'{self.name}': {faults.with_names(message, self._parts)}", self.fault(message)) from error
+            sentence = faults.with_names(error.fault, self._parts)
+            raise UserError(f"'{self.name}': {sentence}", self.fault(error.fault)) from error
 
-    def fault(self, message: str) -> Fault | None:
+    def fault(self, found: core.Fault) -> Fault | None:
         """The place that a message of the core names, if any."""
-        return faults.fault(message, self._parts, self.frame)
+        return faults.fault(found, self._parts, self.frame)
 
     @property
     def _parts(self) -> list[faults.Part]:
         """The loops of each object."""
-        if self.united:
-            return [faults.Part(self.name, self.identity, self.loops)]
         if self.united:
             return [faults.Part(self.name, self.identity, self.loops)]
         own = len(self.loops) - sum(len(other.loops) for other in self.others)

@@ -66,6 +66,12 @@ def is_bound(collection: bpy.types.Collection) -> bool:
     return bool(record.of(collection).bound)
 
 
+def is_bound_member(obj: bpy.types.Object) -> bool:
+    """Whether an output object follows its cage, or moves what follows it."""
+    home = home_of_member(obj)
+    return home is not None and is_bound(home)
+
+
 def is_inside(collection: bpy.types.Collection) -> bool:
     """Whether an output lies inside the drawing."""
     return bool(record.of(collection).inside)

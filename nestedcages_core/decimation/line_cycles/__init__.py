@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from .method import LineCycles, inner_cycles
+from .method import InnerCycles, LineCycles
 
-__all__ = ["LineCycles", "inner_cycles"]
+__all__ = ["InnerCycles", "LineCycles"]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ...parameters import check_flag
 from ...tasks import Stage, drain, mapped
 from ..base import LEAST_PER_LOOP, Count, Start
 from ..hull.clearing import CLEARANCE_RESERVE, cleared, without_gaps
-from ..hull.inner_hull import InnerRequest
+from ..hull.inner_hull import InnerHull, InnerRequest
 from ..hull.offset import offsetting
 from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
 from ..hull.outer_hull import SOURCE as HULL
@@ -109,10 +109,30 @@ class LineCycles:
         return [Start(mesh, source, closest_on_curve(mesh, fine) if near else None)]
 
 
-def inner_cycles(fine: Mesh, count: Count, *, clearance: float) -> Stage[float, list[Start]]:
-    """One mesh strictly inside the fine one; otherwise as `LineCycles.starts`: what surrounds it is the solid."""
-    mesh, _ = yield from _found(InnerRequest.of(fine, count), clearance)
-    return [Start(mesh, SOURCE)]
+@dataclass(frozen=True)
+class InnerCycles:
+    """Meshes strictly inside the fine one: line cycles in what surrounds them, and hulls."""
+
+    hull: InnerHull = field(default_factory=InnerHull)
+    """The search for further starts."""
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """The mesh of the best cycles, or the best hull; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 2) -> Stage[float, list[Start]]:
+        """Up to `most` meshes strictly inside the fine one; see `LineCycles.starts`. Raises NestingError."""
+        starts: list[Start] = []
+        with suppress(NoCyclesError):
+            mesh, source = yield from _found(InnerRequest.of(fine, count), clearance)
+            starts.append(Start(mesh, source))
+        try:
+            if len(starts) < most:
+                starts += yield from self.hull.starts(fine, count, clearance=clearance, most=most - len(starts))
+        except NestingError:
+            if not starts:
+                raise
+        return starts
 
 
 def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
@@ -220,6 +240,8 @@ class _Around:
         """The search around each loop. Raises NoCyclesError."""
         target, minimum = self.request.target, self.request.minimum
         chains = [Chain(loop) for loop in self.outline.loops]
+        if any(chain.length == 0.0 for chain in chains):
+            raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
         deserved = weights(chains, target)
         whole = sum(float(weight.sum()) for weight in deserved)
         found: list[tuple[Lines, float, float]] = []
