@@ -87,7 +87,7 @@ class Lines:
         lines = lines.take(np.lexsort((-lines.passed, chain.turned(lines.place, lines.direction), lines.place)))
         height = cross(lines.direction, lines.point - chain.vertices[0])
         change = np.diff(lines.place) + np.abs(np.diff(lines.direction, axis=0)).max(axis=1) + np.abs(np.diff(height))
-        return lines.take(np.concatenate(([True], change > SAME_LINE)))
+        return lines.take(np.concatenate(([True], change > SAME_LINE))[: len(lines.place)])
 
     def meeting(self) -> FloatArray:
         """(K, 2) where each line meets the one before it in the cycle."""
