@@ -60,6 +60,7 @@ ADDON_ROOMS = (
     "binding",
     "following",
     "io",
+    "characters",
     "properties",
     "presets",
     "operators",

@@ -66,8 +66,8 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
         options.error(f"--convex is for cages around a shape; leave out {'--inside' if given.inside else '--borders'}")
     if given.convex and (given.symmetry or given.min_edge or given.min_angle):
         options.error("--convex takes no --symmetry, --min-edge and --min-angle; leave out one of them")
-    if given.symmetry and (given.grid is not None or borders):
-        options.error(f"--symmetry cannot be kept {'at borders' if borders else 'on a grid'}; leave out one of them")
+    if given.symmetry and borders:
+        options.error("--symmetry cannot be kept at borders; leave out one of them")
     if borders and given.grid is not None:
         options.error("--borders cuts cages where borders run, which is not on a grid; leave out one of them")
     given.jobs = given.jobs or 1

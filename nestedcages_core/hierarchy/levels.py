@@ -59,7 +59,9 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
     sign, number, unit = found.groups() if found else ("", "nan", "")
     if re.fullmatch(EITHER_WAY, word):
         first, second = word.split(",")
-        raise NestedCagesError(f"{word!r} may be one level or two; write {first}.{second}, or {first}, {second}.")
+        raise NestedCagesError(
+            f"{word!r} may be one level or two; write {first}.{second}, or {first}, {second}.", code="level.invalid"
+        )
     value = float(number)
     if isfinite(value) and value > 0.0:
         if unit in units and not sign:

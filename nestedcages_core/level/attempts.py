@@ -10,8 +10,12 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 from typing import NamedTuple
 
+import numpy as np
+
 from ..contact import IPC, Contact, SequentialQP
-from ..decimation import Count, Decimation, LineCycles, OnCurve, Start
+from ..decimation import Count, Decimation, LineCycles, OnCurve, OuterHull, Start
+from ..decimation.hull.inner_hull import InnerHull
+from ..decimation.line_cycles import InnerCycles
 from ..decimation.on_curve import closest_on_curve
 from ..energies import Area
 from ..errors import FlowError, NestingError
@@ -78,11 +82,16 @@ class Attempt:
         return _prefers_curve(self.source)
 
 
-def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
-    """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh.
+def attempts(
+    settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...], side: int = 1
+) -> Iterator[Attempt]:
+    """The attempts for the level around ``fine``, or inside it, with a vertex count or the user's own coarse mesh.
 
     The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
     """
+    if side < 0:
+        yield from _attempts_inside(settings, fine, wanted, clearances)
+        return
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
     flow, contacts = settings.flow, contacts_for(settings)
     if isinstance(wanted, Mesh):
@@ -108,6 +117,26 @@ def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tupl
         yield last
     if not isinstance(last.source, Mesh):
         yield replace(last, tightened=False)
+
+
+def _attempts_inside(
+    settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]
+) -> Iterator[Attempt]:
+    """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
+    chosen = settings.decimation.hull if isinstance(settings.decimation, OnCurve) else settings.decimation
+    hull = InnerHull(chosen if isinstance(chosen, OuterHull) else OuterHull())
+    first = InnerCycles() if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh) else hull
+    count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
+    last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
+    if isinstance(wanted, Mesh):
+        yield replace(last, source=wanted, starts=1)
+        if settings.fallback is None:
+            return
+        alike = np.array_equal(wanted.loop_signs, fine.loop_signs)
+        count = [len(loop) for loop in wanted.loops] if alike else max(len(wanted.vertices), 3 * len(fine.loops))
+        last = replace(last, count=count, fallback=True)
+    yield last
+    yield replace(last, tightened=False)
 
 
 class StartOutcome(NamedTuple):
