@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any, NamedTuple
 
 import bmesh
@@ -39,6 +39,25 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
         )
     with READERS[obj.type](context, obj, resolution) as subject:
         return _evaluated_lines(context, subject)
+
+
+def lines_of_all(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], resolution: int = 0
+) -> dict[bpy.types.Object, Lines]:
+    """`lines_of` several objects by one evaluation of the scene, which takes as long as it has objects; without those
+    that have to be read by themselves, as in Edit Mode.
+    """
+    found = {}
+    meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
+    with ExitStack() as stack:
+        subjects = {
+            obj: stack.enter_context(READERS[obj.type](context, obj, resolution))
+            for obj in meshes_first
+            if obj.type in READERS and obj.mode != "EDIT"
+        }
+        for obj, subject in subjects.items():
+            found[obj] = _evaluated_lines(context, subject)
+    return found
 
 
 @contextmanager
