@@ -177,9 +177,12 @@ def discard(
     animated: list[Any] = [*gone, *old, *(mesh.shape_keys for mesh in old if mesh.shape_keys is not None)]
     data = [owner.animation_data for owner in animated if owner.animation_data is not None]
     played = {*actions, *(found.action for found in data)} - {None}
-    bpy.data.batch_remove(gone)
-    bpy.data.batch_remove([mesh for mesh in old if mesh.users == 0])
-    bpy.data.batch_remove([action for action in played if action is not None and action.users == 0])
+    if gone:  # an empty pass takes as long as any
+        bpy.data.batch_remove(gone)
+    if unused := [mesh for mesh in old if mesh.users == 0]:
+        bpy.data.batch_remove(unused)
+    if idle := [action for action in played if action is not None and action.users == 0]:
+        bpy.data.batch_remove(idle)
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
