@@ -35,6 +35,9 @@ def cages(
     Raises: ValueError with the operator's message if nothing can be caged.
     """
     chosen = list(objects)
+    strange = [each for each in chosen if not isinstance(each, bpy.types.Object)]
+    if strange:
+        raise ValueError(f"{strange[0]!r:.60} is not an object: give objects, such as bpy.data.objects[name]")
     context = bpy.context
     context.view_layer.update()
     with _shown(context, chosen):

@@ -187,14 +187,7 @@ MECHANISMS: dict[str, Mechanism] = {
         "contact",
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},
     ),
-    "thinning of nearly implied constraints": Mechanism(
-        "tightening", patches={"tightening.quadratic_model:REDUNDANCY": 0.0}
-    ),
     # tightening
-    "escapes from saddles": Mechanism(
-        "tightening",
-        patches={"tightening.tightening:MAX_ESCAPES": 0},
-    ),
     "widening in small steps": Mechanism(
         "tightening",
         patches={"tightening.reach_clearance:MAX_STEPS": 0},
@@ -204,13 +197,11 @@ MECHANISMS: dict[str, Mechanism] = {
         "tightening",
         patches={"tightening.restore_feasibility:OVERSHOOT": 1.0, "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0},
     ),
-    "trials, patience, escapes, thinning and overshoot together": Mechanism(
+    "trials, patience and overshoot together": Mechanism(
         "tightening",
         partial(Settings, tightening=Tightening(patience=1)),
         patches={
             "tightening.trial:MAX_ATTEMPTS": 1,
-            "tightening.tightening:MAX_ESCAPES": 0,
-            "tightening.quadratic_model:REDUNDANCY": 0.0,
             "tightening.restore_feasibility:OVERSHOOT": 1.0,
             "tightening.restore_feasibility:LATE_OVERSHOOT": 1.0,
         },

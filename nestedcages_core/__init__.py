@@ -23,6 +23,7 @@ from .contact.reinflation import Reinflation
 from .decimation import ArcLength as ArcLength
 from .decimation import DouglasPeucker as DouglasPeucker
 from .decimation import EdgeCollapse as EdgeCollapse
+from .decimation import LineCycles as LineCycles
 from .decimation import OnCurve as OnCurve
 from .decimation import OuterHull as OuterHull
 from .decimation import OwnDecimation as OwnDecimation

@@ -11,6 +11,8 @@ committed, and markdown-it-py for the manual.
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import os
 import re
 import shutil
@@ -66,11 +68,18 @@ BUNDLES = (
     Bundle("python3.14", "3.14", ("5.1.0", None), ("scipy==1.17.1", "shapely==2.2.0", *STYLE_SHEETS), ("linux-x64",)),
 )
 
+HASHES = Path(__file__).with_name("wheels.sha256")
+"""SHA-256 and name of every wheel of the bundles, as `sha256sum --check` reads them."""
+
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder for the zips")
+    parser.add_argument("--renew-hashes", action="store_true", help="write the SHA-256 of the wheels, and nothing else")
     options = parser.parse_args()
+    if options.renew_hashes:
+        renew_hashes()
+        return 0
     work = ROOT / "build" / "extension"
     options.output.mkdir(parents=True, exist_ok=True)
     for old in options.output.glob("nested_cages-*.zip"):
@@ -117,7 +126,35 @@ def wheel(folder: Path, python: str, tags: tuple[str, ...], package: str) -> Pat
         if subprocess.run([*download, *only, *platforms, "--dest", str(folder), package], check=False).returncode:
             raise SystemExit(f"There is no wheel of {package} for Python {python} and any of {', '.join(tags)}.")
     (found,) = folder.glob(pattern)
+    check_hash(found)
     return found
+
+
+def check_hash(path: Path) -> None:
+    """Raise SystemExit if a wheel is not the one whose SHA-256 is on record."""
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    known = dict(line.split()[::-1] for line in HASHES.read_text(encoding="utf-8").splitlines())
+    if known.get(path.name) != digest:
+        raise SystemExit(
+            f"{path} has the SHA-256 {digest}, not the one in {HASHES.name}; remove it, or run build_extension.py "
+            "--renew-hashes if a bundle has changed."
+        )
+
+
+def renew_hashes() -> None:
+    """Write the SHA-256 that the package index gives for every wheel; nothing is downloaded where it gives metadata."""
+    found: dict[str, str] = {}
+    for bundle in BUNDLES:
+        for platform in bundle.platforms:
+            tags = [argument for tag in PLATFORMS[platform] for argument in ("--platform", tag)]
+            look = [sys.executable, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed", "--no-deps"]
+            only = ["--only-binary", ":all:", "--python-version", bundle.python, "--implementation", "cp"]
+            command = [*look, *only, *tags, "--target", str(ROOT / "build"), "--report", "-", *bundle.packages]
+            report = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+            for each in report["install"]:
+                info = each["download_info"]
+                found[info["url"].rpartition("/")[2]] = info["archive_info"]["hashes"]["sha256"]
+    HASHES.write_text("".join(f"{found[name]}  {name}\n" for name in sorted(found)), encoding="utf-8", newline="\n")
 
 
 def stage(folder: Path, bundle: Bundle, wheels: list[Path]) -> Path:

@@ -30,10 +30,9 @@ TESTS = {
     "geometry/mesh/nesting.py": "test_nesting.py test_verification.py",
     "geometry/grid.py": "test_grid.py",
     "verification/certificate.py": "test_verification.py",
-    "verification/motion.py": "test_motion.py",
+    "verification/motion.py": "test_motion.py test_deliberate_faults.py",
     "verification/linear_motion.py": "test_motion.py",
-    "tolerance/reach.py": "test_tolerance.py",
-    "tolerance/within.py": "test_tolerance.py",
+    "tolerance/": "test_deliberate_faults.py test_checker.py",
     "checker.py": "test_checker.py",
     "checker_distance.py": "test_checker.py",
 }

@@ -63,6 +63,23 @@ def test_the_zips_bring_the_packages_that_the_tests_ran_with(build_extension: Mo
     assert len(build_extension.BUNDLES) >= 2
 
 
+def test_wheels_and_actions_are_pinned(build_extension: ModuleType, tmp_path: Path) -> None:
+    names = [line.split()[1] for line in build_extension.HASHES.read_text(encoding="utf-8").splitlines()]
+    for bundle in build_extension.BUNDLES:
+        for package in bundle.packages:
+            fits = [name for name in names if name.startswith(package.replace("==", "-"))]
+            assert any(f"cp{bundle.python.replace('.', '')}-" in name or "py3-none-any" in name for name in fits), (
+                package
+            )
+    (wrong := tmp_path / names[0]).write_bytes(b"")
+    with pytest.raises(SystemExit, match="not the one in"):
+        build_extension.check_hash(wrong)
+    workflows = [path.read_text(encoding="utf-8") for path in (ROOT / ".github" / "workflows").glob("*.yml")]
+    used = re.findall(r"uses: (\S+)", "\n".join(workflows))
+    assert used
+    assert [action for action in used if not re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", action)] == []
+
+
 def test_a_staged_extension_names_its_wheels(
     build_extension: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -75,7 +75,7 @@ DECIMATIONS = {
     "ON_CURVE": Choice(
         "On the Curve",
         "Coarse meshes start on the drawing, which shrinks into them and pushes them out while it grows back",
-        lambda _: core.OnCurve(),
+        lambda _: core.LineCycles(),
     ),
     "OUTER_HULL": Choice(
         "Outer Hull",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,8 @@ Points = NDArray[np.float64]
 
 # Cells along the longer side, for points inside the outline that let the picture bend smoothly.
 CELLS = 24
+# Distance between pictures that are laid out in a row, in units.
+GAP = 0.1
 # Distance of inner points from the outline, as a fraction of a cell.
 OUTLINE_DISTANCE = 0.5
 
@@ -92,6 +95,17 @@ def canvas_of(obj: bpy.types.Object | None, size: tuple[int, int]) -> Canvas:
     return Canvas(
         matrix[:3, 3] + axes[:, 0] * corner[0] + axes[:, 1] * corner[1], axes[:, 0] * extent[0], axes[:, 1] * extent[1]
     )
+
+
+def side_by_side(sizes: Sequence[tuple[int, int]]) -> list[Canvas]:
+    """Places for pictures of these sizes in pixels: in a row from left to right, centred at the origin, 1 unit long."""
+    canvases = [canvas_of(None, size) for size in sizes]
+    widths = np.array([canvas.width[0] for canvas in canvases])
+    left = np.cumsum(widths + GAP) - widths - GAP
+    left -= 0.5 * (left[-1] + widths[-1])
+    return [
+        replace(canvas, corner=np.array((x, canvas.corner[1], 0.0))) for x, canvas in zip(left, canvases, strict=True)
+    ]
 
 
 def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:

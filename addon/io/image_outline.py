@@ -42,11 +42,15 @@ class Picture:
         height, width = self.alpha.shape
         return width, height
 
-    def outline(self, vertices: int, **options: Any) -> Work[core.Mesh]:
+    def outline(self, vertices: int, *, tile: bool = False, **options: Any) -> Work[core.Mesh]:
         """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
 
-        options: padding, threshold and holes of ``picture_cages``.
+        tile: whether a picture that is opaque as a whole gets its own edge, without padding. options: padding,
+        threshold and holes of ``picture_cages``.
         """
+        if tile and bool((self.alpha > options["threshold"]).all()):
+            width, height = self.size
+            return core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
         key = memory.key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
         traced: core.Mesh | None = known().get(key)
         if traced is not None:

@@ -13,7 +13,7 @@ from mathutils import Matrix
 from ..core import core, triangulation
 from ..errors import UserError
 from ..generation.memory import remembered
-from ..scene import convert, display, filling
+from ..scene import convert, display, filling, ownership
 from ..scene.plane import size
 from . import exporters
 
@@ -40,8 +40,11 @@ def make(
     """
     tiles = [_tiles(convert.fine_drawing(convert.read(context, obj)), most) for obj in objects]
     made = [_write(context, obj, each, height, body) for obj, each in zip(objects, tiles, strict=True)]
-    for group in made if body else ():
+    for obj, group in zip(objects, made, strict=True) if body else ():
         bodies = group[:1] if body == ACTIVE else []
+        if bodies:
+            context.view_layer.update()
+            _carry(obj, group[0])
         for obj in group:
             _add_body(obj, body, "COMPOUND" if obj in bodies else "CONVEX_HULL")
     return made
@@ -89,6 +92,21 @@ def _write(
         new.parent, new.matrix_parent_inverse = whole, middle.inverted()
         new.display_type, new.hide_render = "WIRE", True
     return [whole, *made]
+
+
+def _carry(obj: bpy.types.Object, whole: bpy.types.Object) -> None:
+    """Parents an outline to its body, and with a cage its drawing and the other cages, each where it is now."""
+    collection = ownership.home_of_member(obj)
+    drawn = [ownership.source_of(collection), *ownership.members(collection)] if collection is not None else [obj]
+    for each in filter(None, drawn):
+        root = each
+        while root.parent is not None:
+            root = root.parent
+        if root is not whole:
+            place = root.matrix_world.copy()
+            root.parent = whole
+            root.matrix_parent_inverse = whole.matrix_world.inverted()
+            root.matrix_world = place
 
 
 def _data(name: str, points: filling.Points, half: float) -> bpy.types.Mesh:

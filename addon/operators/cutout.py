@@ -22,13 +22,14 @@ from ..generation.levels import parse_levels
 from ..io import cutout
 from ..io.cutout import Canvas
 from ..io.image_outline import Picture
+from ..keys import found_object
 from ..properties import conversion, picture
 from ..properties.picture import PictureProperties
 from ..properties.settings import settings_of
 from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
-from ..scene.selection import found_object, scene_of, select
+from ..scene.selection import scene_of, select
 from .base import DialogJobOperator, Outcome
 
 
@@ -185,7 +186,8 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
             folder = Path(bpy.path.abspath(self.directory))
             several = [folder / item.name for item in self.files if item.name]
             images = [cutout.load(path) for path in several or [Path(bpy.path.abspath(self.filepath))]]
-            return [Part(image, cutout.canvas_of(None, _size(image)), None) for image in images]
+            places = cutout.side_by_side([_size(image) for image in images])
+            return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
         shown = _shown(context)
         if not shown:
             raise UserError("Choose a picture file, or select image planes or image empties")

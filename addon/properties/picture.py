@@ -12,7 +12,7 @@ class PictureProperties:
 
     padding: FloatProperty(
         name="Padding",
-        description="Distance in pixels between the outline and opaque pixels",
+        description="Distance in pixels between the outline and opaque pixels; none, unless set, around an opaque tile",
         default=1.0,
         min=0.0,
         soft_max=32.0,
@@ -32,6 +32,6 @@ class PictureProperties:
 NAMES = tuple(PictureProperties.__annotations__)
 
 
-def values(owner: PictureProperties) -> dict[str, Any]:
-    """The options for the core."""
-    return {name: getattr(owner, name) for name in NAMES}
+def values(owner: Any) -> dict[str, Any]:
+    """The options for ``Picture.outline`` of an operator with these properties."""
+    return {name: getattr(owner, name) for name in NAMES} | {"tile": not owner.properties.is_property_set("padding")}

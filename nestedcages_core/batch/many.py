@@ -13,7 +13,7 @@ from ..errors import NestedCagesError, NestedCagesWarning
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
 from .crew import Crew
-from .fingerprint import fingerprint
+from .fingerprint import UnreadableError, fingerprint, hash_of
 from .tasks import Keep, Outcome, Task
 
 Level: TypeAlias = int | Mesh
@@ -55,14 +55,16 @@ def nested_cages_many(
     with a dead worker is replaced by a new one, and no shape is lost.
     progress: called for every outcome; it may raise to cancel, and then no further shape is started.
     finished: stored outcomes by key, a dict or an OutcomeFolder; new ones are added. A shape is computed again unless
-    its stored outcome has no error and comes from the same shape, levels, settings and ``keep``. Entries that cannot be
-    read count as missing; entries that cannot be written are skipped with a warning.
+    its stored outcome has no error and comes from the same shape, levels, settings and ``keep``. A function counts by
+    its code and what that refers to, or by its `key`, a text of your own; where neither can be read nothing is reused.
+    Entries that cannot be read count as missing; entries that cannot be written are skipped with a warning.
     keep: the part of a Hierarchy to keep, such as `lambda made: made.cages[-1]`; default: all of it. With processes,
     this function and that of the levels must be defined in a module.
     """
     tasks = list(_tasks(shapes, levels, settings if settings is not None else Settings(), keep))
     outcomes: dict[Hashable, Outcome] = {}
     if finished is not None:
+        _warn_of_unreadable(keep)
         tasks = [replace(task, made_of=fingerprint(task)) for task in tasks]
         outcomes = {task.key: known for task in tasks if (known := _known(task, finished)) is not None}
     open_ = [task for task in tasks if task.key not in outcomes]
@@ -74,6 +76,14 @@ def nested_cages_many(
             if progress is not None:
                 progress(BatchProgress(len(outcomes), len(tasks), outcome))
     return [outcomes[task.key] for task in tasks]
+
+
+def _warn_of_unreadable(keep: Keep | None) -> None:
+    try:
+        hash_of(keep)
+    except UnreadableError as error:
+        advice = "give `keep` a text as `keep.key` that changes with it"
+        warnings.warn(f"Stored outcomes are not reused, since {error}; {advice}.", NestedCagesWarning, stacklevel=3)
 
 
 def _known(task: Task, finished: MutableMapping[Any, Outcome]) -> Outcome | None:

@@ -38,14 +38,19 @@ class Bone:
 def ends_of(bones: Sequence[Bone]) -> FloatArray:
     """(B, 2, 2) heads and tails. Raises NestedCagesError if there are none, or one is not finite or has no length."""
     if not bones:
-        raise NestedCagesError("There are no bones; give at least one.")
+        raise NestedCagesError("There are no bones; give at least one.", code="setting.invalid")
     ends = np.array([(bone.head, bone.tail) for bone in bones], dtype=np.float64)
     for number, bone in enumerate(bones):
         name = bone.name or number
         if not np.isfinite(ends[number]).all() or not bone.length > 0.0:
-            raise NestedCagesError(f"Bone {name} has no length: its head and its tail are {bone.head} and {bone.tail}.")
+            raise NestedCagesError(
+                f"Bone {name} has no length: its head and its tail are {bone.head} and {bone.tail}.",
+                code="setting.invalid",
+            )
         if bone.parent is not None and not 0 <= bone.parent < number:
-            raise NestedCagesError(f"Bone {name} must come after its parent, which has the number {bone.parent}.")
+            raise NestedCagesError(
+                f"Bone {name} must come after its parent, which has the number {bone.parent}.", code="setting.invalid"
+            )
     return ends
 
 

@@ -50,7 +50,9 @@ class Character:
         number = {bone.name: k for k, bone in enumerate(self.bones)}
         unknown = [name for name in turned if name not in number]
         if unknown:
-            raise NestedCagesError(f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.")
+            raise NestedCagesError(
+                f"There is no bone {unknown[0]!r}; there are {', '.join(number)}.", code="setting.invalid"
+            )
         degrees = {number[name]: angle for name, angle in turned.items()}
         cage = skinned(self.cage.vertices, self.bone_weights, self.bones, degrees)
         return self.cage_weights @ cage, cage

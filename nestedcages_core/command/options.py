@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
@@ -13,12 +14,20 @@ from ..exchange.decimals import MAX_DECIMALS
 from ..hierarchy import Found, Mirror, Rotation, level_words, parse_level
 from .outputs import WRITTEN
 
-DESCRIPTION = """\
-Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly enclose them, never cross themselves,
-and are as tight as their vertex counts allow. Exact predicates certify every cage before it is written; to check files
-that were written by code that shares nothing with this, use: nested-cages check DRAWING RESULT"""
+USAGE = "nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]"
 
-EPILOG = """\
+DESCRIPTION = """\
+Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly
+enclose them, never cross themselves, and are as tight as their vertex counts
+allow. Each one is certified by exact predicates before it is written."""
+
+MORE = """\
+more: --help shape, drawings, maps, pictures, outlines, files (formats, limits,
+exit status, examples) or all
+nested-cages check DRAWING RESULT judges what was written
+"""
+
+FILES = """\
 input files, several of them or patterns such as "icons/*.svg"; - reads the standard input:
   .svg            what is painted; curves become chords within --tolerance, overlapping shapes are united
   .geojson .json  polygons; every feature gets its own cages. Faults are repaired as map programs do, and each repair
@@ -50,153 +59,8 @@ examples:
 AXES = {"x": (0.0, 1.0), "y": (1.0, 0.0)}
 """Directions of the mirrors that turn over a coordinate."""
 
-
-def parser() -> argparse.ArgumentParser:
-    """The parser, with a complete --help."""
-    options = argparse.ArgumentParser(
-        prog="nested-cages",
-        description=DESCRIPTION,
-        epilog=EPILOG.replace("%", "%%"),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    options.add_argument("input", nargs="+", metavar="INPUT", help="files to read: .svg, .geojson, .json or .png; or -")
-    options.add_argument(
-        "--levels",
-        action=_Levels,
-        nargs="+",
-        required=True,
-        metavar="N",
-        help="what each cage may have or take, from the finest to the coarsest: a number of vertices, 32; a share of "
-        "the shape's own, 8%%; or the fewest vertices within a distance, 2px, or an excess, +25%%",
-    )
-    options.add_argument(
-        "--inside",
-        action="store_true",
-        help="make cages inside the shapes instead, each inside the one before",
-    )
-    options.add_argument(
-        "-o",
-        "--output",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="file to write: .svg, .geojson or .json, or - for the standard output; may be given several times; "
-        "without it the cages are only made and certified",
-    )
-    options.add_argument(
-        "--format",
-        choices=sorted(WRITTEN.values()),
-        help="what to write to the standard output (default: geojson for maps, json for collision outlines, else svg)",
-    )
-    options.add_argument("--report", metavar="FILE", help="write all measures and messages as JSON, - for the output")
-    options.add_argument(
-        "--clearance",
-        type=length,
-        metavar="LENGTH",
-        help="smallest distance between a cage and what it encloses (default: 1e-5 of the drawing's diagonal)",
-    )
-    options.add_argument(
-        "--convex",
-        action="store_true",
-        help="convex cages: so many vertices around each part, holes filled",
-    )
-    options.add_argument(
-        "--symmetry",
-        type=symmetry,
-        metavar="WHAT",
-        help="cages are symmetric: x (left and right alike), y (top and bottom alike), both about the middle of the "
-        "drawing, a number (rotations of that order about its centroid), or found (the drawing's own)",
-    )
-    options.add_argument(
-        "--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter than this, where there is room"
-    )
-    options.add_argument(
-        "--min-angle",
-        type=_angle,
-        metavar="DEGREES",
-        help="no angle between cage edges is sharper than this, where there is room; below 60",
-    )
-    grids = options.add_mutually_exclusive_group()
-    grids.add_argument(
-        "--grid",
-        type=length,
-        metavar="LENGTH",
-        help="cage vertices are multiples of this length, and certified as such",
-    )
-    grids.add_argument(
-        "--decimals",
-        type=decimals,
-        metavar="N",
-        help="the same by decimals: 6 or 7 for maps in degrees, 0 for whole pixels",
-    )
-    options.add_argument(
-        "--limit",
-        dest="limits",
-        type=_limit,
-        action="append",
-        default=[],
-        metavar="WHAT=N",
-        help=f"read more or less at most (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})",
-    )
-    options.add_argument("--quiet", action="store_true", help="no progress")
-    drawings = options.add_argument_group("drawings (.svg)")
-    drawings.add_argument(
-        "--tolerance",
-        type=length,
-        metavar="LENGTH",
-        help="greatest distance between a curve and its chords (default: 1/2000 of the drawing's diagonal); a "
-        "clearance of at least as much encloses the curves themselves",
-    )
-    drawings.add_argument("--element", "--only", metavar="ID", help="read only the element with this id")
-    drawings.add_argument("--layers", nargs="+", metavar="NAME", help="read only these layers, by label or id")
-    drawings.add_argument("--no-strokes", action="store_true", help="leave strokes out")
-    drawings.add_argument("--no-background", action="store_true", help="leave out a shape that covers the whole page")
-    drawings.add_argument("--no-crop", action="store_true", help="keep what lies outside the page")
-    drawings.add_argument(
-        "--opacity", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which paint counts (default: 0)"
-    )
-    maps = options.add_argument_group("maps (.geojson)")
-    maps.add_argument("--jobs", type=_count, metavar="N", help="processes for the features (default: 1)")
-    maps.add_argument(
-        "--borders",
-        action="store_true",
-        help="cut cages at the borders that features share, so that they overlap as little as cages can",
-    )
-    sprites = options.add_argument_group("pictures (.png)")
-    sprites.add_argument("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined")
-    sprites.add_argument(
-        "--threshold",
-        type=_share,
-        metavar="ALPHA",
-        help="opacity from 0 to 1 above which a pixel counts as opaque (default: 0)",
-    )
-    sprites.add_argument("--holes", action="store_true", help="keep holes open (default: closed)")
-    engines = options.add_argument_group("collision outlines (.json)")
-    engines.add_argument(
-        "--flip-y", action="store_true", help="turn y over; that of a picture then counts upwards from its lower edge"
-    )
-    engines.add_argument("--triangles", action="store_true", help="add the triangles of the outline")
-    engines.add_argument(
-        "--pieces",
-        type=_corners,
-        metavar="N",
-        help="add convex pieces of at most N vertices, which tile the outline; Box2D takes 8",
-    )
-    return options
-
-
-def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
-    """The options of drawings as `SvgOptions`."""
-    return {
-        "tolerance": given.tolerance,
-        "element": given.element,
-        "layers": tuple(given.layers or ()),
-        "strokes": not given.no_strokes,
-        "background": not given.no_background,
-        "crop": not given.no_crop,
-        "opacity": given.opacity or 0.0,
-        "limits": replace(DRAWING_LIMITS, **given.limits),
-    }
+HELP_WIDTH = 79
+"""Columns of the help: no wider than the narrowest usual terminal."""
 
 
 class _Levels(argparse.Action):
@@ -218,6 +82,28 @@ class _Levels(argparse.Action):
         setattr(namespace, self.dest, levels)
 
 
+class _Help(argparse.Action):
+    """Prints the help on a topic, or that on all that most people need."""
+
+    def __call__(
+        self,
+        options: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        topics = [values] if values else [MAIN]
+        print(parser(list(OPTIONS) if values == "all" else topics, files=values in ("all", "files")).format_help())
+        options.exit()
+
+
+class _Version(argparse.Action):
+    def __call__(self, options: argparse.ArgumentParser, *_: Any) -> None:
+        whole = sys.modules[__name__.rpartition(".command.")[0]]
+        print(f"nested-cages {whole.__version__}")
+        options.exit()
+
+
 def _number(text: str, what: str, holds: Callable[[float], bool]) -> float:
     try:
         value = float(text)
@@ -228,16 +114,20 @@ def _number(text: str, what: str, holds: Callable[[float], bool]) -> float:
     return value
 
 
-def _count(text: str) -> int:
-    return int(_number(text, "a whole number of at least 1 is needed", lambda value: value >= 1 and value % 1 == 0))
+def _whole(least: int) -> Callable[[str], int]:
+    def read(text: str) -> int:
+        what = f"a whole number of at least {least} is needed"
+        return int(_number(text, what, lambda value: value >= least and value % 1 == 0))
 
-
-def _corners(text: str) -> int:
-    return int(_number(text, "a whole number of at least 3 is needed", lambda value: value >= 3 and value % 1 == 0))
+    return read
 
 
 def length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
+
+
+def _width(text: str) -> float:
+    return length(text.removesuffix("px"))
 
 
 def symmetry(text: str) -> Mirror | Rotation | Found:
@@ -269,8 +159,117 @@ def _limit(text: str) -> tuple[str, int]:
     if field not in vars(Limits()):
         known = ", ".join(vars(Limits())).replace("_", "-")
         raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
-    return field, _count(number)
+    return field, _whole(1)(number)
 
 
 def _share(text: str) -> float:
     return _number(text, "a number from 0 to 1 is needed", lambda value: 0.0 <= value <= 1.0)
+
+
+def _option(*names: str, metavar: str | None = None, **how: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """An option with a value of this name, or one that is on or off."""
+    if metavar is None and "action" not in how:
+        how["action"] = "store_true"
+    return names, {**how, **({"metavar": metavar} if metavar else {})}
+
+
+MAIN = "options"
+
+OPTIONS = {
+    MAIN: (
+        _option("--levels", action=_Levels, nargs="+", metavar="N", required=True, help="what each cage may take, "
+                "innermost first: a number of vertices, 32; a share of the shape's own, 8%%; or the fewest within a "
+                "distance, 2px, or an excess of area, +25%%"),
+        _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg, .geojson or .json to write, "
+                "or - for the standard output; may be repeated"),
+        _option("--clearance", type=length, metavar="LENGTH", help="least distance of a cage from what it encloses"),
+        _option("--inside", help="make cages inside the shapes instead"),
+        _option("--strict", help="refuse counts that are too small for a shape, instead of the least that does"),
+        _option("--report", metavar="FILE", help="write all measures and messages as JSON"),
+        _option("--quiet", help="no progress"),
+        _option("--version", action=_Version, nargs=0, help="print the version"),
+    ),
+    "shape": (
+        _option("--convex", help="convex cages: so many vertices around each part, holes filled"),
+        _option("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), "
+                "both about the middle of the drawing, a number (rotations of that order about its centroid), or found "
+                "(the drawing's own)"),
+        _option("--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter, where there is room"),
+        _option("--min-angle", type=_angle, metavar="DEGREES", help="no angle between cage edges is sharper than this, "
+                "where there is room; below 60"),
+        _option("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length"),
+        _option("--decimals", type=decimals, metavar="N", help="the same by decimals: 6 or 7 for maps in degrees, 0 "
+                "for whole pixels"),
+    ),
+    "drawings": (
+        _option("--tolerance", type=length, metavar="LENGTH", help="greatest distance between a curve and its chords "
+                "(default: 1/2000 of the drawing's diagonal); gaps and spikes narrower than a tenth of it go, in maps "
+                "too; a clearance of at least as much encloses the curves themselves"),
+        _option("--element", "--only", metavar="ID", help="read only the element with this id"),
+        _option("--layers", nargs="+", metavar="NAME", help="read only these layers, by label or id"),
+        _option("--no-strokes", help="leave strokes out"),
+        _option("--no-background", help="leave out a shape that covers the whole page"),
+        _option("--no-crop", help="keep what lies outside the page"),
+        _option("--opacity", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which paint counts "
+                "(default: 0)"),
+    ),
+    "maps": (
+        _option("--jobs", type=_whole(1), metavar="N", help="processes for the features (default: 1)"),
+        _option("--borders", type=_width, nargs="?", const=0.0, metavar="WIDTH", help="cut cages at the borders that "
+                "features share, so that they overlap as little as cages can; with a width, 0.5, the borders are "
+                "simplified within it first, so that the map gets smaller too"),
+    ),
+    "pictures": (
+        _option("--padding", type=length, metavar="PIXELS", help="the clearance; parts closer are joined"),
+        _option("--threshold", type=_share, metavar="ALPHA", help="opacity from 0 to 1 above which a pixel counts as "
+                "opaque (default: 0)"),
+        _option("--holes", help="keep holes open (default: closed)"),
+    ),
+    "outlines": (
+        _option("--flip-y", help="turn y over; that of a picture then counts upwards from its lower edge"),
+        _option("--triangles", help="add the triangles of the outline"),
+        _option("--pieces", type=_whole(3), metavar="N", help="add convex pieces of at most N vertices, which tile the "
+                "outline; Box2D takes 8"),
+    ),
+    "files": (
+        _option("--format", action="store", choices=sorted(WRITTEN.values()), help="what to write to the standard "
+                "output (default: geojson for maps, json for collision outlines, else svg)"),
+        _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="read more "
+                f"or less at most (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})"),
+    ),
+}  # fmt: skip
+"""The options by topic of the help."""
+
+
+def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> argparse.ArgumentParser:
+    """The parser; shown: topics, for the help on these. files: whether the help tells of formats and exit statuses."""
+    options = argparse.ArgumentParser(
+        prog="nested-cages",
+        usage=USAGE,
+        description=DESCRIPTION if MAIN in shown else None,
+        epilog=(FILES if files else MORE if MAIN in shown else "").replace("%", "%%"),
+        formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=HELP_WIDTH, max_help_position=22),
+        add_help=False,
+    )
+    options.add_argument("input", nargs="+", metavar="FILE", help=argparse.SUPPRESS)
+    for topic in shown:
+        group = options.add_argument_group(topic)
+        for names, how in OPTIONS[topic]:
+            group.add_argument(*names, **how)
+    topics = [*list(OPTIONS)[1:], "all"]
+    options.add_argument("-h", "--help", action=_Help, nargs="?", choices=topics, help=argparse.SUPPRESS)
+    return options
+
+
+def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
+    """The options of drawings as `SvgOptions`."""
+    return {
+        "tolerance": given.tolerance,
+        "element": given.element,
+        "layers": tuple(given.layers or ()),
+        "strokes": not given.no_strokes,
+        "background": not given.no_background,
+        "crop": not given.no_crop,
+        "opacity": given.opacity or 0.0,
+        "limits": replace(DRAWING_LIMITS, **given.limits),
+    }

@@ -81,6 +81,8 @@ def put(path: str, text: str) -> None:
     if path != STREAM:
         write_whole(path, text)
         return
+    if sys.stdout is None or sys.stdout.closed:
+        raise NestedCagesError("The standard output is closed; name a file.", code="file.invalid")
     sys.stdout.buffer.write(text.encode("utf-8"))
     sys.stdout.buffer.flush()
 
@@ -108,8 +110,32 @@ def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:
             }
             for each in result.made
         ],
+        "borders": list(result.borders),
         "written": list(written),
     }
+
+
+def table(results: Sequence[tuple[str, Result, Sequence[str]]]) -> str:
+    """One line per file and its failures: shapes, vertices, those of the levels, excess at most, seconds."""
+    rows = [("file", "shapes", "vertices", "cages", "excess", "seconds", "")]
+    for path, result, failures in results:
+        levels = range(max((len(each.cages) for each in result.made), default=0))
+        cages = [[each.cages[k] for each in result.made if k < len(each.cages)] for k in levels]
+        seconds = sum(sum(cage.report.seconds.values()) for level in cages for cage in level)
+        rows.append(
+            (
+                path,
+                str(len(result.made)),
+                str(sum(len(each.fine.vertices) for each in result.made)),
+                ", ".join(str(sum(len(cage.mesh.vertices) for cage in level)) for level in cages),
+                ", ".join(f"{100.0 * max(cage.report.excess for cage in level):.3g} %" for level in cages),
+                f"{seconds:.1f}",
+                f"{len(failures)} failed" if failures else "",
+            )
+        )
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
+    return "\n".join(lines)
 
 
 def _measures(cage: Cage) -> dict[str, Any]:

@@ -11,11 +11,12 @@ from typing import Any, TextIO
 
 from ..errors import NestedCagesError
 from ..exchange import Limits
+from ..hierarchy import order_of
 from .check import main as check_files
 from .checks import check_use
 from .making import Result, make
 from .options import of_drawings, parser
-from .outputs import STEM, check, entry, format_of, frames_of, put, report, target, text_of
+from .outputs import STEM, check, entry, format_of, frames_of, put, report, table, target, text_of
 from .progress import ProgressLine, tell
 from .sources import STREAM, Source, expanded, read
 
@@ -40,25 +41,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     check_use(options, given, paths)
     out = sys.stderr if STREAM in (*given.output, given.report) else sys.stdout
-    line = ProgressLine(sys.stderr, silent=given.quiet)
+    line = ProgressLine(sys.stderr, silent=given.quiet, files=len(paths))
+    order = order_of(given.levels)
+    if order:
+        tell(f"note: {order}", sys.stderr)
     entries: list[dict[str, Any]] = []
     failed = False
     try:
         frames = [path for path in given.output if len(paths) > 1 and path != STREAM and STEM not in path]
         given.output = [path for path in given.output if path not in frames]
         results: list[Result] = []
-        for path in paths:
+        for number, path in enumerate(paths):
+            line.next_file(number)
             result, said = _file(path, given, line, out, several=len(paths) > 1)
             failed = failed or bool(said["errors"])
             entries.append(said)
             results.append(result)
+        if len(paths) > 1:
+            rows = zip(paths, results, (said["errors"] for said in entries), strict=True)
+            tell(table(list(rows)), out)
         for file in frames:
             failed = not _animation(file, results, given, out) or failed
         if given.report is not None:
             put(given.report, report(entries))
-    except OSError as error:
+    except (OSError, NestedCagesError) as error:
         line.end()
-        tell(f"error: {_of_system(error, given.report or '')}", sys.stderr)
+        tell(f"error: {_of_system(error, given.report or '') if isinstance(error, OSError) else error}", sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         line.end()
@@ -67,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return FAILED if failed else DONE
 
 
-def _animation(path: str, results: Sequence[Result], given: argparse.Namespace, out: TextIO) -> bool:
+def _animation(path: str, results: Sequence[Result], given: argparse.Namespace, out: TextIO | None) -> bool:
     """Write the outlines of several pictures as frames of one animation; returns whether it succeeded."""
     try:
         put(path, frames_of(results, flip_y=given.flip_y))
@@ -79,7 +87,7 @@ def _animation(path: str, results: Sequence[Result], given: argparse.Namespace, 
 
 
 def _file(
-    path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO, *, several: bool
+    path: str, given: argparse.Namespace, line: ProgressLine, out: TextIO | None, *, several: bool
 ) -> tuple[Result, dict[str, Any]]:
     """Process one file; returns its cages and its entry in the report, errors included."""
     result = Result(Source(path, "unknown"))
@@ -94,12 +102,17 @@ def _file(
             tell(f"note: {path}: {note}" if several else f"note: {note}", sys.stderr)
         result = make(source, given, line)
         line.end()
-        _say(result, out, title=path if several else None)
+        for made in result.made:
+            for note in made.notes:
+                name = f"{path}: " if several else ""
+                tell(f"note: {name}{f'{made.shape.name}: ' if len(result.made) > 1 else ''}{note}", sys.stderr)
+        if not several:
+            _say(result, out)
         for file, kind in outputs if result.made else ():
             outline = {"flip_y": given.flip_y, "triangles": given.triangles, "pieces": given.pieces}
             put(file, text_of(result, kind, **outline))
             written.append(file)
-            if file != STREAM:
+            if file != STREAM and not several:
                 tell(f"Wrote {file}", out)
         failures = list(result.failures)
     except NestedCagesError as error:
@@ -119,10 +132,8 @@ def _of_system(error: OSError, path: str) -> str:
     return f"{name}: {error.strerror or error or type(error).__name__}"
 
 
-def _say(result: Result, out: TextIO, title: str | None) -> None:
-    """Print the certificate of every cage."""
-    if title is not None:
-        tell(f"{title}:", out)
+def _say(result: Result, out: TextIO | None) -> None:
+    """Print the certificate of every cage, and what is to be said of borders."""
     several = len(result.source.shapes) + len(result.source.failures) > 1
     for each in result.made:
         fine = each.fine
@@ -130,6 +141,13 @@ def _say(result: Result, out: TextIO, title: str | None) -> None:
         tell(f"{name}: {len(fine.vertices)} vertices, {_counted(len(fine.loops), 'loop')}", out)
         for k, cage in enumerate(each.cages):
             tell(f"  Level {k + 1}: {len(cage.mesh.vertices)} vertices, {cage.report}", out)
+    for k, level in enumerate(result.borders):
+        tell(
+            f"Level {k + 1} at its borders: {level['points']} points that cover {100.0 * level['overlap']:.3g} % of "
+            f"the land, instead of {level['points_uncut']} that cover {100.0 * level['overlap_uncut']:.3g} %, of "
+            f"{level['points_read']} read",
+            out,
+        )
 
 
 def _counted(number: int, what: str) -> str:

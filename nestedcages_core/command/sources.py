@@ -88,7 +88,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         return Source(path, kind, [Shape("drawing", drawing.mesh)], drawing.notes, frame=drawing.frame)
     if is_engine_json(data):
         return Source(path, "outline", [Shape("drawing", from_engine_json(data, limits=limits))])
-    found = read_map(data, limits)
+    found = read_map(data, limits, options["tolerance"], clean=True)
     if not found.features and not found.refused:
         raise NestedCagesError(
             "There are no polygons; give a map with Polygon or MultiPolygon features.", code="file.invalid"
@@ -106,6 +106,8 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
 
 
 def _streamed(limits: Limits) -> bytes:
+    if sys.stdin is None or sys.stdin.closed:
+        raise NestedCagesError("The standard input is closed; name a file.", code="file.invalid")
     data = sys.stdin.buffer.read(limits.bytes + 1)
     limits.check("bytes", len(data))
     return data

@@ -186,7 +186,7 @@ class ContactResponse:
         ):
             kept = np.flatnonzero(where)
             some, contact, room = pairs.subset(kept), contacts.where(kept), (after - wanted).take(kept)
-            keep = np.flatnonzero(not_implied(some, contact, room, 0.0))
+            keep = np.flatnonzero(not_implied(some, contact, room))
             rows.extend(constraint_rows(some.subset(keep), contact.where(keep)))
             rooms.append(room[keep])
             softness.append(np.full(len(rooms[-1]), epsilon))

@@ -48,12 +48,13 @@ class Bodies:
     """Ties the cage vertices of a symmetric cage; None: all are free."""
 
     @classmethod
-    def of(cls, coarse: Mesh, fine: Mesh, tie: Tie | None = None) -> Bodies:
+    def of(cls, coarse: Mesh, fine: Mesh, tie: Tie | None = None, *, side: int = 1) -> Bodies:
+        """side: 1 for a cage around the fine mesh, -1 for one inside it, whose loops are walked backwards."""
         lengths = fine.edge_lengths
         return cls(
             coarse,
-            coarse.successor,
-            fine.successor,
+            coarse.successor if side > 0 else coarse.predecessor,
+            fine.successor if side > 0 else fine.predecessor,
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
             tie,

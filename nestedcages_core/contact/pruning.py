@@ -17,12 +17,9 @@ from .pairs import Pairs
 HULL_PASSES = 6
 """Cap on the passes of the convex hull; each removes every point above the chord of its neighbours."""
 
-THINNING_PASSES = 8
-"""Cap on the passes of thinning; each removes at most every second point."""
 
-
-def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: float) -> BoolArray:
-    """(K,) whether the constraint of each pair is needed: not implied by others up to ``tolerance``, a length.
+def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray) -> BoolArray:
+    """(K,) whether the constraint of each pair is needed: not implied by others.
 
     room: (K,) value of each constraint without motion.
     """
@@ -34,8 +31,6 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray, tolerance: f
     order = inner.take(np.lexsort((t.take(inner), pairs.start.take(inner))))
     edge, t, room = pairs.start.take(order), t.take(order), room.take(order)
     kept = _lower_hull(edge, t, room)
-    if tolerance > 0.0:
-        kept = kept.take(_thin(edge.take(kept), t.take(kept), room.take(kept), tolerance))
     keep[inner] = False
     keep[order.take(kept)] = True
     return keep
@@ -54,36 +49,13 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
     return kept
 
 
-def _thin(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float) -> IntArray:
-    """Indices of points of convex chains such that each pass removes points less than ``tolerance`` below a chord."""
-    kept = np.arange(len(edge))
-    for _ in range(THINNING_PASSES):
-        close = np.flatnonzero(_above_neighbours(edge, t, height, tolerance))
-        if len(close) == 0:
-            break
-        far = np.ones(len(kept), bool)
-        far[_every_second(close) + 1] = False  # never two neighbours in one pass
-        left = np.flatnonzero(far)
-        kept, edge, t, height = kept.take(left), edge.take(left), t.take(left), height.take(left)
-    return kept
-
-
-def _every_second(index: IntArray) -> IntArray:
-    """Every second of each run of consecutive indices, beginning with its first, wherever the run is."""
-    begins = np.ones(len(index), bool)
-    np.greater(index[1:] - index[:-1], 1, out=begins[1:])
-    first = np.maximum.accumulate(np.where(begins, index, 0))
-    chosen: IntArray = index[(index - first) % 2 == 0]
-    return chosen
-
-
-def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray, tolerance: float = 0.0) -> BoolArray:
-    """(K - 2,) whether each inner point, raised by the tolerance, is on or above the chord of its two neighbours."""
+def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray) -> BoolArray:
+    """(K - 2,) whether each inner point is on or above the chord of its two neighbours."""
     if len(edge) < 3:
         return np.zeros(max(len(edge) - 2, 0), bool)
     step = t[1:] - t[:-1]
     before, after = step[:-1], step[1:]
     chord = height[:-2] * after + height[2:] * before
-    above: BoolArray = (height[1:-1] + tolerance) * (before + after) >= chord
+    above: BoolArray = height[1:-1] * (before + after) >= chord
     above &= edge[:-2] == edge[2:]
     return above

@@ -2,6 +2,7 @@
 
 - `Decimation`: the interface, with `Count`, the vertices of a level; `SeveralStarts` for methods that offer several
   coarse meshes.
+- `LineCycles`: the lines of least area around each loop; put on the curve.
 - `OnCurve`: vertices on the fine mesh, distributed like those of the outer hull.
 - `OuterHull`: strictly encloses the fine mesh from the start; works for any count down to a triangle per loop.
 - `ArcLength`: evenly spaced along each loop.
@@ -19,6 +20,7 @@ from .choices.edge_collapse import EdgeCollapse
 from .choices.own_decimation import OwnDecimation
 from .choices.visvalingam import Visvalingam
 from .hull.outer_hull import OuterHull
+from .line_cycles import LineCycles
 from .on_curve import OnCurve
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
     "Decimation",
     "DouglasPeucker",
     "EdgeCollapse",
+    "LineCycles",
     "OnCurve",
     "OuterHull",
     "OwnDecimation",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh, Nesting
-from ..geometry.vectors import norm
+from ..geometry.vectors import cross, norm
 from .base import LEAST_PER_LOOP, Count, checked_budget
 from .hull.apportion import padded
 from .hull.small_holes import with_room
@@ -18,6 +19,10 @@ from .outline import Outline
 
 TIE_TOLERANCE = 1e-9
 """Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
+
+
+MAX_TIED = 64
+"""Number of equally far vertices that are compared: round shapes have more, which differ in nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +40,8 @@ class Request:
     loop_order: IntArray
     total: int
     per_loop: IntArray | None
+    side: ClassVar[int] = 1
+    """1 for meshes around the fine one, -1 for meshes inside it."""
 
     @classmethod
     def of(cls, fine: Mesh, count: Count) -> Request:
@@ -86,6 +93,18 @@ class Request:
         return coarse
 
 
+def _first_of(candidates: IntArray, points: FloatArray, tie: float) -> int:
+    """The vertex of some from which the edges of a loop (k, 2) make the least sequence, whatever its direction.
+
+    Only rotations of the loop into itself leave more than one.
+    """
+    step = np.roll(points, -1, axis=0) - points
+    before = np.roll(step, 1, axis=0)
+    edges = np.round(np.stack((norm(step), cross(before, step) / norm(before)), axis=1) / tie)
+    sequences = [np.roll(edges, -k, axis=0).ravel() for k in candidates[:MAX_TIED].tolist()]
+    return int(candidates[min(range(len(sequences)), key=lambda k: tuple(sequences[k]))])
+
+
 def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
     """The loops of a mesh, largest first, each from the vertex farthest from its centre; and their numbers (L,)."""
     tie, corner = TIE_TOLERANCE * fine.diagonal, fine.vertices.min(axis=0)
@@ -98,7 +117,8 @@ def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
         distance = norm(offsets)
         farthest = np.flatnonzero(distance >= distance.max() - tie)
         cells = np.round(offsets[farthest] / tie)
-        start = farthest[np.lexsort((cells[:, 1], cells[:, 0]))[0]]
+        farthest = farthest[np.lexsort((cells[:, 1], cells[:, 0]))]
+        start = farthest[0] if len(farthest) == 1 else _first_of(farthest, points, tie)
         rings.append(np.roll(loop, -start))
         keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - corner) / tie)))
     order = np.array(sorted(range(len(rings)), key=keys.__getitem__), dtype=np.int64)

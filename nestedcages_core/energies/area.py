@@ -24,6 +24,10 @@ class Area(CageEnergy):
         area = signed_area(vertices, successor)
         return area if area >= 0.0 else float("inf")
 
+    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        """(K,) areas between the edge and the origin."""
+        return 0.5 * cross(start, end)
+
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2) half the chord from the previous to the next vertex, rotated clockwise by 90°."""
         following = vertices[successor]

@@ -24,6 +24,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Protocol
 
+import numpy as np
+
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.mesh import Mesh
 from .blocks import Blocks
@@ -54,6 +56,10 @@ class CageEnergy(ABC):
     @abstractmethod
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """The energy; infinite where the cage is invalid."""
+
+    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        """(K,) the terms that belong to one edge, or to its first vertex, for places (K, 2) of its two ends."""
+        return np.zeros(len(start))
 
     @abstractmethod
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:

@@ -50,6 +50,10 @@ class BoundSum(CageEnergy):
         """Infinite where one of the energies is."""
         return float(sum(weight * energy.value(vertices, successor) for weight, energy in self.terms))
 
+    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        """(K,)."""
+        return np.asarray(sum(weight * energy.on_edge(vertex, start, end) for weight, energy in self.terms))
+
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2)."""
         total = np.zeros_like(vertices)

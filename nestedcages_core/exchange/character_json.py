@@ -76,7 +76,9 @@ def character_from_engine_json(
         if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(shape.vertices):
             raise ValueError("a triangle has a corner that is no point of the shape")
     except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
-        raise NestedCagesError(f"The character cannot be read: {error!r} is missing or invalid.") from error
+        raise NestedCagesError(
+            f"The character cannot be read: {error!r} is missing or invalid.", code="file.invalid"
+        ) from error
     return Character(shape, cage, bones, bone_weights, cage_weights, triangles[:, :: 1 if flip_y is None else -1])
 
 

@@ -72,13 +72,14 @@ class Map:
         return [f"{feature.name}: {repair}." for feature in self.features for repair in feature.repairs]
 
 
-def read_map(source: Any, limits: Limits | None = None, tolerance: float | None = None) -> Map:
+def read_map(source: Any, limits: Limits | None = None, tolerance: float | None = None, *, clean: bool = False) -> Map:
     """All features of a GeoJSON document with polygons; faults of single features are reported, not raised.
 
     source: GeoJSON as text or bytes, a mapping, or anything with `__geo_interface__`, such as a reader of shapefiles or
     a GeoDataFrame. Repeated points, spikes, rings of zero area, touching and crossing rings are repaired as GEOS does,
-    polygons across the 180th meridian are shifted beyond it, gaps and spikes narrower than a tenth of the tolerance
-    (default: 1e-5 of the diagonal) are closed and cut off, and each repair is named; all else is read exactly.
+    polygons across the 180th meridian are shifted beyond it, and each repair is named; all else is read exactly. Gaps
+    and spikes narrower than a tenth of the tolerance are closed and cut off; without a tolerance those narrower than
+    1e-5 of the diagonal, in features that need repair, or in all if `clean`.
 
     Raises NestedCagesError for input that is not GeoJSON or exceeds the limits.
     """
@@ -107,7 +108,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
             continue
         try:
             polygons, shifted = across(polygons) if degrees else (polygons, [])
-            mesh, repairs = mesh_of(polygons, budget, tolerance)
+            mesh, repairs = mesh_of(polygons, budget, tolerance=tolerance, clean=clean)
             features.append(Feature(mesh, properties, identity, name, (*shifted, *repairs, *lost)))
         except LimitError:
             raise
@@ -140,7 +141,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
-    return mesh_of(polygons, Budget(limits or Limits()), tolerance)[0]
+    return mesh_of(polygons, Budget(limits or Limits()), tolerance=tolerance)[0]
 
 
 def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, tolerance: float | None = None) -> Mesh:

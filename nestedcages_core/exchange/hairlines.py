@@ -34,6 +34,8 @@ class Hairlines(NamedTuple):
 
 def has_hairlines(mesh: Mesh, width: float) -> bool:
     """Whether edges without a common vertex, the sides of a very sharp corner or those of a loop are that close."""
+    if not width > 0.0:
+        return False
     vertices, after = mesh.vertices, mesh.successor
     thickness = [2.0 * abs(area) / length for area, length in zip(mesh.loop_areas, _perimeters(mesh), strict=True)]
     if min(thickness) < width:

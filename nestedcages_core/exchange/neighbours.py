@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidMeshError, NestedCagesError
+from ..errors import Fault, InvalidMeshError, NestedCagesError
 from ..geometry.mesh import Mesh
+from ..hierarchy import Settings, Within, nested_cages
 from ..level.choices import DEFAULT_CLEARANCE
 from ..verification import verify
 from .libraries import load_shapely
@@ -38,14 +39,20 @@ class Cut:
     """Area of the neighbours that the cage covered before."""
     overlap: float
     """Area of the neighbours that it covers now."""
+    points_before: int = 0
+    """Vertices of the cage before."""
 
     @property
-    def note(self) -> str:
+    def note(self) -> Fault:
         """The outcome in words."""
         if not self.certified:
-            return "Not cut at its borders: the cut cage could not be certified."
+            return Fault("Not cut at its borders: the cut cage could not be certified.", "note.cut")
         size, before, now = len(self.cage.vertices), self.overlap_before, self.overlap
-        return f"Cut at its borders: {size} vertices, {now:.3g} of its neighbours covered instead of {before:.3g}."
+        return Fault(
+            f"Cut at its borders: {size} vertices instead of {self.points_before}, {now:.3g} of its neighbours covered "
+            f"instead of {before:.3g}.",
+            "note.cut",
+        )
 
 
 def cut_at_borders(
@@ -54,6 +61,7 @@ def cut_at_borders(
     *,
     clearance: float | None = None,
     inner: Sequence[Mesh] | None = None,
+    width: float | None = None,
 ) -> list[Cut]:
     """Cages without what they cover of the other regions, but for a strip as wide as the clearance.
 
@@ -61,8 +69,11 @@ def cut_at_borders(
     region, 1e-5 of its diagonal unless given, and at most what the cage keeps. inner: what each cage has to enclose,
     the regions unless given; for the levels of a hierarchy, the cages of the level before, cut as well.
 
-    Along a border a cage runs parallel to it, with all its points. Elsewhere it is exactly unchanged, and parts behind
-    a neighbour are removed. Every cut cage is certified; one that cannot be is returned uncut.
+    width: distance within which cages simplify borders; default: not at all.
+
+    Along a border a cage runs parallel to it, with all its points, or the fewest found within the width. Elsewhere it
+    is exactly unchanged, and parts behind a neighbour are removed. Every cut cage is certified; one that cannot be is
+    returned uncut.
 
     Raises NestedCagesError for bad arguments, or where shapely is missing.
     """
@@ -79,31 +90,43 @@ def cut_at_borders(
     cuts = []
     for k, cage in enumerate(cages):
         others = [shapes[j] for j in tree.query(_shape(cage)) if j != k]
-        width = clearance if clearance is not None else DEFAULT_CLEARANCE * regions[k].diagonal
-        cuts.append(_cut(cage, inside[k], shapely.union_all(others), width))
+        least = clearance if clearance is not None else DEFAULT_CLEARANCE * regions[k].diagonal
+        cuts.append(_cut(cage, inside[k], shapely.union_all(others), least, width))
     return cuts
 
 
-def _cut(cage: Mesh, inner: Mesh, others: Any, width: float) -> Cut:
-    """The cage of one region; others: the land of its neighbours."""
+def _cut(cage: Mesh, inner: Mesh, others: Any, least: float, width: float | None) -> Cut:
+    """The cage of one region; others: the land of its neighbours; least: the clearance."""
     shapely = load_shapely(NEEDED_FOR)
     whole, core = _shape(cage), _shape(inner)
-    before = shapely.intersection(whole, others).area
+    before, points = shapely.intersection(whole, others).area, len(cage.vertices)
     measured = verify(cage, inner, same_loops=False).clearance
+    uncut = Cut(cage, False, measured, before, before, points)
     if not measured > 0.0:  # not a cage
-        return Cut(cage, False, measured, before, before)
-    width = min(width, measured)
-    strip = shapely.buffer(core, STRIP * width, join_style="mitre", mitre_limit=STRIP_MITRE_LIMIT)
+        return uncut
+    least = min(least, measured)
+    strip = _simplified(inner, least, width) if width is not None and before > 0.0 else None
+    if strip is None:
+        strip = shapely.buffer(core, STRIP * least, join_style="mitre", mitre_limit=STRIP_MITRE_LIMIT)
     rest = shapely.difference(whole, shapely.difference(others, strip))
     parts = [part for part in shapely.get_parts(rest) if part.intersects(core)]
     try:
         found = united(polygons_in(shapely.multipolygons(parts)))
     except InvalidMeshError:
-        return Cut(cage, False, measured, before, before)
-    certificate = verify(found, inner, width, same_loops=False)
+        return uncut
+    certificate = verify(found, inner, least, same_loops=False)
     if not certificate:
-        return Cut(cage, False, measured, before, before)
-    return Cut(found, True, certificate.clearance, before, shapely.intersection(_shape(found), others).area)
+        return uncut
+    return Cut(found, True, certificate.clearance, before, shapely.intersection(_shape(found), others).area, points)
+
+
+def _simplified(inner: Mesh, least: float, width: float) -> Any:
+    """The shape of fewest points found that keeps these distances around a mesh; None if none was."""
+    try:
+        settings = Settings(clearance=STRIP * min(least, 0.5 * width))
+        return _shape(nested_cages(inner, [Within(distance=width)], settings).cages[0])
+    except NestedCagesError:
+        return None
 
 
 def _shape(mesh: Mesh) -> Any:

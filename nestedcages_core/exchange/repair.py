@@ -30,30 +30,38 @@ LEAST_NECK = 64.0 * float(np.finfo(float).eps)
 HAIRLINE, DEFAULT_HAIRLINE = 0.1, 1e-5
 """Width below which gaps are closed and spikes cut off, in tolerances, and by default in diagonals: the clearance."""
 
+LEAST_HAIRLINE = 1e-9
+"""The same in diagonals, for polygons that are valid: below what coordinates of maps resolve."""
+
 GREATEST_PASSES = 64
 """Maximum number of rounds that remove spikes; GEOS repairs the rest."""
 
 
 def mesh_of(
-    polygons: list[Polygon], budget: Budget | None = None, tolerance: float | None = None
+    polygons: list[Polygon], budget: Budget | None = None, *, tolerance: float | None = None, clean: bool = False
 ) -> tuple[Mesh, list[str]]:
     """The solid of polygons, each an outer ring (k, 2) and its holes, and the repairs made.
 
     Simple rings, apart from each other, keep their coordinates to the last bit. Others are repaired as GEOS does
-    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck. Gaps and
-    spikes narrower than a tenth of the tolerance are closed and cut off; default: than 1e-5 of the diagonal, which has
-    no room for a cage. Raises InvalidMeshError where no area is left, NestedCagesError beyond the budget for crossings.
+    (`shapely.make_valid`, by structure); parts that touch in points are joined there by a very narrow neck.
+
+    Gaps and spikes narrower than a tenth of the tolerance are closed and cut off. Without a tolerance, those narrower
+    than 1e-5 of the diagonal, which have no room for a cage, but in valid polygons only if `clean`, else round-off.
+    Raises InvalidMeshError where no area is left, NestedCagesError beyond the budget for crossings.
     """
     kept, notes = _cleaned(polygons)
     if not kept:
         raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
     corners = np.concatenate([np.concatenate(polygon) for polygon in kept])
-    width = DEFAULT_HAIRLINE * float(np.hypot(*np.ptp(corners, axis=0))) if tolerance is None else HAIRLINE * tolerance
+    diagonal = float(np.hypot(*np.ptp(corners, axis=0)))
+    width = DEFAULT_HAIRLINE * diagonal if tolerance is None else HAIRLINE * tolerance
+    least = width if clean or tolerance is not None else LEAST_HAIRLINE * diagonal
     faults, touching = [], []
     try:
         mesh = _strict(kept)
-        if not has_hairlines(mesh, width):
+        if not has_hairlines(mesh, least):
             return mesh, notes
+        width = least
     except InvalidMeshError as error:
         touching = [f"parts that touch are joined: {_first(error)}"]
     shapely = load_shapely(NEEDED_FOR)
@@ -68,10 +76,10 @@ def mesh_of(
             raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).", code="file.invalid") from error
         touching = [f"{fault}: repaired" for fault in faults]
         kept = polygons_in(shape)
-    clean = without_hairlines(shapely, shape, gap=width, spike=width)
-    if clean.gaps or clean.spikes:
-        rings = [[without_short_edges(ring, width) for ring in polygon] for polygon in polygons_in(clean.region)]
-        return united(rings), [*notes, *touching, clean.note(width)]
+    found = without_hairlines(shapely, shape, gap=width, spike=width)
+    if found.gaps or found.spikes:
+        rings = [[without_short_edges(ring, width) for ring in polygon] for polygon in polygons_in(found.region)]
+        return united(rings), [*notes, *touching, found.note(width)]
     return (mesh if not touching else united(kept)), [*notes, *touching]
 
 

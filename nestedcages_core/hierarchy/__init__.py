@@ -8,7 +8,7 @@ from ..level.tightest_place import tightest_place
 from ..needs.symmetry.detection import Found
 from ..needs.symmetry.symmetry import Mirror, Rotation
 from ..tolerance.within import Within
-from .levels import Share, level_words, parse_level, wanted_levels
+from .levels import Share, level_words, order_of, parse_level, wanted_levels
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
 
@@ -29,6 +29,7 @@ __all__ = [
     "inner_cages",
     "level_words",
     "nested_cages",
+    "order_of",
     "parse_level",
     "tightest_place",
     "wanted_levels",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import isfinite
 
 from ..errors import NestedCagesError
@@ -58,7 +59,9 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
     sign, number, unit = found.groups() if found else ("", "nan", "")
     if re.fullmatch(EITHER_WAY, word):
         first, second = word.split(",")
-        raise NestedCagesError(f"{word!r} may be one level or two; write {first}.{second}, or {first}, {second}.")
+        raise NestedCagesError(
+            f"{word!r} may be one level or two; write {first}.{second}, or {first}, {second}.", code="level.invalid"
+        )
     value = float(number)
     if isfinite(value) and value > 0.0:
         if unit in units and not sign:
@@ -74,6 +77,23 @@ def parse_level(word: str, units: Mapping[str, float] = UNITS, others: str = "")
     raise NestedCagesError(
         f"A level is {', '.join(kinds)}, or {last}; {word!r} is none of these.", code="level.invalid"
     )
+
+
+def order_of(levels: Sequence[int | Share | Within]) -> str:
+    """What is odd about the order of levels, each around the one before; empty if nothing is."""
+
+    def size(level: int | Share | Within) -> tuple[str, float]:
+        if isinstance(level, Within):
+            return ("distance", -level.distance) if level.distance is not None else ("excess", -level.limit)
+        return ("share", level.fraction) if isinstance(level, Share) else ("count", float(level))
+
+    for k, (one, other) in enumerate(pairwise(map(size, levels)), 1):
+        if one[0] == other[0] and one[1] < other[1]:
+            return (
+                f"Level {k + 1} is finer than level {k}: each level encloses the one before, so the finest comes "
+                "first; a finer one around it gains nothing."
+            )
+    return ""
 
 
 def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:

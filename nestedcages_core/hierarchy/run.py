@@ -5,36 +5,25 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import Fault, NestedCagesError, NestingError
-from ..geometry.group import Symmetry
-from ..geometry.lattice import Grid
+from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
 from ..level.attempts import clearances_for
 from ..level.builder import LevelBuilder
-from ..level.inner_level import InnerLevelBuilder
-from ..level.plan import Need, Plan
+from ..level.plan import Plan
 from ..level.progress import LevelProgress
 from ..level.report import Hierarchy, Level, Progress
-from ..needs.convex.need import ConvexLevelBuilder
-from ..needs.grid.need import Builder, GridLevelBuilder
-from ..needs.priorities.need import Priorities
-from ..needs.symmetry.need import Symmetric, found_for, keeping
 from ..tasks import Run, Stage, listened
-from ..tolerance.within import Within, fewest, fewest_convex
+from ..tolerance.within import Within
 from ..verification import verify
+from .needs import needs_of
 from .settings import Settings
 
 logger = logging.getLogger(__name__)
-
-AnyBuilder: TypeAlias = LevelBuilder | InnerLevelBuilder | ConvexLevelBuilder
-"""What makes each level."""
-
 
 Wanted: TypeAlias = int | MeshLike | Within
 """A level as asked for: a vertex count, a coarse mesh, or the fewest vertices within a distance or an excess."""
@@ -75,8 +64,7 @@ def inner_cages(
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
     ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. No flow is needed,
-    so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull. `Within` is for cages
-    around a mesh and is rejected here.
+    so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull.
 
     Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
     """
@@ -92,14 +80,14 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
     >>> run.hierarchy.cages                             # doctest: +SKIP
     """
 
-    builder: type[AnyBuilder] = LevelBuilder
-    """What makes each level."""
+    side = 1
+    """1 for cages around the mesh, -1 for cages inside it."""
 
     def __init__(
         self, fine: MeshLike, levels: Wanted | Sequence[Wanted], settings: Settings | None = None, **options: Any
     ) -> None:
         chosen = Settings.of(settings, **options)
-        super().__init__(_hierarchy(fine, _listed(levels), chosen, self.builder))
+        super().__init__(_hierarchy(fine, _listed(levels), chosen, self.side))
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -110,44 +98,33 @@ class NestedCagesRun(Run[Progress, Hierarchy]):
 class InnerCagesRun(NestedCagesRun):
     """The work of :func:`inner_cages` as an iterator over its progress; dropping it cancels the work."""
 
-    builder = InnerLevelBuilder
+    side = -1
 
 
 def _hierarchy(
     fine: MeshLike,
     levels: Sequence[Wanted],
     settings: Settings,
-    builder: type[AnyBuilder],
+    side: int,
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
     fine, wanted = _checked(fine, levels, convex=settings.convex)
-    about = _about(settings, fine, inside=builder is InnerLevelBuilder)
-    settings, needs, remarks = _needs(settings, about)
+    about = _about(settings, fine, inside=side < 0)
+    settings, needs, remarks = needs_of(settings, about)
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
         try:
             clearances = clearances_for(settings, fine)
-            chosen = _chosen(builder, settings)
-            progress = LevelProgress(index, len(wanted))
-            plan = Plan.of(inner, needs, side=-1 if builder is InnerLevelBuilder else 1)
-            with_clearances = partial(_builder, chosen, plan, settings, progress)
-            work: Builder = with_clearances(clearances)
-            if settings.grid is not None:
-                work = GridLevelBuilder(work, with_clearances, Grid(settings.grid), convex=settings.convex)
+            builder = LevelBuilder(
+                Plan.of(inner, needs, side=side), clearances, settings, LevelProgress(index, len(wanted))
+            )
             if isinstance(level, Within):
-                if builder is InnerLevelBuilder:
-                    raise NestingError(
-                        f"Level {index + 1}: inner cages need numbers of vertices, not {level!r}.",
-                        code="setting.conflict",
-                    )
-                made = (
-                    fewest_convex(level, about, work)
-                    if settings.convex
-                    else fewest(level, about, work, strictly=settings.clearance or 0.0)
-                )
+                from ..tolerance.within import fewest
+
+                made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
             else:
-                made = work.build(level)
+                made = builder.build(level)
             done = yield from made
             report = replace(done.report, notes=(*remarks, *done.report.notes))
             finished.append(replace(done, report=report) if remarks else done)
@@ -170,47 +147,6 @@ def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
             code="coarse.not_nested",
         )
     return about
-
-
-def _chosen(builder: type[AnyBuilder], settings: Settings) -> type[AnyBuilder]:
-    """What makes levels with certain settings. Raises NestingError."""
-    if settings.convex and builder is InnerLevelBuilder:
-        raise NestingError(
-            "Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.",
-            code="setting.conflict",
-        )
-    return ConvexLevelBuilder if settings.convex else builder
-
-
-def _builder(
-    builder: type[AnyBuilder],
-    plan: Plan,
-    settings: Settings,
-    progress: LevelProgress,
-    clearances: tuple[float, ...],
-) -> Builder:
-    """What makes a level with certain clearances."""
-    return builder(plan, clearances, settings, progress)
-
-
-def _needs(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
-    """The needs of a run, methods that serve them, and notes. Raises NestingError for methods that cannot."""
-    needs: list[Need] = []
-    group: Symmetry | None = None
-    remarks: tuple[Fault, ...] = ()
-    if settings.symmetry is not None:
-        group, remarks = found_for(settings.symmetry, about)
-    if group is not None:
-        settings = keeping(settings, group)
-    if settings.has_priorities:
-        priorities = Priorities.of(
-            about, group, settings.weights, (settings.pins, settings.joints), (settings.min_edge, settings.min_angle)
-        )
-        settings = priorities.applied(settings)
-        needs.append(priorities)
-    if group is not None:
-        needs.append(Symmetric(group))
-    return settings, needs, remarks
 
 
 def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..errors import NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
@@ -17,6 +17,9 @@ from ..level.choices import Choices, is_length
 from ..needs.symmetry.detection import Found
 from ..parameters import check_flag, has_method
 
+STORED_TYPES = ("float64", "float32", "float16")
+"""Types that can hold coordinates."""
+
 
 @dataclass(frozen=True)
 class Settings(Choices):
@@ -25,6 +28,9 @@ class Settings(Choices):
     grid: float | None = None
     """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
     for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
+    stored: DTypeLike | None = None
+    """The type that will hold the coordinates, such as np.float32: the cage is certified on its numbers. None: doubles.
+    """
     convex: bool = False
     """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
@@ -63,6 +69,10 @@ class Settings(Choices):
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none.",
                 code="setting.invalid",
             )
+        if self.stored is not None and _type_name(self.stored) not in STORED_TYPES:
+            raise NestedCagesError(
+                f"stored must be one of {', '.join(STORED_TYPES)}, not {self.stored!r}.", code="setting.invalid"
+            )
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
             raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")
@@ -73,11 +83,6 @@ class Settings(Choices):
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
                 f"not {symmetry!r}.",
                 code="setting.invalid",
-            )
-        if symmetry is not None and self.grid is not None:
-            raise NestedCagesError(
-                "A cage can be symmetric or on a grid, not both; leave out the symmetry or the grid.",
-                code="setting.conflict",
             )
         if self.has_priorities and self.convex:
             raise NestedCagesError(
@@ -94,6 +99,14 @@ class Settings(Choices):
         """Whether weights, pins, joints or limits are given."""
         limits = self.weights, self.min_edge, self.min_angle
         return any(each is not None for each in limits) or bool(self.pins or self.joints)
+
+
+def _type_name(value: object) -> str:
+    """The name of a type of numpy; empty if it is none."""
+    try:
+        return np.dtype(value).name  # type: ignore[call-overload, no-any-return]
+    except TypeError:
+        return ""
 
 
 def _check_priorities(settings: Settings) -> None:

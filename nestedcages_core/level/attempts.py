@@ -10,9 +10,14 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 from typing import NamedTuple
 
+import numpy as np
+
 from ..contact import IPC, Contact, SequentialQP
-from ..decimation import Count, Decimation, OnCurve, Start
+from ..decimation import Count, Decimation, LineCycles, OnCurve, OuterHull, Start
+from ..decimation.hull.inner_hull import InnerHull
+from ..decimation.line_cycles import InnerCycles
 from ..decimation.on_curve import closest_on_curve
+from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..flow.loop_matching import match_loops
@@ -37,8 +42,8 @@ QUICK_LIMIT, QUICK_PATIENCE = 10, 6
 """Maximum number of steps of a descent of the flow where hulls compete, half the usual one; patience of the contact
 there, with which as many cages come from the flow as with the usual one."""
 
-HULL_FROM = 20_000
-"""Number of fine vertices from which the best outer hull alone replaces starts on the curve, unless there is no
+OUTSIDE_FROM = 20_000
+"""Number of fine vertices from which a start outside alone replaces starts on the curve, unless there is no
 fallback: from 30,000 vertices on it takes less than half of the time, and cages are as tight (benchmarks/growth.py)."""
 
 PAPER_PREFERENCE = 0.01
@@ -66,20 +71,27 @@ class Attempt:
     """Whether this differs from what was asked for."""
     may_fall_back: bool = True
     """Whether to try something else if flow or reinflation fails."""
+    seeks_area: bool = False
+    """Whether the cage of least area is sought, so that the areas of coarse meshes are bounds."""
     tightened: bool = True
     """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
 
     @property
     def prefers_curve(self) -> bool:
         """Whether it starts on the curve where it can."""
-        return isinstance(self.source, OnCurve)
+        return _prefers_curve(self.source)
 
 
-def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]) -> Iterator[Attempt]:
-    """The attempts for the level around ``fine`` with a vertex count or the user's own coarse mesh.
+def attempts(
+    settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...], side: int = 1
+) -> Iterator[Attempt]:
+    """The attempts for the level around ``fine``, or inside it, with a vertex count or the user's own coarse mesh.
 
     The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
     """
+    if side < 0:
+        yield from _attempts_inside(settings, fine, wanted, clearances)
+        return
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
     flow, contacts = settings.flow, contacts_for(settings)
     if isinstance(wanted, Mesh):
@@ -87,14 +99,16 @@ def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tupl
     else:
         decimation, starts = settings.decimation, settings.starts
         may_fall_back = settings.fallback is not None
-        if may_fall_back and isinstance(decimation, OnCurve) and len(fine.vertices) >= HULL_FROM:
-            decimation, starts = decimation.hull, 1
+        prefers_curve = _prefers_curve(decimation) and may_fall_back
+        if prefers_curve and len(fine.vertices) >= OUTSIDE_FROM:
+            decimation, starts = _outside(decimation), 1
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
         if may_fall_back and settings.contact is None:
             contacts = (SequentialQP(patience=QUICK_PATIENCE),)
-        if may_fall_back and isinstance(decimation, OnCurve):
+        if may_fall_back and _prefers_curve(decimation):
             flow = _quick(flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
+        last = replace(last, seeks_area=isinstance(settings.energy, Area))
     yield last
     searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
     if settings.fallback is not None and settings.fallback not in searched:
@@ -103,6 +117,26 @@ def attempts(settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tupl
         yield last
     if not isinstance(last.source, Mesh):
         yield replace(last, tightened=False)
+
+
+def _attempts_inside(
+    settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]
+) -> Iterator[Attempt]:
+    """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
+    chosen = settings.decimation.hull if isinstance(settings.decimation, OnCurve) else settings.decimation
+    hull = InnerHull(chosen if isinstance(chosen, OuterHull) else OuterHull())
+    first = InnerCycles() if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh) else hull
+    count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
+    last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
+    if isinstance(wanted, Mesh):
+        yield replace(last, source=wanted, starts=1)
+        if settings.fallback is None:
+            return
+        alike = np.array_equal(wanted.loop_signs, fine.loop_signs)
+        count = [len(loop) for loop in wanted.loops] if alike else max(len(wanted.vertices), 3 * len(fine.loops))
+        last = replace(last, count=count, fallback=True)
+    yield last
+    yield replace(last, tightened=False)
 
 
 class StartOutcome(NamedTuple):
@@ -128,14 +162,15 @@ def in_turn(
         if number == 0 and start.on_curve is not None:
             outcome = yield Start(start.on_curve, "on the curve")
             least = outcome.rank
-            if isfinite(least):
+            # a single start is tried itself where even its coarse mesh is tighter than the cage from the curve
+            if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= _excess(start, fine)):
                 continue
             if not attempt.may_fall_back:
                 return
         outcome = yield start
         if outcome.rank < least:
             least, better = outcome
-    if prefers_curve and better is not None:
+    if prefers_curve and better is not None and len(starts) > 1:
         coarse = closest_on_curve(better, fine, symmetry)
         if coarse is not None:
             yield Start(coarse, "on the curve")
@@ -151,6 +186,20 @@ def contacts_for(settings: Choices) -> tuple[Contact, ...]:
     if settings.contact is not None:
         return (settings.contact,)
     return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
+
+
+def _prefers_curve(source: Mesh | Decimation) -> bool:
+    """Whether starts come with meshes on the curve."""
+    return isinstance(source, OnCurve) or (isinstance(source, LineCycles) and source.on_curve)
+
+
+def _outside(decimation: Decimation) -> Decimation:
+    """The same search without meshes on the curve."""
+    return decimation.hull if isinstance(decimation, OnCurve) else LineCycles(on_curve=False)
+
+
+def _excess(start: Start, fine: Mesh) -> float:
+    return start.coarse.area / fine.area - 1.0
 
 
 def _quick(flow: FlowMethod) -> FlowMethod:

@@ -14,10 +14,11 @@ from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Decimation, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
-from ..energies import Area, CageEnergy, signed_area
+from ..energies import Area, CageEnergy, inwards, signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
+from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
 from ..verification import Certificate, verify
@@ -25,11 +26,13 @@ from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .choices import Choices
+from .counts import with_least
 from .early_stop import EarlyStop
-from .plan import Plan
+from .plan import ExactSolver, Plan
 from .progress import LevelProgress
 from .report import Level, NestingReport, Progress
 from .reuse import coarse_meshes, flow_inside
+from .settling import Settling
 from .symmetrised_start import Alike, made_alike
 from .tightest_place import too_narrow
 from .units import SolverUnits
@@ -41,7 +44,11 @@ FAILURES = (FlowError, ReinflationError, NestingError)
 
 
 class LevelBuilder:
-    """Makes one level around ``fine``. All methods that take time are generators of `Progress`."""
+    """Makes one level of a plan. All methods that take time are generators of `Progress`.
+
+    The unbounded region around a cage inside serves as its solid. Walked backwards, its loops are the oriented boundary
+    of that region, so hull and solvers push it away from the fine mesh as they do with a cage outside.
+    """
 
     def __init__(
         self,
@@ -55,23 +62,48 @@ class LevelBuilder:
         self.symmetry = plan.group
         self.units = SolverUnits.of(self.fine)
         self.unit_fine = self.units.from_input(self.fine)
+        self.settling = None if plan.numbers is None else Settling(plan, settings, progress)
         self.starts: list[Start] = []
         """Starts of the last attempt."""
 
     def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
-        """The level of the first attempt that succeeds. Raises the error of the last one."""
+        """The level for a vertex count or the user's own coarse mesh. Raises NestedCagesError."""
+        level = yield from self._solved(wanted, self.clearances)
+        if self.settling is None:
+            return level
+        found = yield from self.settling.settled(level)
+        if found is not None:
+            return found
+        clearance = level.report.wanted_clearance
+        try:
+            roomy = yield from self._solved(wanted, (clearance + self.settling.room,))
+        except NestingError as error:
+            logger.debug("no level with room to settle: %s", error)
+        else:
+            roomy = replace(roomy, report=replace(roomy.report, wanted_clearance=clearance))
+            found = yield from self.settling.settled(roomy)
+            if found is not None:
+                return found
+        raise (yield from self.settling.failure(level))
+
+    def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
+        """The level on any numbers, of the first attempt that succeeds. Raises the error of the last one that had a
+        start."""
+        if self.plan.exact is not None:
+            return (yield from self._exact(self.plan.exact, wanted, clearances))
+        started: list[NestedCagesError] = []
         failures: list[NestedCagesError] = []
         clamping = self.plan.remarks
         if not isinstance(wanted, Mesh):
             wanted, replaced = self.plan.possible(wanted)
             clamping += replaced
-        for attempt in attempts(self.settings, self.outline, wanted, self.clearances):
+        for attempt in attempts(self.settings, self.outline, wanted, clearances, self.plan.side):
             try:
                 if attempt.tightened:
                     self.starts = []
                     self.starts = yield from self._coarse_meshes(attempt)
                     if self.symmetry is not None:
-                        self.starts = [made_alike(start, self.symmetry).start for start in self.starts]
+                        self.starts = [self._alike(start, self.symmetry).start for start in self.starts]
                 notes = clamping
                 if attempt.fallback and self.starts:
                     start = self.starts[0]
@@ -84,7 +116,10 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-        raise failures[-1]
+                    started += [error] if self.starts else []
+        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
+            raise (started or failures)[-1]
+        raise with_least(failures, self.outline, self.clearances[0])
 
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
@@ -132,6 +167,12 @@ class LevelBuilder:
         """The coarse meshes of an attempt, at least one."""
         source = attempt.source
         if isinstance(source, Mesh):
+            if self.plan.inside and not verify(self.fine, source):
+                raise NestingError(
+                    "The coarse mesh does not lie strictly inside the fine one, loop by loop; move it inside, or give "
+                    "a vertex count.",
+                    code="coarse.not_nested",
+                )
             return [Start(source, "coarse mesh")]
         yield from self.progress.begin("decimation")
         clearance = attempt.clearances[0]
@@ -142,9 +183,13 @@ class LevelBuilder:
 
     def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, _Cage]:
         """Flow and reinflation from a coarse mesh."""
-        alike = None if self.symmetry is None else made_alike(start, self.symmetry)
+        alike = None if self.symmetry is None else self._alike(start, self.symmetry)
         start = start if alike is None else alike.start
         unit_coarse = self.units.from_input(start.coarse)
+        if self.plan.inside:  # it rests inside the fine mesh: nothing flows
+            flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
+            resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
+            return self._bound(attempt, _Cage(start, unit_coarse, flow, resting, alike))
         yield from self.progress.begin("flow")
         try:
             if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
@@ -171,19 +216,28 @@ class LevelBuilder:
             tie=None if alike is None else alike.tie,
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
-        energy, is_measure = self.plan.energy(
-            self.settings.energy.at(unit_coarse), unit_coarse, self.units, self.units.clearance(attempt.clearances[0])
-        )
-        return _Cage(start, unit_coarse, flow, reinflation, reinflation, energy, is_measure, alike)
+        return self._bound(attempt, _Cage(start, unit_coarse, flow, reinflation, alike))
+
+    def _bound(self, attempt: Attempt, cage: _Cage) -> _Cage:
+        """The cage with its energy."""
+        energy = self.settings.energy.at(cage.unit_coarse)
+        energy = inwards(energy, self.unit_fine.area) if self.plan.inside else energy
+        clearance = self.units.clearance(attempt.clearances[0])
+        energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units, clearance)
+        return replace(cage, energy=energy, is_measure=is_measure)
+
+    def _alike(self, start: Start, group: Symmetry) -> Alike:
+        return made_alike(start, group, inside=self.plan.inside)
 
     def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
         """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
         yield from self.progress.begin("tightening")
         start = cage.untightened.cage_steps[-1]
+        assert cage.energy is not None
         early_stop = EarlyStop(best, self._rank(cage, start))
         steps: list[FloatArray] = []
         tightening = self.settings.tightening.run(
-            Bodies.of(cage.unit_coarse, self.unit_fine, None if cage.alike is None else cage.alike.tie),
+            self._bodies(cage),
             start,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),
@@ -201,18 +255,23 @@ class LevelBuilder:
             yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
         return replace(
             cage,
-            reinflation=cage.untightened.with_tightening(steps),
+            tightened=cage.untightened.with_tightening(steps),
             rank=self._rank(cage, steps[-1] if steps else start),
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
 
+    def _bodies(self, cage: _Cage) -> Bodies:
+        """Cage and fine mesh, as the solvers see them."""
+        tie = None if cage.alike is None else cage.alike.tie
+        return Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side)
+
     def _rank(self, cage: _Cage, vertices: FloatArray) -> float:
-        """The excess of a cage, or its energy with the terms of needs: smaller is better."""
-        successor = cage.unit_coarse.successor
-        if cage.is_measure:
+        """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
+        successor = cage.unit_coarse.predecessor if self.plan.inside else cage.unit_coarse.successor
+        if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / self.unit_fine.area
-        excess = signed_area(vertices, successor) / self.unit_fine.area - 1.0
-        return excess if len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
+        excess = self.plan.side * (abs(signed_area(vertices, successor)) / self.unit_fine.area - 1.0)
+        return excess if self.plan.inside or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
     def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
@@ -225,22 +284,23 @@ class LevelBuilder:
             yield from self.progress.begin("verification")
             flow, reinflation = self._in_input_units(cage)
             result = coarse.moved(reinflation.cage_steps[-1])
-            certificate = verify(result, self.fine, clearance, same_loops=same_loops)
+            certificate = self.plan.verify(result, clearance, same_loops=same_loops)
             if not _is_only_too_close(certificate, clearance):
                 break
         if not certificate.holds:
-            raise NestingError(_failed(certificate, self.fine, clearance, wanted))
+            raise NestingError(_failed(certificate, self.plan, clearance, wanted))
         motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
         motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
             raise NestingError(
                 f"The motion from step {motion.step} to the next could not be certified free of collisions; "
-                "use more cage vertices, or a coarse mesh closer to the fine one.",
+                f"use more cage vertices{'' if self.plan.inside else ', or a coarse mesh closer to the fine one'}.",
                 code="motion.collides",
                 step=motion.step,
             )
         if clearance < wanted:
-            said = f"The gaps of the fine mesh leave room for a clearance of {clearance:.3g}, not {wanted:.3g}."
+            why = "The fine mesh is so narrow that there is" if self.plan.inside else "The gaps of the fine mesh leave"
+            said = f"{why} room for a clearance of {clearance:.3g}, not {wanted:.3g}."
             notes = (*notes, Fault(said, "note.clearance", wanted=wanted, given=clearance))
         if not same_loops:
             kept, given = loops_in_words(coarse), loops_in_words(self.fine)
@@ -252,8 +312,7 @@ class LevelBuilder:
             notes = (*notes, Fault(said, "note.energy"))
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
-        report = self._report(certificate, clearance, start=start, iterations=counts, notes=notes)
-        return Level(self.fine, coarse, result, flow, reinflation, report)
+        return self._level(coarse, result, (flow, reinflation), certificate, clearance, start, counts, notes)
 
     def _untightened(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of the first coarse mesh that already is a cage.
@@ -265,7 +324,7 @@ class LevelBuilder:
         may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
         hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
         for start in self.starts if hulls_count else ():
-            certificate = verify(start.coarse, self.fine)
+            certificate = self.plan.verify(start.coarse, 0.0)
             clearance = min(wanted, certificate.clearance) if may_be_less else wanted
             if certificate.holds and certificate.clearance >= clearance:
                 note = Fault(
@@ -273,36 +332,49 @@ class LevelBuilder:
                     "note.untightened",
                 )
                 counts = {"flow": 0, "reinflation": 0}
-                report = self._report(
-                    certificate, clearance, start=start.source, iterations=counts, notes=(note, *notes)
-                )
-                flow = FlowResult(self.fine.vertices[None], 0, "inside")
-                resting = Reinflation(self.fine.vertices[None], start.coarse.vertices[None], 0)
-                return Level(self.fine, start.coarse, start.coarse, flow, resting, report)
+                resting = self._resting(start.coarse.vertices[None])
+                mesh, every = start.coarse, (note, *notes)
+                return self._level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
         raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
 
-    def _report(
+    def _exact(self, solver: ExactSolver, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
+        """The level of a solver of its own."""
+        found = yield from solver(self.fine, wanted, clearances, self.progress)
+        counts = {"flow": 0, "reinflation": 0, "tightening": len(found.steps) - 1}
+        coarse, way = found.cage.moved(found.steps[0]).validated(), self._resting(found.steps)
+        notes = (*self.plan.remarks, *found.notes)
+        return self._level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
+
+    def _resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
+        """The way of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
+        rest = self.fine.vertices[None]
+        return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
+
+    def _level(
         self,
+        coarse: Mesh,
+        cage: Mesh,
+        way: tuple[FlowResult, Reinflation],
         certificate: Certificate,
         clearance: float,
-        *,
         start: str,
         iterations: Mapping[str, int],
         notes: tuple[Fault, ...],
-    ) -> NestingReport:
-        """The report: what is certified, and how long it took."""
+    ) -> Level:
+        """The level with its report: what is certified, and how long it took."""
         self.progress.stop_clock()
-        return NestingReport(
+        report = NestingReport(
             strict=certificate.strict,
             simple=certificate.simple,
             clearance=certificate.clearance,
             wanted_clearance=clearance,
-            excess=certificate.excess,
+            excess=cage.area / self.fine.area - 1.0,
             start=start,
             iterations=iterations,
             seconds=dict(self.progress.seconds),
             notes=notes,
         )
+        return Level(self.fine, coarse, cage, *way, report, inside=self.plan.inside)
 
     def _in_input_units(self, cage: _Cage) -> tuple[FlowResult, Reinflation]:
         """Flow and reinflation in input units; input coordinates are restored exactly."""
@@ -329,16 +401,21 @@ class _Cage:
     unit_coarse: Mesh
     flow: FlowResult
     untightened: Reinflation
-    reinflation: Reinflation
-    """Followed by the tightening."""
-    energy: CageEnergy
-    is_measure: bool
-    """Whether the energy, not the excess, ranks cages."""
     alike: Alike | None = None
     """Its exact symmetry."""
+    tightened: Reinflation | None = None
+    """Followed by the tightening."""
+    energy: CageEnergy | None = None
+    is_measure: bool = False
+    """Whether the energy, not the excess, ranks cages."""
     rank: float = np.inf
     """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
     counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def reinflation(self) -> Reinflation:
+        """All steps so far."""
+        return self.tightened or self.untightened
 
 
 def in_words(decimation: Decimation) -> str:
@@ -352,14 +429,19 @@ def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
     return sound and certificate.clearance < clearance
 
 
-def _failed(certificate: Certificate, fine: Mesh, tried: float, wanted: float) -> Fault:
+def _failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -> Fault:
     """Why a cage was rejected; tried: the last clearance asked for."""
     if not _is_only_too_close(certificate, tried):
-        said = "The cage could not be certified: " + " ".join(certificate.problems)
-        return Fault(said, "certificate.failed", problems=certificate.problems)
-    return too_narrow(fine, wanted) or Fault(
-        f"No cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the best one comes as close "
-        f"as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+        said = "The cage could not be certified: "
+        if plan.inside:
+            said = (
+                "The inner cage could not be certified; in the words of verify(fine, cage), which takes the fine mesh "
+                "for the cage: "
+            )
+        return Fault(said + " ".join(certificate.problems), "certificate.failed", problems=certificate.problems)
+    return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
+        f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
+        f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
         "clearance.no_room",
         wanted=wanted,
         largest=certificate.clearance,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..contact import Contact
-from ..decimation import Decimation, OnCurve, OuterHull
+from ..decimation import Decimation, LineCycles, OuterHull
 from ..energies import Area, Energy
 from ..errors import NestedCagesError
 from ..flow import FlowMethod, TwoSidedFlow
@@ -35,9 +35,9 @@ class Choices:
     clearance: float | None = None
     """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
     bounding-box diagonal, reduced where gaps of the fine mesh are too narrow for it."""
-    decimation: Decimation = field(default_factory=OnCurve)
-    """Turns a vertex count into a coarse mesh. From 20,000 vertices on `OnCurve` gives way to its hull, unless there is
-    no fallback: that takes less than half of the time, and cages are as tight."""
+    decimation: Decimation = field(default_factory=LineCycles)
+    """Turns a vertex count into a coarse mesh. From 20,000 vertices on it starts outside instead of on the
+    curve, unless there is no fallback: that takes less than half of the time, and cages are as tight."""
     starts: int = 2
     """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)

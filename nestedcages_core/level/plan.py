@@ -2,15 +2,80 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeAlias
 
 from ..decimation.base import clamped
 from ..energies import CageEnergy
 from ..errors import Fault
+from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
+from ..tasks import Stage
+from ..verification import Certificate, verify
+from .progress import LevelProgress
+from .report import Progress
 from .units import SolverUnits
+
+EdgeCost: TypeAlias = Callable[[int, FloatArray, FloatArray], FloatArray]
+"""(K,) what an edge adds to the energy, in squared input units: its first vertex, and places (K, 2) of both ends."""
+
+
+class Numbers(Protocol):
+    """The numbers that coordinates of cages may be, if not all."""
+
+    @property
+    def spacing(self) -> float:
+        """Distance between neighbours."""
+        ...
+
+    @property
+    def grid(self) -> float | None:
+        """The length that coordinates are multiples of, for the report."""
+        ...
+
+    @property
+    def stored(self) -> str | None:
+        """The name of the type that holds the coordinates, for the report; None for doubles."""
+        ...
+
+    def nearest(self, points: FloatArray) -> FloatArray:
+        """These numbers next to points (..., 2)."""
+        ...
+
+    def exact(self, points: FloatArray) -> FloatArray:
+        """The doubles that stored points (..., 2) stand for."""
+        ...
+
+    def settled(
+        self, cage: Mesh, fine: Mesh, clearance: float, side: int, cost: EdgeCost | None
+    ) -> Stage[float, FloatArray | None]:
+        """(m, 2) places for the vertices of a cage, of least cost, or of least excess without one; None if none."""
+        ...
+
+    def finer(self) -> Iterator[Numbers]:
+        """Finer numbers, tried for the message where these have no cage."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A cage from a solver of its own, without flow and contact."""
+
+    cage: Mesh
+    steps: FloatArray
+    """(K + 1, m, 2) motion to the cage, free of collisions."""
+    certificate: Certificate
+    clearance: float
+    """The one that is kept, of those asked for."""
+    source: str
+    """Name of the start in the report."""
+    notes: tuple[Fault, ...]
+
+
+ExactSolver: TypeAlias = Callable[[Mesh, int | Mesh, tuple[float, ...], LevelProgress], Stage[Progress, Solution]]
+"""Solves a level for a fine mesh, a count, and clearances to try in turn."""
 
 
 class Need:
@@ -33,6 +98,14 @@ class Need:
         """
         return None
 
+    def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
+        """Why a cage does not keep the promise, judged on its final numbers."""
+        return None
+
+    def mended(self, plan: Plan, cage: Mesh) -> tuple[Mesh, Fault] | None:
+        """A cage of fewer vertices that keeps the promise, made from one that does not, and a note."""
+        return None
+
     def notes(self, plan: Plan, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""
         return ()
@@ -48,8 +121,12 @@ class Plan:
     needs: tuple[Need, ...]
     outline: Mesh
     """What is decimated: the fine mesh, or it and its images."""
+    numbers: Numbers | None = None
+    """What coordinates may be; None: all doubles."""
     group: Symmetry | None = None
     """Symmetries that cages have exactly."""
+    exact: ExactSolver | None = None
+    """Used instead of starts and tightening."""
     remarks: tuple[Fault, ...] = ()
     """Notes of the report."""
 
@@ -66,9 +143,13 @@ class Plan:
         """Whether cages lie inside the fine mesh."""
         return self.side < 0
 
-    def with_remarks(self, *remarks: Fault) -> Plan:
-        """The plan with further notes."""
-        return replace(self, remarks=(*self.remarks, *remarks))
+    def nested(self, cage: Mesh) -> tuple[Mesh, Mesh]:
+        """What is outside, and what is inside."""
+        return (self.fine, cage) if self.inside else (cage, self.fine)
+
+    def verify(self, cage: Mesh, clearance: float, *, same_loops: bool = True) -> Certificate:
+        """The certificate of a cage of this plan; its excess is that of the outer mesh."""
+        return verify(*self.nested(cage), clearance, same_loops=same_loops)
 
     def possible(self, wanted: int) -> tuple[int, tuple[Fault, ...]]:
         """A number of vertices that the outline and all needs allow, and a note for each replacement."""
@@ -90,6 +171,18 @@ class Plan:
                 energy, changed = other, True
         return energy, changed
 
+    def fault(self, cage: Mesh) -> Fault | None:
+        """The first promise that a cage does not keep."""
+        return next((found for need in self.needs if (found := need.fault(self, cage)) is not None), None)
+
+    def mended(self, cage: Mesh) -> tuple[Mesh, Fault] | None:
+        """See `Need.mended`."""
+        return next((found for need in self.needs if (found := need.mended(self, cage)) is not None), None)
+
     def notes(self, cage: Mesh, clearance: float) -> tuple[Fault, ...]:
         """A sentence for each wish that a cage misses."""
         return tuple(note for need in self.needs for note in need.notes(self, cage, clearance))
+
+    def with_remarks(self, *remarks: Fault) -> Plan:
+        """The plan with further notes."""
+        return replace(self, remarks=(*self.remarks, *remarks))

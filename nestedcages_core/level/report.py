@@ -43,7 +43,7 @@ class NestingReport:
     excess: float
     """area(cage) / area(fine) - 1; negative for inner cages."""
     start: str
-    """"flow" or "outer hull": how the fine mesh came to lie inside the coarse one."""
+    """"flow", "line cycles" or "outer hull": how the fine mesh came to lie inside the coarse one."""
     iterations: Mapping[str, int]
     """Iterations per phase."""
     seconds: Mapping[str, float]
@@ -54,6 +54,8 @@ class NestingReport:
     """No cage within the distance asked for has fewer vertices; None where none was asked for."""
     grid: float | None = None
     """Certified: all coordinates of the cage are multiples of this length; None where none was asked for."""
+    stored: str | None = None
+    """Certified: the coordinates of the cage are numbers of this type, such as "float32"; None for doubles."""
 
     def __str__(self) -> str:
         measures = (

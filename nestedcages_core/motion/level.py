@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings, nested_cages
+from ..hierarchy import Settings, Within, nested_cages
 from ..level.attempts import clearances_for
 from ..level.units import SolverUnits
 from ..verification import verify, verify_motion
@@ -50,6 +50,12 @@ class LevelMotion:
                 "leave out the grid.",
                 code="setting.conflict",
             )
+        if settings.stored is not None:
+            raise NestingError(
+                "A cage that follows a motion is made of doubles; leave out stored.", code="setting.conflict"
+            )
+        if isinstance(wanted, Within):
+            raise NestingError(f"A moving cage needs a number of vertices, not {wanted!r}.", code="level.invalid")
         if settings.convex:
             raise NestingError(
                 "A cage that follows a motion does not stay convex; leave out convex.", code="setting.conflict"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,10 +17,6 @@ from .curvature import EdgeLoads, contact_curvature
 from .trial import Surroundings
 from .trust_region import TrustRegion
 
-REDUNDANCY = 0.02
-"""Contacts whose constraints others imply up to this fraction of the clearance are dropped; restoration corrects for
-them (docs/ablation.md: thinning of nearly implied constraints)."""
-
 LONGEST_MOTION = 1.5
 """Longest motion of a vertex in one step, restoration included, in radii; √2 without restoration."""
 
@@ -34,11 +30,6 @@ class QuadraticModel:
     """All pairs that can meet in a step."""
     _rows: Pairs
     _row_contacts: Contacts
-
-    def measured_at(self, x: FloatArray) -> QuadraticModel:
-        """The model with its pairs measured at x (m + n, 2), close to where it was made."""
-        contacts = measure(self.around.pairs, x)
-        return replace(self, around=replace(self.around, distance=contacts.distance, side=contacts.side))
 
     def loads(self, solution: QPSolution) -> EdgeLoads:
         """Loads of the edges in the solution of the program."""
@@ -70,7 +61,7 @@ def model_at(
     near = np.flatnonzero(contacts.distance - required < pairs.approach(reach))
     some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
-    keep = np.flatnonzero(not_implied(some, contact, room, REDUNDANCY * wanted.clearance))
+    keep = np.flatnonzero(not_implied(some, contact, room))
     some, contact = some.subset(keep), contact.where(keep)
 
     cage, successor = x[:m], bodies.cage_successor

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from .minimal_nested import fewest_links
-from .within import Within, fewest, fewest_convex
+from .within import Within, fewest
 
-__all__ = ["Within", "fewest", "fewest_convex", "fewest_links"]
+__all__ = ["Within", "fewest", "fewest_links"]

@@ -14,10 +14,10 @@ from ..decimation.base import LEAST_PER_LOOP
 from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
+from ..level.builder import LevelBuilder
+from ..level.plan import Plan
 from ..level.report import Level, Progress
-from ..needs.grid.need import Builder, GridLevelBuilder
 from ..tasks import Stage
-from ..verification import verify
 from .minimal_nested import fewest_links, walks
 from .reach import reach, stays_within
 
@@ -83,33 +83,36 @@ class Within:
         return f"within an excess of {100.0 * self.limit:.6g} %"
 
 
-def fewest(need: Within, fine: Mesh, builder: Builder, *, strictly: float) -> Stage[Progress, Level]:
+def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) -> Stage[Progress, Level]:
     """The level of the fewest vertices found. ``fine``: what the need is about, the input of the hierarchy.
 
     fine: the mesh that the tolerance refers to, the input of the hierarchy.
     strictly: a clearance that every cage keeps, for the bound. Raises NestingError if not even the vertex count of the
     mesh inside is enough.
     """
+    if builder.plan.exact is not None:
+        return (yield from _fewest_exact(need, fine, builder))
     search = _Search(need, fine, builder)
     yield from search.try_walks(strictly)
     yield from search.try_counts()
     level = search.best
     if level is None:
         raise search.failure()
-    count, taken = len(level.cage.vertices), need.measured(level.cage, fine)
+    count, taken = len(level.cage.vertices), search.taken_by(level.cage)
+    bounded = need.distance is not None and not builder.plan.inside
     if need.distance is None:
         note = f"{count} vertices, {need}: {100.0 * taken:.4g} %."
     else:
-        least = f"no cage {need} has fewer than {search.bound}"
-        note = f"{count} vertices, {need}: {taken:.6g}; {least}."
-    fewest_possible = search.bound if need.distance is not None else None
+        least = f"; no cage {need} has fewer than {search.bound}" if bounded else ""
+        note = f"{count} vertices, {need}: {taken:.6g}{least}."
+    fewest_possible = search.bound if bounded else None
     told = Fault(note, "note.tolerance", limit=need.limit, taken=float(taken), count=count, fewest=fewest_possible)
     report = replace(level.report, fewest=fewest_possible, notes=(*level.report.notes, told))
     return replace(level, report=report)
 
 
-def fewest_convex(need: Within, fine: Mesh, builder: Builder) -> Stage[Progress, Level]:
-    """The level of the fewest vertices around each part, for convex cages. Raises NestingError."""
+def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Progress, Level]:
+    """The level of the fewest vertices around each part, where every count has its best cage. Raises NestingError."""
     most = len(builder.fine.vertices)
     for count in range(LEAST_PER_LOOP, most + 1):
         level = yield from builder.build(count)
@@ -124,13 +127,14 @@ def fewest_convex(need: Within, fine: Mesh, builder: Builder) -> Stage[Progress,
     raise NestingError(
         f"No convex cage {need} was found: even the hull goes beyond it; ask for more, or not for convex.",
         code="tolerance.unreachable",
+        limit=need.limit,
     )
 
 
 class _Search:
     """State of the search: the levels tried, and the best of them."""
 
-    def __init__(self, need: Within, fine: Mesh, builder: Builder) -> None:
+    def __init__(self, need: Within, fine: Mesh, builder: LevelBuilder) -> None:
         self.need, self.fine, self.builder = need, fine, builder
         self.inner = builder.fine
         self.bound = LEAST_PER_LOOP * len(fine.loops)
@@ -146,7 +150,7 @@ class _Search:
     def try_walks(self, strictly: float) -> Stage[Progress, None]:
         """Compute the bound, and try polygons of longest edges as starts."""
         distance = self.need.distance
-        if distance is None:
+        if distance is None or self.builder.plan.inside:
             return
         yield from self.builder.progress.begin("decimation")
         loops = range(len(self.fine.loops))
@@ -198,6 +202,20 @@ class _Search:
             if not (yield from self._try(middle)):
                 low = middle
 
+    def taken_by(self, cage: Mesh) -> float:
+        """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""
+        if not self.builder.plan.inside:
+            return self.need.measured(cage, self.fine)
+        return reach(self.fine, cage) if self.need.distance is not None else 1.0 - cage.area / self.fine.area
+
+    def is_met(self, cage: Mesh) -> bool:
+        """Whether a cage stays within the tolerance."""
+        if not self.builder.plan.inside:
+            return self.need.is_met(cage, self.fine)
+        if self.need.distance is not None:
+            return stays_within(self.fine, cage, self.need.distance)
+        return self.taken_by(cage) <= self.need.limit
+
     def failure(self) -> NestedCagesError:
         """Why there is no level."""
         if self.error is not None and not np.isfinite(self.taken):
@@ -246,21 +264,22 @@ class _Search:
             return False
         if len(level.cage.vertices) >= self.count:
             return False
-        for cut in _cuts(level):
-            if not self.need.is_met(cut.cage, self.fine):
+        for cut in _cuts(level, self.builder.plan):
+            if not self.is_met(cut.cage):
                 continue
-            if isinstance(self.builder, GridLevelBuilder) and cut is not level:  # an earlier step is not on the grid
-                found = yield from self.builder.on_grid(cut)
-                if found is None or not self.need.is_met(found.cage, self.fine):
+            settling = self.builder.settling
+            if settling is not None and cut is not level:  # an earlier step is not on the numbers
+                found = yield from settling.settled(cut)
+                if found is None or not self.is_met(found.cage):
                     continue
                 cut = found
             self.best = cut
             return True
-        self.taken = min(self.taken, self.need.measured(level.cage, self.fine))
+        self.taken = min(self.taken, self.taken_by(level.cage))
         return False
 
 
-def _cuts(level: Level) -> Iterator[Level]:
+def _cuts(level: Level, plan: Plan) -> Iterator[Level]:
     """The level, then levels that end at an earlier step of its tightening, where these are certified too."""
     yield level
     way, report = level.reinflation, level.report
@@ -269,8 +288,14 @@ def _cuts(level: Level) -> Iterator[Level]:
     for last in earlier[::-1].tolist():
         cage = level.coarse.moved(way.cage_steps[last])
         same_loops = level.coarse.has_loops_like(level.fine)
-        certificate = verify(cage, level.fine, report.wanted_clearance, same_loops=same_loops)
-        if certificate:
+        certificate = plan.verify(cage, report.wanted_clearance, same_loops=same_loops)
+        if certificate and (plan.numbers is not None or plan.fault(cage) is None):
             shorter = Reinflation(way.moving_steps, way.cage_steps[: last + 1], way.iterations)
-            measures = replace(report, clearance=certificate.clearance, excess=certificate.excess, grid=None)
+            measures = replace(
+                report,
+                clearance=certificate.clearance,
+                excess=cage.area / level.fine.area - 1.0,
+                grid=None,
+                stored=None,
+            )
             yield replace(level, cage=cage, reinflation=shorter, report=measures)

@@ -88,6 +88,9 @@ def test_objects_that_cannot_be_caged_are_named(extension: ModuleType) -> None:
         extension.cages([camera])
     with pytest.raises(ValueError, match="No objects"):
         extension.cages([])
+    for wrong in (["A"], [None], "A"):
+        with pytest.raises(ValueError, match="is not an object: give objects"):
+            extension.cages(wrong)
 
 
 @pytest.mark.slow

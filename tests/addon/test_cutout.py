@@ -67,7 +67,7 @@ def plane(image: Any) -> Any:
 def cut(**options: Any) -> Any:
     bpy.context.view_layer.update()
     assert bpy.ops.object.nested_cages_cutout(**options) == {"FINISHED"}
-    return next(obj for obj in bpy.data.objects if obj.name in ("part", "leg") and obj.type == "MESH")
+    return next(obj for obj in bpy.data.objects if obj.name in ("part", "leg", "tile") and obj.type == "MESH")
 
 
 def faces(obj: Any) -> Any:
@@ -129,8 +129,22 @@ def test_several_files_share_nothing_but_the_scene(tmp_path) -> None:
     for name in ("arm.png", "leg.png"):
         file_of(picture(name), tmp_path)
     cut(directory=str(tmp_path), files=[{"name": "arm.png"}, {"name": "leg.png"}])
+    arm, leg = (in_world(obj, evaluated(obj))[:, 0] for obj in (bpy.data.objects["arm"], bpy.data.objects["leg"]))
+    assert arm.max() < 0.0 < leg.min()
     for name in ("arm", "leg"):
         assert_follows(bpy.data.objects[name])
+
+
+@pytest.mark.parametrize(("options", "grown"), [({}, 0.0), ({"padding": 2.0}, 2.0)])
+def test_an_opaque_tile_grows_only_if_asked(options: dict[str, float], grown: float) -> None:
+    image = bpy.data.images.new("tile.png", 32, 16, alpha=True)
+    image.pixels.foreach_set(np.ones(32 * 16 * 4, np.float32))
+    empty(image).empty_display_size = 32.0
+    obj = cut(bind=False, **options)
+    points = in_world(obj, evaluated(obj))
+    assert np.ptp(points, axis=0)[:2] == pytest.approx((32.0 + 2.0 * grown, 16.0 + 2.0 * grown), abs=1e-2)
+    if not grown:
+        assert len(obj.data.vertices) == 4 or (np.abs(points[:, :2]) <= (16.0, 8.0)).all()
 
 
 def test_an_image_empty_is_cut_out_where_it_is() -> None:

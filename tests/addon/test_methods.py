@@ -11,7 +11,7 @@ from drawings import at_frame, lines, poly_curve, solid, star
 
 # What each choice is in the core, told apart from the add-on's own table.
 EXPECTED = {
-    ("decimation", "ON_CURVE"): "OnCurve(",
+    ("decimation", "ON_CURVE"): "LineCycles(",
     ("decimation", "OUTER_HULL"): "OuterHull(",
     ("decimation", "ARC_LENGTH"): "ArcLength()",
     ("decimation", "DOUGLAS_PEUCKER"): "DouglasPeucker()",
@@ -96,7 +96,7 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
         contact="PAPER", repairs=frozenset(), tighten=False, fall_back=False, starts=1
     )
     plain = core.Settings(
-        decimation=core.OnCurve(),
+        decimation=core.LineCycles(),
         fallback=None,
         starts=1,
         flow=core.AUGMENTED_2022.flow,

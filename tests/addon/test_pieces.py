@@ -117,6 +117,32 @@ def test_an_active_body_falls_as_one_with_its_pieces() -> None:
     assert place.z < -1.0
     assert abs(place.x) < 0.2
     assert pieces[0].evaluated_get(graph).matrix_world.translation.z < -1.0
+    assert obj.evaluated_get(graph).matrix_world.translation.z == pytest.approx(place.z, abs=0.3)
+
+
+def test_an_active_body_carries_the_drawing_and_its_cages() -> None:
+    source = poly_curve("Drawing", [star()])
+    source.location, source.rotation_euler = (1.0, 2.0, 0.5), (0.0, 0.0, 0.4)
+    bpy.ops.object.nested_cages_generate(levels="20, 10")
+    bpy.ops.object.select_all(action="DESELECT")
+    cage = bpy.data.objects["Drawing Cage 2"]
+    cage.select_set(True)
+    bpy.context.view_layer.objects.active = cage
+    bpy.context.view_layer.update()
+    shown = {name: np.array(bpy.data.objects[name].matrix_world) for name in ("Drawing", "Drawing Cage 1", cage.name)}
+    assert bpy.ops.object.nested_cages_pieces(body="ACTIVE") == {"FINISHED"}
+    body = bpy.context.object
+    bpy.context.view_layer.update()
+    for name, place in shown.items():
+        assert np.allclose(bpy.data.objects[name].matrix_world, place, atol=1e-6)
+    for frame in range(1, 20):  # it falls
+        bpy.context.scene.frame_set(frame)
+    graph = bpy.context.evaluated_depsgraph_get()
+    fallen = body.evaluated_get(graph).matrix_world.translation.z - 0.5
+    assert fallen < -0.5
+    for name, place in shown.items():
+        height = bpy.data.objects[name].evaluated_get(graph).matrix_world.translation.z
+        assert height == pytest.approx(place[2, 3] + fallen, abs=1e-3)
 
 
 def test_pieces_of_something_without_an_outline_are_refused() -> None:

@@ -14,6 +14,7 @@ from nestedcages_core import (
     Area,
     DouglasPeucker,
     InitialDisplacement,
+    LineCycles,
     Mesh,
     NestingError,
     OnCurve,
@@ -25,9 +26,9 @@ from nestedcages_core import (
 )
 from nestedcages_core.decimation import Start
 from nestedcages_core.level.attempts import (
-    HULL_FROM,
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
+    OUTSIDE_FROM,
     Attempt,
     StartOutcome,
     attempts,
@@ -51,22 +52,31 @@ def kinds(found: list[Attempt]) -> list[tuple[str, bool, bool]]:
 
 
 class TestOrder:
+    def test_line_cycles_are_followed_by_the_hull(self) -> None:
+        assert kinds(tried(Settings(), 12)) == [
+            ("LineCycles", False, True),
+            ("OuterHull", True, True),
+            ("OuterHull", True, False),
+        ]
+
     def test_meshes_on_the_curve_have_searched_the_fallback_already(self) -> None:
-        assert kinds(tried(Settings(), 12)) == [("OnCurve", False, True), ("OnCurve", False, False)]
+        found = tried(Settings(decimation=OnCurve()), 12)
+        assert kinds(found) == [("OnCurve", False, True), ("OnCurve", False, False)]
 
     def test_large_shapes_start_from_the_best_hull(self) -> None:
-        large = Mesh.from_loops([ring(HULL_FROM)])
+        large = Mesh.from_loops([ring(OUTSIDE_FROM)])
         found = tried(Settings(decimation=OnCurve(OuterHull(seed=3)), fallback=OuterHull(seed=3)), 12, large)
         assert kinds(found) == [("OuterHull", False, True), ("OuterHull", False, False)]
         assert found[0].source == OuterHull(seed=3)
         assert found[0].starts == 1
         assert found[0].flow == Settings().flow
         (first, _) = tried(Settings(fallback=None), 12, large)
-        assert first.source == OnCurve()
+        assert first.source == LineCycles()
         assert first.starts == Settings().starts
+        assert tried(Settings(), 12, large)[0].source == LineCycles(on_curve=False)
 
     def test_another_hull_than_that_of_the_decimation_is_tried(self) -> None:
-        found = tried(Settings(fallback=OuterHull(restarts=7)), 12)
+        found = tried(Settings(decimation=OnCurve(), fallback=OuterHull(restarts=7)), 12)
         assert [attempt.source for attempt in found] == [OnCurve(), *2 * [OuterHull(restarts=7)]]
         assert kinds(
             tried(Settings(decimation=OnCurve(OuterHull(restarts=7)), fallback=OuterHull(restarts=7)), 12)
@@ -123,7 +133,7 @@ class TestOwnMeshes:
 
 class TestFlowAndContact:
     def test_where_hulls_compete_flow_and_contact_are_given_up_early(self) -> None:
-        quick, untightened = tried(Settings(), 12)
+        quick, untightened = tried(Settings(decimation=OnCurve()), 12)
         assert isinstance(quick.flow, TwoSidedFlow)
         assert quick.flow.limit < TwoSidedFlow().limit and not quick.flow.detours
         assert len(quick.contacts) == 1 and untightened.flow == quick.flow
@@ -207,6 +217,16 @@ class TestInTurn:
         names = ran(starts, fine, [inf, inf, inf, inf])
         assert names == ["on the curve None", "outer hull 0", "outer hull 1", "outer hull 2"]
 
+    def test_a_single_start_is_tried_itself_where_its_mesh_is_tighter_than_the_cage_from_the_curve(self) -> None:
+        starts, fine = starts_for(on_curve=True)
+        bound = starts[0].coarse.area / fine.area - 1.0
+        for rank, names in (
+            (0.9 * bound, ["on the curve None"]),
+            (1.1 * bound, ["on the curve None", "outer hull 0"]),
+        ):
+            assert ran(starts[:1], fine, [rank, inf], seeks_area=True) == names
+            assert ran(starts[:1], fine, [rank, inf]) == names[:1]
+
     def test_without_falling_back_a_failure_ends_it(self) -> None:
         starts, fine = starts_for(on_curve=True)
         assert ran(starts, fine, [inf], may_fall_back=False) == ["on the curve None"]
@@ -253,7 +273,8 @@ class TestNotes:
         ray = np.stack([np.cos(turn), np.sin(turn)], axis=1)
         middle = (0.2 + 0.8 * turn / turn[-1])[:, None] * ray
         spiral = Mesh.from_loops([np.concatenate([middle + 0.05 * ray, (middle - 0.05 * ray)[::-1]])])
-        report = nested_cages(spiral, [20]).levels[0].report
+        assert nested_cages(spiral, [20]).levels[0].report.start == "line cycles"
+        report = nested_cages(spiral, [20], Settings(decimation=OnCurve())).levels[0].report
         assert report.start == "outer hull"
         assert report.notes == ("Started from the outer hull: with its vertices on the curve it would cross itself.",)
         assert nested_cages(spiral, [20], Settings(decimation=OuterHull())).levels[0].report.notes == ()

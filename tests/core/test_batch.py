@@ -8,6 +8,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -163,6 +164,45 @@ def test_a_result_is_used_again_for_the_same_shape_levels_and_settings_only(kind
     assert made_again(store, moved, [12, 8], Settings(clearance=1e-3), keep=outermost) == ["a", "b"]
     assert made_again(store, moved, half, Settings(clearance=1e-3), keep=outermost) == ["a", "b"]
     assert made_again(store, moved, half, Settings(clearance=1e-3), keep=outermost) == []
+
+
+FACTOR = 1.0
+
+
+class Chooser:
+    """Keeps one cage, or says how large a share of it is."""
+
+    def __init__(self, level: int, key: str | None = None) -> None:
+        self.level = level
+        if key is not None:
+            self.key = key
+
+    def __call__(self, made: Hierarchy) -> Mesh:
+        return made.cages[self.level]
+
+    method = __call__
+
+
+def area_by(made: Hierarchy, *, times: float = 1.0) -> float:
+    return float(np.abs(made.cages[-1].area)) * times * FACTOR
+
+
+def test_a_function_counts_by_all_that_it_refers_to(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, shapes = OutcomeFolder(tmp_path), {"a": star(5, 50)}
+
+    def is_made(keep: object) -> bool:
+        return made_again(folder, shapes, [12], keep=keep) == ["a"]
+
+    assert [is_made(area_by), is_made(area_by)] == [True, False]
+    monkeypatch.setitem(area_by.__kwdefaults__, "times", 2.0)
+    assert [is_made(area_by), is_made(area_by)] == [True, False]
+    monkeypatch.setitem(globals(), "FACTOR", 3.0)
+    assert [is_made(area_by), is_made(area_by)] == [True, False]
+    assert [is_made(partial(area_by, times=k)) for k in (2.0, 2.0, 3.0)] == [True, False, True]
+    assert [is_made(Chooser(0, key)) for key in ("first", "first", "second")] == [True, False, True]
+    for unreadable in (Chooser(0), Chooser(0).method, lambda made: Chooser(0)(made)):
+        with pytest.warns(NestedCagesWarning, match="not reused, since .* cannot be read; give `keep` a text"):
+            assert [is_made(unreadable), is_made(unreadable)] == [True, True]
 
 
 def test_a_folder_keeps_what_is_finished(tmp_path: Path) -> None:

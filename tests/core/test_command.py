@@ -35,7 +35,7 @@ from nestedcages_core.command.making import _processes
 from nestedcages_core.command.progress import ProgressLine, tell
 from nestedcages_core.errors import NestingError
 from nestedcages_core.exchange import features_from_geojson, pieces_from_engine_json
-from shapes import letter_a, polygon, star
+from shapes import letter_a, polygon, ring, star
 
 ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}  # on Windows no program starts without the system's own
@@ -170,7 +170,7 @@ def test_features_that_fail_do_not_lose_the_others(tmp_path: Path, capsys: pytes
     members = [region(0.0, "West"), {**lost, "geometry": rings}]
     (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
     out = tmp_path / "out.geojson"
-    assert main([str(tmp_path / "map.geojson"), "--levels", "5", "-o", str(out), "--quiet"]) == 1
+    assert main([str(tmp_path / "map.geojson"), "--levels", "5", "-o", str(out), "--quiet", "--strict"]) == 1
     assert "error: feature 1 (Lost): Level 1 asks for 5 vertices" in capsys.readouterr().err
     assert len(read_geojson(out).vertices) == 5
     assert main([str(tmp_path / "map.geojson"), "--levels", "6", "-o", str(tmp_path / "out.json"), "--quiet"]) == 1
@@ -217,6 +217,8 @@ def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, c
     assert [each["vertices"] for each in spiky["shapes"][0]["levels"]] == [30, 12]
     assert letter["errors"] == []
     measures = spiky["shapes"][0]["levels"][0]
+    assert re.search(r"star\.svg +1 +60 +30, 12 +[\d.]+ %, [\d.]+ % +[\d.]+\n", said.out)
+    assert re.search(r"broken\.svg +0 +0 .*1 failed", said.out)
     assert measures["strict"]
     assert measures["excess"] > 0.0
     assert spiky["written"] == [str(tmp_path / "cages" / "star.svg")]
@@ -225,6 +227,78 @@ def test_several_files_patterns_and_percentages(drawing: Path, tmp_path: Path, c
 
 
 @pytest.mark.slow
+def test_counts_give_way_to_the_least_that_a_shape_allows(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    rings = [ring(20) + np.array([3.0 * k, 0.0]) for k in range(8)]
+    (tmp_path / "a.svg").write_text(to_svg(Mesh.from_loops(rings)))
+    combs = [4.0 * ring(40), 3.9 * ring(40), 3.8 * ring(40)]  # triangles would cross each other
+    (tmp_path / "b.svg").write_text(to_svg(Mesh.from_loops(combs)))
+    member = {"type": "MultiPolygon", "coordinates": [[each.tolist()] for each in rings]}
+    (tmp_path / "c.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [
+        {"type": "Feature", "geometry": member, "properties": {}}, region(99.0, "West")]}))  # fmt: skip
+    opaque = np.zeros((9, 40), bool)
+    opaque[3:6, ::5] = True
+    (tmp_path / "d.png").write_bytes(png(opaque))
+    for name, least in (("a.svg", 24), ("b.svg", None), ("c.geojson", 24), ("d.png", 24)):
+        report = tmp_path / "report.json"
+        command = [str(tmp_path / name), "--levels", "16" if least else "10", "5", "--quiet"]
+        assert main([*command, "--report", str(report)]) == 0
+        found = re.search(
+            r"Level 2: 5 vertices are too few for this shape; (\d+) is the least", capsys.readouterr().err
+        )
+        least = least or int(found[1])
+        assert int(found[1]) == least > 9
+        shape = json.loads(report.read_text())["inputs"][0]["shapes"][0]
+        assert [level["vertices"] for level in shape["levels"]] == [least, least]
+        assert any("least found" in note for note in shape["levels"][0]["notes"])
+        assert main([*command, "--strict"]) == 1
+        assert re.search(r"at least \d+", capsys.readouterr().err)
+
+
+def test_levels_in_the_wrong_order_are_remarked(drawing: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main([str(drawing), "--levels", "40%", "60%", "--quiet"]) == 0
+    assert "note: Level 2 is finer than level 1: each level encloses the one before" in capsys.readouterr().err
+
+
+def test_borders_within_a_width_make_the_map_smaller(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    y = np.linspace(0.0, 10.0, 120)
+    border = np.stack((0.15 * np.sin(5.0 * y), y), axis=1)
+    west = np.concatenate((border, [(-9.0, 10.0), (-9.0, 0.0)]))
+    east = np.concatenate((border[::-1], [(9.0, 0.0), (9.0, 10.0)]))
+    members = [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [
+        [*land.tolist(), land[0].tolist()]]}} for land in (west, east)]  # fmt: skip
+    (tmp_path / "map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": members}))
+    found = {}
+    for option in (["--borders"], ["--borders", "0.5px"]):
+        report, out = tmp_path / "report.json", tmp_path / "out.geojson"
+        command = [str(tmp_path / "map.geojson"), "--levels", "6", "-o", str(out), "--report", str(report)]
+        assert main([*command, *option, "--quiet"]) == 0
+        assert "Level 1 at its borders: " in capsys.readouterr().out
+        (found[len(option)],) = json.loads(report.read_text())["inputs"][0]["borders"]
+        for member, feature in zip(members, features_from_geojson(out.read_bytes()), strict=True):
+            assert verify(feature.mesh, Mesh.from_geometry(member), same_loops=False)
+    assert found[1]["points_read"] == found[2]["points_read"] == 244
+    assert found[1]["points"] > 200 > 40 > found[2]["points"]
+    assert found[1]["overlap"] < found[2]["overlap"] < 0.06
+    assert found[2]["overlap"] < found[2]["overlap_uncut"]
+
+
+def test_a_closed_output_loses_no_work(drawing: Path, tmp_path: Path) -> None:
+    command = f"{sys.executable} -m nestedcages_core letter.svg --levels 24 -o out.svg --report"
+    for closing in (" r.json >&-", " r.json >&- 2>&-", " - >&-"):
+        done = subprocess.run(
+            command + closing,
+            shell=True,
+            cwd=tmp_path,
+            env=ENVIRONMENT,
+            stderr=subprocess.PIPE,
+            timeout=120,
+            check=False,
+        )
+        assert done.returncode == ("- >&-" in closing)
+        assert b"Traceback" not in done.stderr
+        assert (tmp_path / "out.svg").is_file()
+
+
 def test_streams_in_and_out(drawing: Path, tmp_path: Path) -> None:
     def piped(options: list[str], given: bytes) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "nestedcages_core", "-", "--quiet", *options]
@@ -361,10 +435,18 @@ def test_a_picture_without_transparency_is_remarked(tmp_path: Path, capsys: pyte
 
 
 def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> None:
-    with pytest.raises(SystemExit) as end:
-        main(["--help"])
-    assert end.value.code == 0
-    text = capsys.readouterr().out
+    def said(*words: str) -> str:
+        with pytest.raises(SystemExit) as end:
+            main([*words])
+        assert end.value.code == 0
+        return capsys.readouterr().out
+
+    short = said("--help")
+    assert len(short.splitlines()) <= 27
+    assert max(map(len, short.splitlines())) < 80
+    assert "--borders" in said("--help", "maps")
+    assert re.fullmatch(r"nested-cages \d+\.\d+.*\n", said("--version"))
+    text = said("-h", "all")
     options = "levels output format report limit clearance quiet tolerance element jobs padding threshold holes flip-y"
     options += " layers no-strokes no-background no-crop opacity borders"
     for option in [*options.split(), "triangles", "pieces", "inside"]:
@@ -400,7 +482,16 @@ def test_help_names_every_option_and_status(capsys: pytest.CaptureFixture) -> No
         (["letter.svg", "--levels", "24", "-o", "out.pdf"], 2, "a file is written if it ends in"),
         (["letter.svg", "--levels", "24", "-o", "no/out.svg"], 2, "there is no folder"),
         (["none.svg", "--levels", "24"], 1, "none.svg: No such file"),
-        (["letter.svg", "--levels", "5"], 1, "need at least 6"),
+        (["letter.svg", "--levels", "5", "--strict"], 1, "need at least 6"),
+        (
+            ["letter.svg", "--levels", "24", "-o", "o.svg", "--report", "./o.svg"],
+            2,
+            "./o.svg is written twice, as o.svg",
+        ),
+        (["letter.svg", "--levels", "24", "-o", "letter.svg"], 2, "letter.svg is the input letter.svg"),
+        (["letter.svg", "--levels", "24", "-o", "link.svg"], 2, "link.svg is the input letter.svg"),
+        (["letter.svg", "--levels", "24", "-o", "{stem}.svg"], 2, "is the input letter.svg"),
+        (["letter.svg", "--levels", "24", "--grid", "1", "--decimals", "2"], 2, "give only one of them"),
         (["letter.svg", "--levels", "24", "--element", "x"], 1, "no element with the id 'x'"),
         (["empty.geojson", "--levels", "24"], 1, "no polygons"),
         (["fake.png", "--levels", "24"], 1, "not a PNG"),
@@ -416,6 +507,7 @@ def test_what_goes_wrong_is_said(
     sentence: str,
 ) -> None:
     monkeypatch.chdir(drawing.parent)
+    Path("link.svg").symlink_to("letter.svg")
     Path("fake.png").write_bytes(b"GIF89a")
     Path("deep.geojson").write_text("[" * 100_000)
     Path("empty.geojson").write_text('{"type": "FeatureCollection", "features": []}')

@@ -130,7 +130,7 @@ def test_pruning_keeps_what_implies_the_rest(around: tuple[Bodies, np.ndarray, P
     contacts = measure(pairs, x)
     pairs, contacts = resolve_corners(bodies, pairs, contacts, x, 0.0)
     room = contacts.distance.copy()
-    keep = not_implied(pairs, contacts, room, 0.0)
+    keep = not_implied(pairs, contacts, room)
     assert 0 < keep.sum() < len(pairs)
     J = rows_as_matrix(bodies, pairs, contacts)
     rng = np.random.default_rng(3)
@@ -142,43 +142,6 @@ def test_pruning_keeps_what_implies_the_rest(around: tuple[Bodies, np.ndarray, P
             assert after.min() >= -1e-12
             checked += 1
     assert checked > 20
-
-
-def ring_in_hexagon(count: int) -> tuple[Pairs, Contacts]:
-    """The pairs of a round fine mesh in a hexagon, whose edges have many contacts each, measured."""
-    fine, coarse = Mesh.from_loops([ring(count, 1.0)]), Mesh.from_loops([ring(6, 1.2)])
-    x = np.concatenate([coarse.vertices, fine.vertices])
-    pairs = find_pairs(Bodies.of(coarse, fine), x, 0.5)
-    return pairs, measure(pairs, x)
-
-
-def test_thinning_errs_by_its_tolerance() -> None:
-    pairs, contacts = ring_in_hexagon(400)
-    tolerance = 1e-3
-    thinned = not_implied(pairs, contacts, contacts.distance, tolerance)
-    whole = not_implied(pairs, contacts, contacts.distance, 0.0)
-    inner = contacts.on_line & (np.arange(len(pairs)) < pairs.fine_cage.stop)
-    assert thinned[inner].sum() < 0.3 * whole[inner].sum()
-    for edge in range(6):  # every contact lies above the chain of those that are kept, but for the tolerance
-        on = (pairs.start == edge) & (pairs.point >= 6) & contacts.on_line
-        kept = on & thinned
-        order = np.argsort(contacts.parameter[kept])
-        chain = np.interp(contacts.parameter[on], contacts.parameter[kept][order], contacts.distance[kept][order])
-        assert np.all(contacts.distance[on] >= chain - 10.0 * tolerance)
-
-
-@pytest.mark.parametrize("count", [397, 400, 403])
-def test_thinning_leaves_no_contact_within_its_tolerance_of_a_chord(count: int) -> None:
-    pairs, contacts = ring_in_hexagon(count)
-    tolerance = 1e-3
-    kept = not_implied(pairs, contacts, contacts.distance, tolerance) & contacts.on_line
-    for edge in range(6):
-        on = np.flatnonzero(kept & (pairs.start == edge) & (pairs.point >= 6))
-        on = on[np.argsort(contacts.parameter[on])]
-        t, distance = contacts.parameter[on], contacts.distance[on]
-        assert len(on) > 3
-        for k in range(1, len(on) - 1):
-            assert distance[k] + tolerance < np.interp(t[k], t[[k - 1, k + 1]], distance[[k - 1, k + 1]])
 
 
 def test_a_kept_list_has_all_pairs_that_may_meet(around: tuple[Bodies, np.ndarray, Pairs]) -> None:

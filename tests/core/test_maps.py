@@ -22,9 +22,11 @@ from nestedcages_core.exchange import (
     Map,
     features_from_geojson,
     from_geojson,
+    from_svg,
     read_geojson,
     read_map,
     to_geojson,
+    to_svg,
     write_geojson,
 )
 from shapes import polygon, ring
@@ -207,6 +209,15 @@ def test_hairlines_are_closed_with_their_number(width: float) -> None:
     assert len(found.mesh.loops) == 1
     assert found.mesh.area == pytest.approx(16.0, abs=1e-6)
     assert nested_cages(found.mesh, [5]).levels[0].report.strict
+
+
+def test_what_was_written_is_read_as_it_was_however_narrow() -> None:
+    spiky = Mesh.from_loops([[(0, 0), (4, 0), (4, 1), (7, 1), (7, 1 + 1e-7), (4, 1 + 1e-7), (4, 4), (0, 4)]])
+    assert from_geojson(to_geojson(spiky)) == spiky
+    assert from_svg(to_svg(spiky)) == spiky
+    (cleaned,) = read_map(to_geojson(spiky), clean=True).features
+    assert len(cleaned.mesh.vertices) == 6
+    assert "1 spike cut off" in cleaned.repairs[0]
 
 
 def test_valid_polygons_keep_every_bit() -> None:

@@ -11,10 +11,12 @@ import pytest
 from nestedcages_core import (
     IPC,
     Area,
+    LineCycles,
     Mesh,
     Mirror,
     NestedCagesError,
     NoEnergy,
+    OnCurve,
     OuterHull,
     SequentialQP,
     Settings,
@@ -197,32 +199,33 @@ def test_results_are_the_same_bits_whatever_was_asked_for_before(shape) -> None:
 
 def test_another_energy_repeats_nothing_but_the_tightening(monkeypatch) -> None:
     fine, copy = star(), star()
-    nested_cages(fine, [20], Settings(starts=1))
+    nested_cages(fine, [20])
 
     def fail(*_: object, **__: object) -> Iterator[float]:
         yield 0.0
         raise AssertionError("again")
 
-    for method in ((OuterHull, "hulls"), (TwoSidedFlow, "run"), (SequentialQP, "reinflate")):
+    for method in ((LineCycles, "starts"), (TwoSidedFlow, "run"), (SequentialQP, "reinflate")):
         monkeypatch.setattr(*method, fail)
-    report = nested_cages(copy, [20], Settings(starts=1, energy=ShapeKeeping())).levels[0].report
+    report = nested_cages(copy, [20], Settings(energy=ShapeKeeping())).levels[0].report
     assert report.start == "flow"
     with pytest.raises(AssertionError, match="again"):
-        nested_cages(star(9, 181), [20], Settings(starts=1))
+        nested_cages(star(9, 181), [20])
 
 
 def test_a_small_clearance_shares_the_hulls_of_another_one(monkeypatch) -> None:
     fine = star()
-    nested_cages(fine, [20], Settings(clearance=1e-5 * fine.diagonal))
+    nested_cages(fine, [20], Settings(decimation=OnCurve(), clearance=1e-5 * fine.diagonal))
 
     def fail(*_: object) -> None:
         raise AssertionError("a move")
 
     for move in ("_drop", "_extend", "_pivot"):
         monkeypatch.setattr(ProgressiveHull, move, fail)
-    assert nested_cages(fine, [20], Settings(clearance=3e-5 * fine.diagonal)).levels[0].report.start == "flow"
+    shared = nested_cages(fine, [20], Settings(decimation=OnCurve(), clearance=3e-5 * fine.diagonal)).levels[0]
+    assert shared.report.start == "flow"
     with pytest.raises(AssertionError, match="a move"):
-        nested_cages(fine, [20], Settings(clearance=1e-2 * fine.diagonal))
+        nested_cages(fine, [20], Settings(decimation=OnCurve(), clearance=1e-2 * fine.diagonal))
 
 
 def test_the_users_arrays_are_not_shared_with_later_results() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, Settings, nested_cages, verify_motion
+from nestedcages_core.checker import touches
 from nestedcages_core.contact.pairs import Pairs
 from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs
 from nestedcages_core.verification.linear_motion import never_meet
@@ -41,6 +42,25 @@ def test_every_instant_of_a_result_is_safe(fine: Mesh, level: int | Mesh, settin
         one, other = crossing_pairs(cage_tree)
         successor = result.cage.successor
         assert ((successor[one] == other) | (successor[other] == one)).all()
+
+
+def test_pairs_are_certified_where_exact_arithmetic_finds_no_contact_and_only_there() -> None:
+    """Points and edges that move between points of a small lattice, where contacts are common; the checker decides."""
+    before, after = np.random.default_rng(1).integers(-4, 5, (2, 3, 2, 4000))
+    meets = np.array([exactly_meet(before[:, :, k], after[:, :, k]) for k in range(before.shape[2])])
+    free = never_meet(before.astype(float), after.astype(float))
+    assert 400 < meets.sum() < 3600
+    assert np.array_equal(free, ~meets)
+
+
+def exactly_meet(before: np.ndarray, after: np.ndarray) -> bool:
+    """Whether a point and an edge, (3, 2) whole numbers before and after, meet in linear motion."""
+    u, v = ([place[0] - place[k] for place in (before, after)] for k in (1, 2))
+    products = [
+        [int(f(u[0], v[0])), int(f(u[0], v[1]) + f(u[1], v[0])), int(f(u[1], v[1]))]
+        for f in (lambda p, q: p[0] * q[1] - p[1] * q[0], np.dot)
+    ]
+    return touches(*products)
 
 
 def test_a_jump_through_the_wall_is_found() -> None:

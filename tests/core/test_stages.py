@@ -12,6 +12,8 @@ from nestedcages_core import (
     Mesh,
     NestedCagesRun,
     NestingError,
+    OnCurve,
+    Settings,
     animated_cages,
     inner_cages,
     nested_cages,
@@ -142,12 +144,13 @@ def test_a_listener_that_raises_stops_the_work_at_once() -> None:
 def test_every_stage_yields_often_enough_to_cancel() -> None:
     """Set-up, certificates, rejected steps and halves of a step yield as well: the test counts yields, not seconds.
 
-    The set-up of a decimation has a part of its own for gaps, for each scale of them and for the touching edges; a
+    The set-up of a hull has a part of its own for gaps, for each scale of them and for the touching edges; a
     certificate has one for each block of steps of the motion.
     """
     turn = ring(1900)
     fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
-    run = NestedCagesRun(fine, [24])
+    settings = Settings(decimation=OnCurve())
+    run = NestedCagesRun(fine, [24], settings)
     stages = [progress.stage for progress in run]
     level = run.hierarchy.levels[0]
     moves = (1900 - 24) // 512  # of the first run of the hull, at least
@@ -155,5 +158,6 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     assert stages.count("reinflation") >= 2 * (len(level.reinflation.moving_steps) - 1)  # two halves of each step
     assert stages.count("verification") >= 3  # one for each block of steps, whose size is bounded
     forget()
-    first_move = next(k for k, progress in enumerate(NestedCagesRun(fine, [24])) if progress.fraction > 0.0)
+    first_move = next(k for k, progress in enumerate(NestedCagesRun(fine, [24], settings)) if progress.fraction > 0.0)
     assert first_move >= 5
+    assert [progress.stage for progress in NestedCagesRun(fine, [24])].count("decimation") >= 3  # loops, and rounds

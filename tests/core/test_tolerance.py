@@ -147,8 +147,17 @@ def test_impossible_and_wrong_needs() -> None:
     ):
         with pytest.raises(NestedCagesError, match="Within"):
             Within(**wrong)
-    with pytest.raises(NestingError, match="inner cages need"):
-        inner_cages(fine, [Within(distance=0.1)])
+
+
+@pytest.mark.parametrize("need", [Within(distance=0.1), Within(excess=0.2)], ids=str)
+def test_inner_cages_within_a_tolerance(need: Within) -> None:
+    fine = star(5)
+    (level,) = inner_cages(fine, [need]).levels
+    taken = reach(fine, level.cage) if need.distance is not None else -level.report.excess
+    assert taken <= need.limit
+    assert level.report.fewest is None  # the bound is for cages around
+    with_one_less = inner_cages(fine, [len(level.cage.vertices) - 1]).levels[0]
+    assert (reach(fine, with_one_less.cage) if need.distance is not None else -with_one_less.report.excess) > need.limit
 
 
 def test_levels_as_people_write_them() -> None:

@@ -5,13 +5,12 @@ mesh."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...geometry.mesh import Mesh, Nesting
-from ...tasks import Stage
+from ...tasks import Stage, drain
 from ..base import Count, Start
 from ..outline import Outline
 from ..request import Request
@@ -24,6 +23,8 @@ SOURCE = "inner hull"
 @dataclass(frozen=True, eq=False)
 class InnerRequest(Request):
     """A request for a coarse mesh inside the fine one; the loops of the outline are reversed."""
+
+    side = -1
 
     @classmethod
     def of(cls, fine: Mesh, count: Count) -> InnerRequest:
@@ -40,16 +41,25 @@ class InnerRequest(Request):
         return Nesting(self.fine, coarse).encloses_loop_by_loop()
 
 
-def inner_hulls(
-    search: OuterHull, fine: Mesh, count: Count | Sequence[int], *, clearance: float, most: int
-) -> Stage[float, list[Start]]:
-    """Up to ``most`` different meshes strictly inside the fine one, largest area first.
+@dataclass(frozen=True)
+class InnerHull:
+    """Meshes strictly inside the fine one."""
 
-    count and clearance are those of `OuterHull.starts`. A generator: yields the fraction done and returns the list.
-    Raises NestingError if the count is impossible, with the smallest one found.
-    """
-    hulls = yield from search.hulls(InnerRequest.of(fine, count), clearance, most)
-    return [Start(mesh, SOURCE) for mesh, _ in hulls]
+    hull: OuterHull = field(default_factory=OuterHull)
+    """The search."""
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """The hull of largest area; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
+        """Up to ``most`` different meshes strictly inside the fine one, largest area first.
+
+        count and clearance are those of `OuterHull.starts`. Raises NestingError if the count is impossible, with the
+        smallest one found.
+        """
+        hulls = yield from self.hull.hulls(InnerRequest.of(fine, count), clearance, most)
+        return [Start(mesh, SOURCE) for mesh, _ in hulls]
 
 
 def _walked_back(outline: Outline) -> Outline:

@@ -160,7 +160,7 @@ class _Reading:
         narrow: list[str] = []
         if page is not None:
             areas = _on_page(areas, page, cut_off, reading.budget)
-        width = HAIRLINE * reading.tolerance
+        width = HAIRLINE * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
         mesh = solid(areas, seam=width, spike=width, budget=reading.budget, notes=narrow)
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]

@@ -1,24 +1,22 @@
-"""One level of convex cages: the smallest convex polygon with a given number of vertices around each part."""
+"""Convex cages: the smallest convex polygon with a given number of vertices around each part."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from ...contact.pairs import Bodies
-from ...contact.reinflation import Reinflation
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, NestingError
-from ...flow import FlowResult
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
 from ...geometry.vectors import norm
-from ...level.choices import Choices
-from ...level.plan import Plan
+from ...level.plan import Need, Plan, Solution
 from ...level.progress import LevelProgress
-from ...level.report import Level, NestingReport, Progress
+from ...level.report import Progress
 from ...level.units import SolverUnits
 from ...tasks import Stage
 from ...verification import Certificate, verify
@@ -33,29 +31,60 @@ SOURCE = "convex hull"
 """Name of the start of these cages in reports."""
 
 
-class ConvexLevelBuilder:
-    """Makes convex cages, one around each part of ``fine``; holes are filled."""
+@dataclass(frozen=True)
+class Convex(Need):
+    """Convex cages, one around each part; holes are filled."""
 
-    def __init__(self, plan: Plan, clearances: tuple[float, ...], settings: Choices, progress: LevelProgress) -> None:
-        self.plan, self.clearances, self.settings, self.progress = plan, clearances, settings, progress
-        fine = self.fine = plan.fine
+    def fill(self, plan: Plan) -> Plan:
+        """The solver. Raises NestingError for cages inside, whose complement is not convex, and symmetric ones."""
+        if plan.inside:
+            raise NestingError(
+                "Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.",
+                code="convex.impossible",
+            )
+        return replace(plan, exact=_solved)
+
+    def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
+        """Whether all loops are convex."""
+        return None if is_convex(cage) else Fault("The cage is not convex.", "convex.missed")
+
+    def mended(self, plan: Plan, cage: Mesh) -> tuple[Mesh, Fault] | None:
+        """The convex hull of a cage with dents."""
+        if is_convex(cage):
+            return None
+        hull = without_dents(cage)
+        count, most = len(cage.vertices), len(hull.vertices)
+        said = f"On the grid, {count} vertices make no convex cage: it has {most} at most."
+        return hull, Fault(said, "note.count", asked=count, given=most, on="grid")
+
+
+def _solved(
+    fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...], progress: LevelProgress
+) -> Stage[Progress, Solution]:
+    """The convex cage with ``wanted`` vertices around each part. Raises NestingError."""
+    if isinstance(wanted, Mesh):
+        raise NestingError(
+            "A convex cage is asked for by a number of vertices, not by a coarse mesh.", code="setting.conflict"
+        )
+    if wanted < LEAST_PER_LOOP:
+        raise NestingError(
+            f"A convex cage needs at least {LEAST_PER_LOOP} vertices, not {wanted}.",
+            code="count.too_small",
+            total=wanted,
+            least=LEAST_PER_LOOP,
+        )
+    return (yield from _Solver(fine, clearances, progress).solve(wanted))
+
+
+class _Solver:
+    def __init__(self, fine: Mesh, clearances: tuple[float, ...], progress: LevelProgress) -> None:
+        self.fine, self.clearances, self.progress = fine, clearances, progress
         self.units = SolverUnits.of(fine)
         self.parts = [k for k in range(len(fine.loops)) if fine.parent_of_loop[k] < 0]
         """Loops that are not enclosed by another loop."""
 
-    def build(self, wanted: int | Mesh) -> Stage[Progress, Level]:
-        """The level with ``wanted`` vertices around each part. Raises NestingError."""
-        if isinstance(wanted, Mesh):
-            raise NestingError(
-                "A convex cage is asked for by a number of vertices, not by a coarse mesh.", code="setting.conflict"
-            )
-        if wanted < LEAST_PER_LOOP:
-            raise NestingError(
-                f"A convex cage needs at least {LEAST_PER_LOOP} vertices, not {wanted}.",
-                code="count.too_small",
-                total=wanted,
-                least=LEAST_PER_LOOP,
-            )
+    def solve(self, wanted: int) -> Stage[Progress, Solution]:
+        """The cage. Raises NestingError."""
         yield from self.progress.begin("decimation")
         problem = "its corners are too close together for floating-point numbers"
         for clearance in self.clearances:
@@ -70,7 +99,7 @@ class ConvexLevelBuilder:
                 yield from self.progress.begin("verification")
                 certificate = verify(cage, self.fine, clearance, same_loops=False)
                 if certificate and is_convex(cage):
-                    return self._level(cage, hulls, polygons, wanted, clearance, certificate)
+                    return self._solution(cage, hulls, polygons, wanted, clearance, certificate)
         raise NestingError(f"There is no convex cage around this shape: {problem}.", code="convex.overlapping")
 
     def _polygons(self, hulls: list[Hull], wanted: int) -> Stage[Progress, list[Tangents] | None]:
@@ -108,7 +137,7 @@ class ConvexLevelBuilder:
                 )
         return f"those of its parts, with {wanted} vertices each, would overlap; use more vertices"
 
-    def _level(
+    def _solution(
         self,
         cage: Mesh,
         hulls: list[Hull],
@@ -116,8 +145,8 @@ class ConvexLevelBuilder:
         wanted: int,
         clearance: float,
         certificate: Certificate,
-    ) -> Level:
-        """The level of a certified cage."""
+    ) -> Solution:
+        """A certified cage with its steps and notes."""
         steps = self._steps(cage, hulls, polygons)
         notes: tuple[Fault, ...] = ()
         if not cage.has_loops_like(self.fine):
@@ -144,21 +173,7 @@ class ConvexLevelBuilder:
                     given=clearance,
                 ),
             )
-        self.progress.stop_clock()
-        report = NestingReport(
-            strict=certificate.strict,
-            simple=certificate.simple,
-            clearance=certificate.clearance,
-            wanted_clearance=clearance,
-            excess=certificate.excess,
-            start=SOURCE,
-            iterations={"flow": 0, "reinflation": 0, "tightening": len(steps) - 1},
-            seconds=dict(self.progress.seconds),
-            notes=notes,
-        )
-        resting = Reinflation(self.fine.vertices[None], steps, 0)
-        flow = FlowResult(self.fine.vertices[None], 0, "inside")
-        return Level(self.fine, cage.moved(steps[0]).validated(), cage, flow, resting, report)
+        return Solution(cage, steps, certificate, clearance, SOURCE, notes)
 
     def _steps(self, cage: Mesh, hulls: list[Hull], polygons: list[Tangents]) -> FloatArray:
         """(K + 1, m, 2) steps from the hull without its least important edges, if that motion is collision-free."""

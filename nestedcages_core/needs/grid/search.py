@@ -22,6 +22,7 @@ from ...geometry.predicates import winding_number
 from ...geometry.shortest_cycle import shortest_cycle
 from ...geometry.signed_distance import SignedDistance
 from ...geometry.vectors import cross, norm, rotated_right
+from ...level.plan import EdgeCost
 from ...tasks import Stage
 
 FIRST_REACHES = (1, 2, 4)
@@ -50,14 +51,14 @@ OFF_THE_WALL = 1e-9
 
 
 def put_on_grid(
-    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, inside: bool
+    cage: Mesh, fine: Mesh, grid: Grid, *, clearance: float, inside: bool, edge_cost: EdgeCost | None = None
 ) -> Stage[float, FloatArray | None]:
     """(m, 2) grid points for the vertices of a cage around a fine mesh, or inside it; None if none were found.
 
-    clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. A generator:
-    yields a fraction after every improvement.
+    clearance: smallest distance to keep from the fine mesh, above 0, as in the coordinates of the meshes. edge_cost:
+    what is minimised; None: the area. A generator: yields a fraction after every improvement.
     """
-    search = _Search(cage, fine, grid, clearance, -1.0 if inside else 1.0)
+    search = _Search(cage, fine, grid, clearance, -1.0 if inside else 1.0, edge_cost)
     found: IntArray | None = None
     for reach in FIRST_REACHES:
         found = search.chosen(search.first_layers(reach))
@@ -95,6 +96,7 @@ class _Search:
     clearance: float
     sense: float
     """1 for a cage around the fine mesh, -1 for one inside it."""
+    edge_cost: EdgeCost | None = None
     origin: IntArray = field(init=False)
     """(2,) origin of areas."""
 
@@ -105,10 +107,17 @@ class _Search:
 
     def cost(self, places: IntArray) -> float:
         """Of a choice (m, 2)."""
-        return float(self._costs(places, places[self.cage.successor]).sum())
+        ends = places[self.cage.successor]
+        if self.edge_cost is None:
+            return float(self._costs(0, places, ends).sum())
+        return float(sum(self._costs(k, places[k : k + 1], ends[k : k + 1])[0] for k in range(len(places))))
 
-    def _costs(self, one: IntArray, other: IntArray) -> FloatArray:
-        """(...,) of the edges between places (..., 2): their share of the area, in squared steps, and of the length."""
+    def _costs(self, vertex: int, one: IntArray, other: IntArray) -> FloatArray:
+        """(K,) of an edge between places (K, 2): its share of the energy, in squared steps, and of the length."""
+        if self.edge_cost is not None:
+            p, q = self.grid.points(one), self.grid.points(other)
+            shares = self.edge_cost(vertex, p, q) / self.grid.spacing**2
+            return np.asarray(shares + LENGTH_COST * norm((other - one).astype(np.float64)))
         a, b = (one - self.origin).astype(np.float64), (other - self.origin).astype(np.float64)
         return np.asarray(0.5 * self.sense * cross(a, b) + LENGTH_COST * norm(b - a))
 
@@ -207,7 +216,7 @@ class _Search:
             kept = self._stays_beside(p[i], q[j], *line, self.fine.vertices[self.fine.loops[loop][0]])
             i, j = i[kept], j[kept]
         costs = np.full((len(one), len(other)), np.inf)
-        costs[i, j] = self._costs(one[i], other[j])
+        costs[i, j] = self._costs(vertex, one[i], other[j])
         self.known[key] = costs
         return costs
 

@@ -11,12 +11,12 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation import Decimation, OnCurve, OuterHull
+from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.hull.importance import PIN_REACH, Importance
 from ...energies import Area, BoundSum, CageEnergy
 from ...errors import Fault, NestingError
-from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.mesh.validation import place
@@ -118,6 +118,8 @@ class Priorities(Need):
         return most, (Fault(said, "note.count", asked=count, given=most),)
 
     def _applied(self, decimation: Decimation) -> Decimation:
+        if isinstance(decimation, LineCycles):
+            decimation = OnCurve()
         if isinstance(decimation, OnCurve):
             return replace(decimation, hull=replace(decimation.hull, importance=self.importance))
         if isinstance(decimation, OuterHull):
@@ -160,12 +162,12 @@ class Priorities(Need):
         """(P, 2) target positions of pinned vertices, and (P,) their distances from the mesh."""
         reach = PIN_REACH * inner.diagonal + MAX_MITRE * clearance
         ahead = inner.edge_ends - inner.vertices
-        normal = rotated_right(ahead) / norm(ahead)[:, None]
+        normal = rotated_right(ahead) / np.maximum(np.hypot(*ahead.T), TINY)[:, None]
         before = normal[inner.predecessor]
         # the corner of two edges that both move outwards by 1
         mitre = (normal + before) / np.maximum(1.0 + (normal * before).sum(axis=1), 1.0 / MAX_MITRE**2)[:, None]
         length = norm(mitre)
-        mitre *= np.minimum(1.0, MAX_MITRE / length)[:, None]
+        mitre *= np.minimum(1.0, MAX_MITRE / np.maximum(length, TINY))[:, None]
         close = EdgeSearch(inner.vertices, inner.edge_ends).closest(pins)
         on_edge = inner.vertices[close.edge] + close.parameter[:, None] * ahead[close.edge]
         target, away = np.empty_like(pins), np.empty(len(pins))

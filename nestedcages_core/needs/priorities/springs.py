@@ -26,6 +26,11 @@ class Springs(CageEnergy):
         """A length²."""
         return 0.5 * self.stiffness * float(((vertices[self.vertex] - self.place) ** 2).sum())
 
+    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        """(K,) the springs of the edge's first vertex."""
+        pull = start[:, None] - self.place[self.vertex == vertex][None]
+        return np.asarray(0.5 * self.stiffness * (pull**2).sum(axis=(1, 2)))
+
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2)."""
         gradient = np.zeros_like(vertices)

@@ -70,6 +70,12 @@ class WeightedArea(CageEnergy):
         twice = cross(vertices, following) + cross(following, anchor[successor]) - cross(vertices, anchor)
         return 0.5 * float(self.weight @ twice) + self.constant
 
+    def on_edge(self, vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        """(K,) weighted areas between the edge and its stretch of the fine mesh, up to a constant."""
+        here, there = self.anchor[vertex], self.anchor[self.successor[vertex]]
+        twice = cross(start, end) + cross(end, np.broadcast_to(there, end.shape))
+        return np.asarray(0.5 * self.weight[vertex] * (twice - cross(start, np.broadcast_to(here, start.shape))))
+
     def gradient(self, vertices: FloatArray, successor: IntArray) -> FloatArray:
         """(m, 2)."""
         half = 0.5 * self.weight[:, None]

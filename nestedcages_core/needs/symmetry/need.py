@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from ...contact import SequentialQP
-from ...decimation import Decimation, OnCurve, OuterHull
+from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.group import Symmetry
@@ -17,10 +17,11 @@ from ...geometry.mesh import Mesh
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
 from ...level.choices import Choices
-from ...level.plan import Need, Plan
+from ...level.plan import Need, Numbers, Plan
 from ...level.symmetrised_start import orbits_of
 from ...verification.certificate import loops_in_words
 from .detection import Found
+from .symmetry import Mirror
 from .union import overlay
 
 Chosen = TypeVar("Chosen", bound=Choices)
@@ -30,6 +31,9 @@ SPECK = 1e-3
 
 BESIDE = 1e-6
 """Distance of a point in a hole from the middle of its longest edge, in lengths of that."""
+
+NEGLIGIBLE_SHIFT = 1e-6
+"""Shift of a symmetry to a grid, in diagonals, below which there is no note."""
 
 NEGLIGIBLE_CHANGE = 1e-6
 """Change of the area, in per cent, below which there is no note."""
@@ -49,6 +53,36 @@ class Symmetric(Need):
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
         """See `possible_count`."""
         return possible_count(count, plan.outline, self.group)
+
+    def fault(self, plan: Plan, cage: Mesh) -> Fault | None:
+        """Whether all vertices are images of each other, on the numbers of the plan."""
+        exact = cage if plan.numbers is None else cage.moved(plan.numbers.exact(cage.vertices))
+        orbits = orbits_of(exact, self.group)
+        if orbits is not None:
+            images = orbits.symmetrised(exact.vertices)
+            if np.array_equal(images if plan.numbers is None else plan.numbers.nearest(images), cage.vertices):
+                return None
+        return Fault(f"The cage does not have {self.group}.", "symmetry.missed")
+
+
+def on_lattice(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmetry, tuple[Fault, ...]]:
+    """The symmetry moved to the nearest lines of a grid, and a note. Raises NestingError if no such grid has it."""
+    possible = 0.0 in symmetry.direction if isinstance(symmetry, Mirror) else symmetry.order in (2, 4)
+    if not possible:
+        raise NestingError(
+            f"No grid has {symmetry}: only vertical and horizontal mirrors and rotations of order 2 and 4 map it to "
+            "itself; leave out the grid or the symmetry.",
+            code="symmetry.off_lattice",
+        )
+    name = "point" if isinstance(symmetry, Mirror) else "centre"
+    before = np.array(getattr(symmetry, name))
+    after = numbers.exact(before)
+    moved: Symmetry = replace(symmetry, **{name: tuple(after.tolist())})  # type: ignore[type-var]
+    shift = float(np.abs(after - before).max())
+    if shift <= NEGLIGIBLE_SHIFT * fine.diagonal:
+        return moved, ()
+    said = f"The symmetry is moved by {shift:.3g} to the grid: {moved}."
+    return moved, (Fault(said, "note.symmetry", symmetry=str(moved), difference=shift),)
 
 
 def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, tuple[Fault, ...]]:
@@ -84,6 +118,8 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
 
 
 def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
+    if isinstance(decimation, LineCycles):
+        decimation = OnCurve()
     if isinstance(decimation, OnCurve):
         return replace(decimation, hull=replace(decimation.hull, symmetry=symmetry))
     if isinstance(decimation, OuterHull):
@@ -101,9 +137,9 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     if orbits_of(fine, symmetry) is not None:
         return fine, ()
     images = [fine.moved(symmetry.image(fine.vertices, k)) for k in range(symmetry.order)]
-    if symmetry.reverses:
-        images = [Mesh(image.vertices, image.edges) for image in images]
     try:
+        if symmetry.reverses:
+            images = [Mesh(image.vertices, image.edges) for image in images]
         together = overlay(images, intersection=inside)
         if not inside:
             together = _without_pockets(together, images)

@@ -62,8 +62,7 @@ class Mirror:
             if axis is not None:
                 out[..., axis] = 2.0 * self._point[axis] - out[..., axis]
             else:
-                normal = self._normal()
-                out -= 2.0 * ((out - self._point) @ normal)[..., None] * normal
+                out -= 2.0 * self._away(out)
         return out
 
     def settled(self, points: FloatArray) -> FloatArray:
@@ -77,8 +76,13 @@ class Mirror:
         if axis is not None:
             out[..., axis] = self._point[axis]
             return out
-        normal = self._normal()
-        return out - ((out - self._point) @ normal)[..., None] * normal
+        return out - self._away(out)
+
+    def _away(self, points: FloatArray) -> FloatArray:
+        """From the line to points (..., 2); element by element, since a product of matrices rounds by its size."""
+        u, v = self._normal().tolist()
+        distance = u * (points[..., 0] - self._point[0]) + v * (points[..., 1] - self._point[1])
+        return np.stack([u * distance, v * distance], axis=-1)
 
     def placed(self, mesh: Mesh) -> Mirror:
         """The mirror with its point, that of a mesh if it has none."""

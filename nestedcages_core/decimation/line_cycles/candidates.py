@@ -1,0 +1,122 @@
+"""Candidate lines of one loop: tangents of stretches, long edges, lines over pockets, lines about corners."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.vectors import cross, norm
+from .chain import Chain, Lines
+from .places import DECIMALS
+
+STRETCHES = (1, 2, 3, 4, 6, 9, 13, 19, 28, 40, 60)
+"""Lengths of stretches, in places: about a factor of √2 apart."""
+
+ALWAYS = 9
+"""Length of stretches, in places, up to which they are used however few vertices each edge of the cage replaces."""
+
+LONG_EDGE = 0.3
+"""Length, in mean distances of places, from which an edge is a candidate itself."""
+
+TILTS = tuple((0.5 / 3.0**k) for k in range(9))
+"""Turns of lines about a corner, in turns of the corner: down to what a needle of a ten-thousandth needs."""
+
+BLUNT, NEEDLE = 0.6, 2.7
+"""Turn of a corner, in radians, from which lines turn about it a lot, and from which by the smallest tilts."""
+
+WIDE_TILT = 0.1
+"""Tilts above this are for blunt corners too, where places are few."""
+
+MANY_PLACES = 50
+"""Number of places from which tangents of stretches replace wide tilts."""
+
+TOUCHING = 1e-12
+"""Height below the outermost vertex of a stretch, in lengths of the longest chord, up to which a vertex is touched."""
+
+POCKET_SLACK = 1e-9
+"""Height above a line over a pocket, in squared lengths of the longest, up to which a neighbour lies below it."""
+
+
+def candidates(chain: Chain, at: IntArray, longest: float, shift: float) -> Lines:
+    """The candidate lines of a chain with places at some vertices (N,), in order.
+
+    longest: of the stretches, in places. shift: distance that lines will keep from the chain.
+    """
+    parts = [*_along_edges(chain, len(at)), *_over_pockets(chain, at), *_about_corners(chain, at, shift)]
+    for stretch in STRETCHES:
+        if stretch < len(at) and stretch <= max(longest, ALWAYS):
+            last = np.roll(at, -stretch)
+            parts.append(_tangents(chain, at, np.where(last <= at, last + chain.size, last)))
+    return Lines.joined(parts).ordered(chain)
+
+
+def _tangents(chain: Chain, first: IntArray, last: IntArray) -> Lines:
+    """Tangents along the chords of stretches of vertices first .. last, which may pass the end of the chain."""
+    direction = chain.vertices[last % chain.size] - chain.vertices[first]
+    length = norm(direction)
+    sound = length > 0.0
+    first, last, direction = first[sound], last[sound], direction[sound] / length[sound, None]
+    counts = last - first + 1
+    begins, stretch = np.cumsum(counts) - counts, np.repeat(np.arange(len(counts)), counts)
+    rows = np.arange(len(stretch))
+    number = rows - begins[stretch]
+    at = chain.vertices[(first[stretch] + number) % chain.size] - chain.vertices[0]
+    height = direction[stretch, 1] * at[:, 0] - direction[stretch, 0] * at[:, 1]
+    touched = height >= np.maximum.reduceat(height, begins)[stretch] - TOUCHING * length.max()
+    one = np.minimum.reduceat(np.where(touched, rows, len(rows)), begins)
+    two = np.maximum.reduceat(np.where(touched, rows, -1), begins)
+    middle = 0.5 * (at[one] + at[two]) + chain.vertices[0]
+    return Lines.of(middle, first + 0.5 * (number[one] + number[two]), direction)
+
+
+def _along_edges(chain: Chain, count: int) -> list[Lines]:
+    """Lines of long edges, at their middles and at their convex ends, beyond which neighbours may meet them."""
+    edge = np.flatnonzero(chain.lengths > LONG_EDGE * chain.length / count)
+    edge = (
+        edge if len(edge) <= 2 * count else np.argsort(-np.round(chain.lengths, DECIMALS), kind="stable")[: 2 * count]
+    )
+    convex = cross(np.roll(chain.edges, 1, axis=0), chain.edges) > 0.0
+    direction = chain.edges[edge] / chain.lengths[edge, None]
+    lines = [
+        Lines.of(chain.vertices[edge] + part * chain.edges[edge], edge + part, direction) for part in (0.0, 0.5, 1.0)
+    ]
+    return [lines[1], lines[0].take(convex[edge]), lines[2].take(convex[(edge + 1) % chain.size])]
+
+
+def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
+    """Lines that touch the chain at two places, over the pockets of least area; by each of the two contacts."""
+    here, count = chain.vertices[at], len(at)
+    before, after = chain.vertices[at - 1] - here, chain.vertices[(at + 1) % chain.size] - here
+    step = here[None] - here[:, None]
+    slack = -POCKET_SLACK * float((step * step).sum(axis=2).max())
+    touching = np.mod(np.arange(count)[None] - np.arange(count)[:, None] - 1, count) <= count - 2
+    for neighbour in (before[:, None], after[:, None], before[None], after[None]):
+        touching &= cross(step, neighbour) >= slack
+    i, j = np.nonzero(touching)
+    own, swept = here - chain.vertices[0], chain.swept[at]
+    area = cross(own[i], own[j]) - (swept[j] - swept[i] + np.where(j < i, chain.swept[-1], 0.0))
+    i, j, area = i[area > 0.0], j[area > 0.0], area[area > 0.0]
+    least = np.argsort(np.round(area, DECIMALS), kind="stable")
+    supports = (cross(step[i, j][:, None], here[None] - here[i][:, None]) >= slack).all(axis=1)[least]
+    least = np.concatenate((least[:count], least[count:][supports[count:]]))  # those of the convex hull in any case
+    i, j = i[least], j[least]
+    direction: FloatArray = step[i, j] / norm(step[i, j])[:, None]
+    passed = np.mod(at[j] - at[i], chain.size).astype(np.float64)
+    return [
+        Lines(here[k], at[k].astype(np.float64), direction, over) for k, over in ((i, np.zeros(len(i))), (j, passed))
+    ]
+
+
+def _about_corners(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
+    """Lines through convex corners, turned from their edges: about needles ever less, until the shift decides."""
+    turn = chain.turned(at, chain.edges[at])
+    parts = []
+    for tilt in TILTS:
+        for edge, sign in ((at - 1, 1.0), (at, -1.0)):
+            wide = tilt > WIDE_TILT
+            some = (turn > (BLUNT if wide else NEEDLE)) & (tilt * turn * chain.lengths[edge] > shift)
+            some &= (len(at) < MANY_PLACES) | (not wide)
+            angle = chain.angles[edge[some]] + sign * tilt * turn[some]
+            direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+            parts.append(Lines.of(chain.vertices[at[some]], at[some].astype(np.float64), direction))
+    return parts

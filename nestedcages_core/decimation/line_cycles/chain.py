@@ -1,0 +1,104 @@
+"""A loop as a chain of edges, and directed lines along it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.vectors import cross, norm, rotated_right
+
+SAME_LINE = 1e-6
+"""Sum of differences in place, direction and height, in diameters, below which two lines are one."""
+
+SAME_POINT = 1e-9
+"""Distance, in lengths of a ring, below which two vertices are one."""
+
+
+class Chain:
+    """A closed loop with its solid on the left. Places along it: vertex k is k, the middle of its edge k + ½."""
+
+    def __init__(self, vertices: FloatArray) -> None:
+        self.vertices = vertices
+        """(S, 2)."""
+        self.size = len(vertices)
+        self.edges = np.roll(vertices, -1, axis=0) - vertices
+        self.lengths: FloatArray = norm(self.edges)
+        self.length = float(self.lengths.sum())
+        self.angles: FloatArray = np.arctan2(self.edges[:, 1], self.edges[:, 0])
+        self.swept: FloatArray = np.concatenate(([0.0], np.cumsum(cross(vertices - vertices[0], self.edges))))
+        """(S + 1,) twice the area swept from vertex 0 to vertex k, seen from vertex 0."""
+
+    def turned(self, place: FloatArray | IntArray, direction: FloatArray) -> FloatArray:
+        """(K,) angles in [-π, π) from the edge before each place to a direction (K, 2)."""
+        before = self.angles[np.ceil(place).astype(np.int64) - 1]
+        angle: FloatArray = np.mod(np.arctan2(direction[:, 1], direction[:, 0]) - before + np.pi, 2.0 * np.pi) - np.pi
+        return angle
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """K directed lines in the order of their places along a chain."""
+
+    point: FloatArray
+    """(K, 2) a point of each line, its contact with the chain."""
+    place: FloatArray
+    """(K,) where on the chain that is."""
+    direction: FloatArray
+    """(K, 2) unit vectors; the solid lies to the left."""
+    passed: FloatArray
+    """(K,) how much of the chain before the contact each line passes over, in vertices; 0 unless over a pocket."""
+
+    @classmethod
+    def of(cls, point: FloatArray, place: FloatArray, direction: FloatArray) -> Lines:
+        """Lines that pass over nothing."""
+        return cls(point, place, direction, np.zeros(len(place)))
+
+    def __len__(self) -> int:
+        return len(self.place)
+
+    @classmethod
+    def joined(cls, parts: list[Lines]) -> Lines:
+        """All lines of several sets."""
+        return cls(
+            np.concatenate([part.point for part in parts]),
+            np.concatenate([part.place for part in parts]),
+            np.concatenate([part.direction for part in parts]),
+            np.concatenate([part.passed for part in parts]),
+        )
+
+    @property
+    def right(self) -> FloatArray:
+        """(K, 2) unit vectors away from the solid."""
+        return rotated_right(self.direction)
+
+    def take(self, which: IntArray | BoolArray) -> Lines:
+        """Some of the lines."""
+        return Lines(self.point[which], self.place[which], self.direction[which], self.passed[which])
+
+    def shifted(self, distance: float) -> Lines:
+        """The lines moved away from the solid."""
+        return Lines(self.point + distance * self.right, self.place, self.direction, self.passed)
+
+    def ordered(self, chain: Chain) -> Lines:
+        """The lines by place, and at one place by direction, without doubles."""
+        lines = Lines(self.point, np.mod(self.place, chain.size), self.direction, self.passed)
+        lines = lines.take(np.lexsort((-lines.passed, chain.turned(lines.place, lines.direction), lines.place)))
+        height = cross(lines.direction, lines.point - chain.vertices[0])
+        change = np.diff(lines.place) + np.abs(np.diff(lines.direction, axis=0)).max(axis=1) + np.abs(np.diff(height))
+        return lines.take(np.concatenate(([True], change > SAME_LINE))[: len(lines.place)])
+
+    def meeting(self) -> FloatArray:
+        """(K, 2) where each line meets the one before it in the cycle."""
+        point, direction = np.roll(self.point, 1, axis=0), np.roll(self.direction, 1, axis=0)
+        step = cross(self.point - point, self.direction) / cross(direction, self.direction)
+        ring: FloatArray = point + step[:, None] * direction
+        return ring
+
+
+def without_doubles(ring: FloatArray) -> FloatArray:
+    """The ring (k, 2) without vertices at the place of the one before."""
+    away = norm(ring - np.roll(ring, 1, axis=0))
+    distinct: FloatArray = ring[away > SAME_POINT * away.sum()]
+    return distinct

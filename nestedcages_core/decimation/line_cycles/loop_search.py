@@ -1,0 +1,145 @@
+"""The search around one loop: shortest cycles through several lines, since each program fixes the first one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray, IntArray
+from .chain import Chain, Lines
+from .shortest_cycles import Paths
+from .turns import Turns, turns
+
+MAX_STARTS = 4
+"""Number of lines through which a first cycle is sought."""
+
+APART = 0.1
+"""Part of the loop in which no second such line lies."""
+
+SUPPORTING = 1e6
+"""Preference of lines that have the whole loop on one side: a cage is likely to follow one of them."""
+
+ONE_SIDE = 1e-9
+"""Height, in lengths of the loop, up to which a vertex lies on a line."""
+
+CHEAP_WORK = 3e5
+"""Turns times lines of the cage up to which there is time for one more search."""
+
+MAX_ACROSS, MAX_MORE = 4, 6
+"""Number of searches through the opposite line of the best cycle, and through lines between two lines of it."""
+
+IMPROVED = 1e-3
+"""Relative gain from which a search counts as one that improved something."""
+
+SPARE = 3
+"""Lines that a later search allows beyond those wanted."""
+
+
+class LoopSearch:
+    """The best cycles around one loop: `totals`, the least area for each number of lines, and which lines they are."""
+
+    def __init__(
+        self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, expected: float
+    ) -> None:
+        """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one."""
+        self.chain, self.lines, self.free, self.sizes, self.expected = chain, lines, free, sizes, expected
+        self.turns: Turns = turns(chain, lines, free, width)
+        self.first: IntArray = np.searchsorted(self.turns.target, np.arange(len(lines) + 1))
+        self.totals: FloatArray = np.zeros(0)
+        self.found: dict[int, Paths] = {}
+        self.solve()
+
+    def solve(self, through: int | None = None) -> None:
+        """Search from scratch, after changes of `free`; through: a line that good cycles had."""
+        self.areas = self.turns.within(self.free)
+        self.totals, self.found = np.full(self.sizes.stop, np.inf), {}
+        if through is not None:
+            self._search(through)
+        if not self.found:
+            self._first_cycles()
+        if not self.found:
+            return
+        spare = CHEAP_WORK / (len(self.areas) * self.sizes.stop)
+        for _ in range(min(int(spare), MAX_ACROSS)):
+            if not self._search(self._across(self._usual())):
+                break
+        more = min(int(spare), MAX_MORE)
+        if more:
+            cycle = self.cycle(self._usual())
+            gaps = np.mod(np.roll(cycle, -1) - cycle - 1, len(self.lines)) + 1
+            g = int(gaps.argmin())
+            for step in np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist():
+                self._search(int((cycle[g] + step) % len(self.lines)))
+
+    def refine(self, number: int) -> None:
+        """Search once more through another line of the best cycle of a number of lines, near this cycle."""
+        start = self._across(number)
+        corridor = np.sort(np.mod(self.cycle(number) - start, len(self.lines))).tolist()
+        most = min(number + SPARE, self.sizes.stop - 1)
+        paths = self._paths(start, most)
+        self._keep(paths, paths.run(corridor))
+
+    def cycle(self, number: int) -> IntArray:
+        """(number,) the lines of the best cycle, ascending."""
+        return self.found[number].cycle(number)
+
+    def _first_cycles(self) -> None:
+        """Search through the lines that most cycles are likely to have, until there is a cycle."""
+        lines, chain, count = self.lines, self.chain, len(self.lines)
+        open_ = np.isfinite(self.areas)
+        onto = np.bincount(self.turns.target[open_], minlength=count)
+        off = np.bincount(self.turns.source[open_], minlength=count)
+        above = (lines.right @ chain.vertices.T).max(axis=1) - (lines.right * lines.point).sum(axis=1)
+        supports = (above <= ONE_SIDE * chain.length) & (chain.swept[-1] > 0.0)
+        score = off * onto * np.where(supports, SUPPORTING, 1.0)
+        for _ in range(MAX_STARTS):
+            start = int(score.argmax())
+            if self.found or score[start] <= 0.0:
+                return
+            self._search(start)
+            apart = np.mod(lines.place - lines.place[start] + 0.5 * chain.size, chain.size) - 0.5 * chain.size
+            score[np.abs(apart) < APART * chain.size] = -1.0
+
+    def _search(self, start: int) -> bool:
+        """Search cycles through a line; whether one is better than before."""
+        paths = self._paths(start, self.sizes.stop - 1)
+        return self._keep(paths, paths.run())
+
+    def _paths(self, start: int, most: int) -> Paths:
+        return Paths(self.turns, self.areas, self.first, start, most)
+
+    def _keep(self, paths: Paths, totals: FloatArray) -> bool:
+        better = np.flatnonzero(totals < self.totals[: len(totals)])
+        improved = False
+        for k in better[better >= self.sizes.start].tolist():
+            improved |= bool(totals[k] < (1.0 - IMPROVED) * self.totals[k])
+            self.totals[k], self.found[k] = totals[k], paths
+        return improved
+
+    def _usual(self) -> int:
+        """The number of lines, of those found, that is closest to the expected one."""
+        return min(self.found, key=lambda k: abs(k - self.expected))
+
+    def _across(self, number: int) -> int:
+        """The line opposite of the one that the best cycle of a number of lines was sought through."""
+        cycle = self.cycle(number)
+        own = int(np.searchsorted(cycle, self.found[number].start))
+        return int(np.roll(cycle, -own)[number // 2])
+
+
+def shares(totals: list[FloatArray], count: int) -> list[int] | None:
+    """Lines per loop, together at most `count`, of the least sum of areas; None if there are none."""
+    least, picks = np.zeros(1), []
+    for total in totals:
+        sums = np.full((len(total), min(count + 1, len(least) + len(total) - 1)), np.inf)
+        for k in np.flatnonzero(np.isfinite(total)).tolist():
+            part = least[: max(0, sums.shape[1] - k)]
+            sums[k, k : k + len(part)] = total[k] + part
+        picks.append(sums.argmin(axis=0))
+        least = sums.min(axis=0)
+    if not np.isfinite(least.min()):
+        return None
+    left, numbers = int(least.argmin()), []
+    for pick in reversed(picks):
+        numbers.append(int(pick[left]))
+        left -= numbers[-1]
+    return numbers[::-1]

@@ -1,0 +1,297 @@
+"""Line cycles: the lines around the loops that enclose them with the least area.
+
+A cage is a cycle of directed lines with the solid on their left. The area between it and the outline is a sum over
+pairs of consecutive lines: of the region between the path from the contact of one line, by their vertex, to the contact
+of the next, and the outline between these contacts. So dynamic programming finds the best cycles of 3, 4, … lines among
+candidates, and the best number of lines for each loop. Where edges that are not neighbours cross, one of them gives
+way, and the search is repeated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import InvalidMeshError, NestingError
+from ...geometry.mesh import Mesh
+from ...geometry.vectors import norm
+from ...parameters import check_flag
+from ...tasks import Stage, drain, mapped
+from ..base import LEAST_PER_LOOP, Count, Start
+from ..hull.clearing import CLEARANCE_RESERVE, cleared, without_gaps
+from ..hull.inner_hull import InnerHull, InnerRequest
+from ..hull.offset import offsetting
+from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
+from ..hull.outer_hull import SOURCE as HULL
+from ..on_curve import closest_on_curve
+from ..outline import Outline
+from ..request import Request
+from .candidates import candidates
+from .chain import Chain, Lines, without_doubles
+from .crossings import Choice, give_way
+from .frame import Frame
+from .free_rays import Obstacles
+from .loop_search import LoopSearch, shares
+from .places import places, weights
+from .turns import SLACK
+
+SOURCE = "line cycles"
+"""Name of its meshes in reports."""
+
+REACH = 1.5
+"""Longest part of an edge on either side of its contact, in diameters."""
+
+LOOP_REACH = 4.0
+"""The same in diameters of the loop that a line belongs to: a vertex farther away would be a needle."""
+
+EXACT_SHIFT = 1e-7
+"""Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
+
+PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
+"""Places: per vertex of the cage; at least, in all; at least, for each loop."""
+
+LONGEST_STRETCH = 3.0
+"""Length of the longest stretches that have tangents, in mean edges of the cage."""
+
+FULL_WIDTH = 12
+"""Number of edges of a loop up to which a line may be followed by any other."""
+
+FOLLOWING, SPARE_FOLLOWING = 3.0, 8
+"""Otherwise it is followed by a line within so many mean edges of the cage, and so many lines."""
+
+USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
+"""Lines of a loop: likely ones per deserved one; largest number per likely one, and beyond that."""
+
+MOST_OF_ALL = 0.5
+"""Lines per vertex of the outline from which each loop may have any number."""
+
+FEW_LINES = 12
+"""Number of lines of each of several loops that is sought in any case, to know the least."""
+
+BIASES = (1.0, 1e9, 0.3)
+"""Ways to decide which of two crossing edges gives way; the best result is kept."""
+
+MAX_EXCESS_ON_CURVE = 1.0
+"""Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
+
+MAX_ROUNDS = 12
+"""Number of times that crossings are cleared."""
+
+
+class NoCyclesError(NestingError):
+    """No cycles of lines were found."""
+
+
+@dataclass(frozen=True)
+class LineCycles:
+    """The lines of least area around each loop, with the vertices distributed over the loops in the best way."""
+
+    on_curve: bool = True
+    """Whether the start comes with a mesh on the fine one, from which the flow leads to a cage."""
+
+    def __post_init__(self) -> None:
+        check_flag(self, "on_curve")
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+        """One mesh that strictly encloses the fine one, by exact predicates.
+
+        count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
+        mesh where there is space, in input units. Loop k of the mesh belongs to loop k of the fine mesh.
+
+        A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
+        then there may be an outer hull.
+        """
+        mesh, source = yield from _found(Request.of(fine, count), clearance)
+        near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
+        return [Start(mesh, source, closest_on_curve(mesh, fine) if near else None)]
+
+
+@dataclass(frozen=True)
+class InnerCycles:
+    """Meshes strictly inside the fine one: line cycles in what surrounds them, and hulls."""
+
+    hull: InnerHull = field(default_factory=InnerHull)
+    """The search for further starts."""
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """The mesh of the best cycles, or the best hull; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 2) -> Stage[float, list[Start]]:
+        """Up to `most` meshes strictly inside the fine one; see `LineCycles.starts`. Raises NestingError."""
+        starts: list[Start] = []
+        with suppress(NoCyclesError):
+            mesh, source = yield from _found(InnerRequest.of(fine, count), clearance)
+            starts.append(Start(mesh, source))
+        try:
+            if len(starts) < most:
+                starts += yield from self.hull.starts(fine, count, clearance=clearance, most=most - len(starts))
+        except NestingError:
+            if not starts:
+                raise
+        return starts
+
+
+def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
+    """The mesh of the best cycles and its source; where they had to be kept from crossing, of the hull if smaller."""
+    mesh, rounds = yield from cycles_around(request, clearance)
+    if rounds:
+        with suppress(NestingError):
+            (hull, _), *_ = yield from OuterHull().hulls(request, clearance, 1)
+            if request.side * hull.area < request.side * mesh.area:
+                return hull, HULL
+    return mesh, SOURCE
+
+
+def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of the best cycles, and how often crossings were cleared. Raises NoCyclesError."""
+    outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+    usual, wanted = HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance
+    if wanted > usual:
+        with suppress(NoCyclesError):
+            mesh, rounds = yield from _next_to_offset(request, outline, wanted, clearance)
+            return request.with_room(mesh, clearance), rounds
+        clearance = 0.0  # the tightening may find the room
+    try:  # lines next to the outline itself, all moved away by the same distance
+        return (yield from _best(request, outline, HULL_OFFSET))
+    except NoCyclesError as error:
+        if "least" in error.data:
+            raise
+        # gaps may be too narrow for that
+        return (yield from _next_to_offset(request, outline, usual, clearance))
+
+
+def _next_to_offset(
+    request: Request, outline: Outline, distance: float, clearance: float
+) -> Stage[float, tuple[Mesh, int]]:
+    """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
+    offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
+    if len(stuck):
+        raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")
+    return (yield from _best(request, cleared(offset, request.fine, clearance), EXACT_SHIFT))
+
+
+def _best(request: Request, outline: Outline, shift: float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
+    best: tuple[float, Mesh] | None = None
+    error: NoCyclesError | None = None
+    for bias in BIASES:
+        around = _Around(request, outline, shift)
+        try:
+            area, mesh = yield from around.run(bias)
+        except NoCyclesError as failure:
+            error = failure
+        else:
+            if best is None or area < best[0]:
+                best = area, mesh
+        if around.rounds == 0:
+            break
+    if best is None:
+        assert error is not None
+        raise error
+    return best[1], around.rounds
+
+
+class _Around:
+    """A search for cycles around all loops of an outline."""
+
+    def __init__(self, request: Request, outline: Outline, shift: float) -> None:
+        self.request, self.shift = request, shift
+        self.frame = Frame.of(outline)
+        self.outline = outline.moved(self.frame.into(outline.vertices))
+        self.rounds = 0
+
+    def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
+        """Area and mesh. Raises NoCyclesError."""
+        searches: list[LoopSearch] = []
+        for search in self._searches():
+            searches.append(search)
+            yield len(searches) / (len(self.outline.sizes) + 1)
+        numbers = self._shares(searches)
+        for _ in range(MAX_ROUNDS):
+            yield len(searches) / (len(self.outline.sizes) + 1)
+            for search, number in zip(searches, numbers, strict=True):
+                search.refine(number)
+            numbers = self._shares(searches)
+            choice = Choice.of(searches, numbers)
+            i, j = choice.crossings()
+            if len(i) == 0:
+                break
+            self.rounds += 1
+            for k in give_way(searches, choice, i, j, bias):
+                searches[k].solve(int(searches[k].cycle(numbers[k])[0]))
+            numbers = self._shares(searches)
+        return self._mesh(choice)
+
+    def _shares(self, searches: list[LoopSearch]) -> list[int]:
+        numbers = shares([search.totals for search in searches], self.request.target)
+        if numbers is None:
+            least = [min(search.found, default=0) for search in searches]
+            known = {"least": sum(least)} if all(least) and sum(least) > self.request.target else {}
+            raise NoCyclesError(
+                "There are no such cycles of lines.", code="count.too_small", total=self.request.total, **known
+            )
+        return numbers
+
+    def _searches(self) -> Iterator[LoopSearch]:
+        """The search around each loop. Raises NoCyclesError."""
+        target, minimum = self.request.target, self.request.minimum
+        chains = [Chain(loop) for loop in self.outline.loops]
+        if any(chain.length == 0.0 for chain in chains):
+            raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
+        deserved = weights(chains, target)
+        whole = sum(float(weight.sum()) for weight in deserved)
+        found: list[tuple[Lines, float, float]] = []
+        for chain, weight in zip(chains, deserved, strict=True):
+            share = float(weight.sum()) / whole
+            count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
+            at = places(chain, weight, min(count, max(chain.size, 6)))
+            deserved_lines = USUAL_SHARE * target * share
+            expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
+            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
+            found.append((lines.shifted(self.shift), expected, deserved_lines))
+        obstacles = Obstacles(self.outline.loops)
+        for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
+            size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
+            free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
+            usable = (free > SLACK).all(axis=0)
+            lines, own_free = lines.take(usable), free[:, usable]
+            count = len(lines)
+            if count < 3:
+                raise NoCyclesError("No lines are free.", code="count.too_small")
+            width = count - 1
+            if expected > FULL_WIDTH:
+                width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
+            most = self._most(k, deserved_lines, count)
+            yield LoopSearch(chain, lines, own_free, width=width, sizes=range(minimum[k], most + 1), expected=expected)
+
+    def _most(self, loop: int, deserved: float, lines: int) -> int:
+        """The largest number of lines for a loop."""
+        minimum, target = self.request.minimum, self.request.target
+        if self.request.per_loop is not None:
+            return minimum[loop]
+        most = min(lines, target - sum(minimum) + minimum[loop])
+        if len(minimum) > 1 and target < MOST_OF_ALL * len(self.outline.vertices):
+            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
+        return most
+
+    def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
+        """Area and mesh of cycles that do not cross. Raises NoCyclesError."""
+        rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
+        if min(map(len, rings)) < 3:
+            raise NoCyclesError("A cycle is flat.", code="count.too_small")
+        outline = Outline(np.concatenate(rings), tuple(map(len, rings)), np.zeros((0, 2), np.int64))
+        try:
+            mesh = self.request.coarse(outline)
+        except InvalidMeshError as error:
+            raise NoCyclesError(error.fault) from error
+        if not self.request.nests(mesh):
+            raise NoCyclesError("The cycles do not enclose the loops.", code="count.too_small")
+        return outline.area, mesh

@@ -1,0 +1,66 @@
+"""Places: the vertices of a loop at which stretches for candidate lines begin.
+
+A smooth arc needs edges in proportion to the integral of the cube root of its curvature along its length: a triangle
+over a short piece has an area in proportion to curvature times length cubed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.vectors import cross
+from .chain import Chain
+
+ALL_VERTICES = 1.25
+"""Vertices per wanted place up to which each vertex is a place."""
+
+SHARP = 0.4
+"""Turn in radians times length of the longer edge in spacings of places from which each corner is a place."""
+
+DECIMALS = 9
+"""Of angles, cells and sharpness when they are compared: ties must not be decided by round-off, which turns with the
+drawing."""
+
+FLAT_WEIGHT = 0.1
+"""Weight of a straight edge, relative to the mean weight of all per length."""
+
+
+def weights(chains: list[Chain], count: int) -> list[FloatArray]:
+    """(S,) for each chain how many of the places its edges deserve; the scale is that of a cage of count vertices."""
+    total = sum(chain.length for chain in chains)
+    densities = [_density(chain, 0.5 * total / count) for chain in chains]
+    mean = sum(float((d * chain.lengths).sum()) for d, chain in zip(densities, chains, strict=True)) / total
+    if mean == 0.0:  # straight at this scale
+        return [chain.lengths for chain in chains]
+    return [(d + FLAT_WEIGHT * mean) * chain.lengths for d, chain in zip(densities, chains, strict=True)]
+
+
+def _density(chain: Chain, scale: float) -> FloatArray:
+    """(S,) the cube root of the area of the triangle from a scale before each edge's middle to a scale behind it."""
+    along = np.concatenate(([0.0], np.cumsum(np.tile(chain.lengths, 3))))
+    ring = np.concatenate((np.tile(chain.vertices, (3, 1)), chain.vertices[:1]))
+    middle = along[chain.size : 2 * chain.size] + 0.5 * chain.lengths
+
+    def at(shift: float) -> FloatArray:
+        return np.stack([np.interp(middle + shift, along, axis) for axis in ring.T], axis=1)
+
+    before = at(-scale)
+    root: FloatArray = np.cbrt(np.abs(cross(at(scale) - before, at(0.0) - before)))
+    return root
+
+
+def places(chain: Chain, weight: FloatArray, count: int) -> IntArray:
+    """(N,) vertices, ascending: the sharpest of each cell of equal weight, and the sharp corners of the chain."""
+    if chain.size <= ALL_VERTICES * count:
+        return np.arange(chain.size)
+    sums = np.cumsum(weight)
+    cell = np.minimum(np.round((sums - weight) / sums[-1] * count, DECIMALS).astype(np.int64), count - 1)
+    turn = np.round(np.abs(chain.turned(np.arange(chain.size), chain.edges)), DECIMALS)
+    order = np.lexsort((turn, cell))
+    chosen = order[np.flatnonzero(np.diff(cell[order], append=count))]
+    sharpness = np.round(turn * np.maximum(chain.lengths, np.roll(chain.lengths, 1)) * count / chain.length, DECIMALS)
+    corners = np.flatnonzero(sharpness > SHARP)
+    chosen = np.union1d(chosen, corners if len(corners) <= count else np.argsort(-sharpness, kind="stable")[:count])
+    sharpness[chosen] = -1.0
+    return np.union1d(chosen, np.argsort(-sharpness, kind="stable")[: max(0, count - len(chosen))])

@@ -1,0 +1,119 @@
+"""Turns: the pairs of lines that can follow each other in a cage, and the area each adds between cage and outline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.vectors import cross
+from .chain import Chain, Lines
+
+SingleArray: TypeAlias = NDArray[np.float32]
+
+SLACK = 1e-5
+"""Length, in diameters, by which a vertex may lie beyond the free part of a line: the clearance of an offset."""
+
+LEAST_TURN = 1e-9
+"""Sine of the smallest angle between two lines in a row."""
+
+ROUND_OFF = 1e-6
+"""Margin of the first test, in diameters: it computes in single precision."""
+
+FAR_PART = 0.5
+"""Part of the usual width, in lines, from which a line over a pocket may follow any line."""
+
+NEGATIVE = -1e-9
+"""Area, in squared diameters, below which the way from line to line runs around the chain in the wrong direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """P pairs of lines that meet, sorted by the second line."""
+
+    source: IntArray
+    """(P,) the line that is left."""
+    target: IntArray
+    """(P,) the line that is taken."""
+    forth: FloatArray
+    """(P,) distance of the vertex from the contact of the first line, along it."""
+    back: FloatArray
+    """(P,) distance of the vertex from the contact of the second line, against it."""
+    area: SingleArray
+    """(P,) single precision: between the way from contact to contact by the vertex, and the chain."""
+
+    def within(self, free: FloatArray) -> SingleArray:
+        """(P,) the areas; infinite where the vertex lies beyond what is free (2, K) of either line."""
+        blocked = (self.forth > free[0][self.source]) | (self.back > free[1][self.target])
+        areas: SingleArray = np.where(blocked, np.float32(np.inf), self.area)
+        return areas
+
+
+def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
+    """The turns onto lines (K,) with free parts (2, K) from one of the `width` lines before."""
+    count = len(lines)
+    i, j = _meeting(lines, free, np.arange(count), width)
+    # lines over pockets that are longer than that may follow any line
+    first = np.searchsorted(lines.place, np.mod(lines.place - lines.passed, chain.size))
+    far = np.flatnonzero((lines.passed > 0.0) & (np.mod(np.arange(count) - first, count) > FAR_PART * width))
+    if len(far) and width < count - 1:
+        others = np.isin(j, far, invert=True)
+        more = _meeting(lines, free, far, count - 1)
+        i, j = np.concatenate((i[others], more[0])), np.concatenate((j[others], more[1]))
+        order = np.argsort(j, kind="stable")
+        i, j = i[order], j[order]
+    origin = chain.vertices[0]
+    (x, y), (u, v) = (lines.point - origin).T.copy(), lines.direction.T.copy()
+    ui, vi, uj, vj, xi, yi, xj, yj = u[i], v[i], u[j], v[j], x[i], y[i], x[j], y[j]
+    wx, wy = xj - xi, yj - yi
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        sine = ui * vj - vi * uj
+        forth, back = (wx * vj - wy * uj) / sine, (ui * wy - vi * wx) / sine
+        sound = (np.abs(sine) > LEAST_TURN) & (forth >= -SLACK) & (back >= -SLACK)
+        sound &= (forth <= free[0][i]) & (back <= free[1][j])
+        # the areas from a line's contact back to where it belongs on the chain, and along the chain to its start
+        edge = np.floor(lines.place).astype(np.int64)
+        start = chain.vertices[edge] - origin
+        foot = start + (lines.place - edge)[:, None] * chain.edges[edge]
+        rest = cross(lines.point - origin, foot) - chain.swept[edge] - cross(start, foot)
+        area = -wx * (yi + forth * vi) + wy * (xi + forth * ui)
+        area += rest[j] - rest[i] - np.where(j < i, chain.swept[-1], 0.0)
+        sound &= area > NEGATIVE
+    kept = np.flatnonzero(sound)
+    area = (0.5 * area.take(kept)).astype(np.float32)
+    return Turns(i.take(kept), j.take(kept), forth.take(kept), back.take(kept), area)
+
+
+def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> tuple[IntArray, IntArray]:
+    """Pairs of lines that meet where both are free, or nearly so: a first test in single precision.
+
+    seconds: (R,) the second lines to look at, each with the `width` lines before it.
+    """
+    count = len(lines)
+    values = np.stack((*lines.point.T, *lines.direction.T, *free)).astype(np.float32)
+    around = sliding_window_view(np.concatenate((values[:, count - width :], values[:, :-1]), axis=1), width, axis=1)
+    x, y, u, v, _, back_free = values[:, seconds, None]
+    x_before, y_before, u_before, v_before, forth_free, _ = around if len(seconds) == count else around[:, seconds]
+    wx, wy = x - x_before, y - y_before
+    sine = u_before * v - v_before * u
+    forth, back = wx * v - wy * u, u_before * wy - v_before * wx
+    np.copysign(np.float32(1.0), sine, out=wx)
+    forth *= wx
+    back *= wx
+    np.abs(sine, out=sine)
+    margin = np.float32(ROUND_OFF)
+    np.multiply(sine, np.float32(-SLACK), out=wx)
+    wx -= margin
+    meet = forth >= wx
+    meet &= back >= wx
+    forth -= margin
+    back -= margin
+    meet &= forth <= np.multiply(forth_free, sine, out=wx)
+    meet &= back <= np.multiply(back_free, sine, out=wx)
+    row, k = np.divmod(np.flatnonzero(meet), width)
+    second = seconds[row]
+    return (second + k - width) % count, second

@@ -1,0 +1,53 @@
+"""The needs that settings ask for; each is imported only when it is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import Fault
+from ..geometry.group import Symmetry
+from ..geometry.mesh import Mesh
+from ..level.plan import Need
+from .settings import Settings
+
+
+def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
+    """The needs of a run, methods that serve them, and notes. Raises NestingError for methods that cannot.
+
+    about: the mesh that weights, pins and a symmetry to be found refer to. Discrete facts come first: numbers, then the
+    group, whose place may depend on them.
+    """
+    needs: list[Need] = []
+    group: Symmetry | None = None
+    remarks: tuple[Fault, ...] = ()
+    numbers = None
+    if settings.grid is not None or settings.stored is not None:
+        from ..needs.grid.need import OnNumbers
+
+        numbers = OnNumbers.of(about, settings.grid, settings.stored)
+    if settings.symmetry is not None:
+        from ..needs.symmetry.need import Symmetric, found_for, keeping, on_lattice
+
+        group, remarks = found_for(settings.symmetry, about)
+        if group is not None and settings.grid is not None and numbers is not None:
+            group, moved = on_lattice(group, numbers.numbers, about)
+            remarks += moved
+        if group is not None:
+            settings = keeping(settings, group)
+    if settings.has_priorities:
+        from ..needs.priorities.need import Priorities
+
+        places, limits = (settings.pins, settings.joints), (settings.min_edge, settings.min_angle)
+        weights = None if settings.weights is None else np.asarray(settings.weights, np.float64)
+        priorities = Priorities.of(about, group, weights, places, limits)
+        settings = priorities.applied(settings)
+        needs.append(priorities)
+    if group is not None:
+        needs.append(Symmetric(group))
+    if settings.convex:
+        from ..needs.convex.need import Convex
+
+        needs.append(Convex())
+    if numbers is not None:
+        needs.append(numbers)
+    return settings, needs, remarks

@@ -1,0 +1,201 @@
+"""A level with its cage on the numbers of its plan: made from a level on any numbers, and certified on these."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ..contact.pairs import Bodies
+from ..contact.reinflation import Reinflation
+from ..energies import Area, inwards
+from ..errors import Fault, NestingError
+from ..flow import FlowResult
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..geometry.orbits import Orbits
+from ..tasks import Stage
+from ..tightening.restore_feasibility import shift_edges
+from ..verification.motion import certify_motion
+from .choices import Choices
+from .plan import EdgeCost, Numbers, Plan
+from .progress import LevelProgress
+from .report import Level, Progress
+from .symmetrised_start import orbits_of
+from .units import SolverUnits
+
+logger = logging.getLogger(__name__)
+
+ROOM = 0.8
+"""Spacings added to the clearance where a cage does not fit on the numbers. The nearest point is at most 0.71 spacings
+away, so even plain rounding then keeps the clearance."""
+
+PUSHES = (0.5, 1.0, 2.0, 4.0)
+"""Spacings by which the cage is pushed outwards, tried in turn, where its straight motion to the numbers meets the fine
+mesh."""
+
+
+class Settling:
+    """Moves cages of one plan onto its numbers."""
+
+    def __init__(self, plan: Plan, choices: Choices, progress: LevelProgress) -> None:
+        assert plan.numbers is not None
+        self.plan, self.numbers, self.choices, self.progress = plan, plan.numbers, choices, progress
+
+    @property
+    def room(self) -> float:
+        """Clearance that settling may take."""
+        return ROOM * self.numbers.spacing
+
+    def settled(self, level: Level) -> Stage[Progress, Level | None]:
+        """The level with its cage on the numbers, certified; None if there is none."""
+        yield from self.progress.begin("verification")
+        found = yield from self._moved(level, self.numbers)
+        if found is None and self.plan.group is None:
+            found = yield from self._moved(self._widened(level), self.numbers)
+        if found is None:
+            return None
+        self.progress.stop_clock()
+        notes = self._noted(level, found)
+        return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
+
+    def failure(self, level: Level) -> Stage[Progress, NestingError]:
+        """The error for a level that has no cage on the numbers."""
+        remedy, works = "ask for a finer one", None
+        for finer in self.numbers.finer():
+            if (yield from self._moved(level, finer)) is not None:
+                remedy, works = f"a grid of {finer.spacing:.6g} works", finer.spacing
+                break
+        count, clearance = len(level.cage.vertices), level.report.wanted_clearance
+        grid = self.numbers.grid
+        what = f"the grid of {grid:.6g}" if grid is not None else f"{self.numbers.stored} numbers"
+        return NestingError(
+            f"No cage with {count} vertices on {what} was found that keeps the clearance of {clearance:.6g}; {remedy}.",
+            code="numbers.no_room",
+            spacing=self.numbers.spacing,
+            finer=works,
+            count=count,
+            clearance=clearance,
+        )
+
+    def _noted(self, level: Level, found: Level) -> tuple[Fault, ...]:
+        """The notes of the settled level, with what its cage misses instead of what the one before missed."""
+        clearance = level.report.wanted_clearance
+        before, after = (self.plan.notes(each.cage, clearance) for each in (level, found))
+        return (*(note for note in found.report.notes if note not in before), *after)
+
+    def _moved(self, level: Level, numbers: Numbers) -> Stage[Progress, Level | None]:
+        """The level with its cage on some numbers, certified; None if there is none."""
+        plan, wanted = replace(self.plan, numbers=numbers), level.report.wanted_clearance
+        units = SolverUnits.of(level.fine)
+        search = numbers.settled(
+            level.cage, plan.outline, units.clearance(wanted) * units.scale, plan.side, self._edge_cost(level, units)
+        )
+        vertices = yield from self.progress.follow(search, lambda done: (done, "grid"))
+        if vertices is None:
+            return None
+        same_loops = level.coarse.has_loops_like(level.fine)
+        for points in self._with_images(level, vertices, numbers):
+            cage = level.coarse.moved(points)
+            mended = plan.mended(cage)
+            if mended is not None:
+                return (yield from self._moved(_standing(level, *mended), numbers))
+            certificate = plan.verify(cage, wanted, same_loops=same_loops)
+            path = _path(level, points, numbers.spacing) if certificate and plan.fault(cage) is None else None
+            if path is None:
+                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free way")
+                continue
+            report = replace(
+                level.report,
+                clearance=certificate.clearance,
+                excess=cage.area / level.fine.area - 1.0,
+                grid=numbers.grid,
+                stored=numbers.stored,
+            )
+            return replace(level, cage=cage, reinflation=path, report=report)
+        return None
+
+    def _with_images(self, level: Level, vertices: FloatArray, numbers: Numbers) -> Iterator[FloatArray]:
+        """The vertices (m, 2); with a symmetry, those of each sector in turn with their images."""
+        group = self.plan.group
+        if group is None:
+            yield vertices
+            return
+        orbits = orbits_of(level.cage, group)
+        for k in range(group.order if orbits is not None else 0):
+            assert orbits is not None
+            yield numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k))
+
+    def _edge_cost(self, level: Level, units: SolverUnits) -> EdgeCost | None:
+        """What edges add to the energy of the plan; None if that is the area."""
+        cage, inside = units.from_input(level.cage), self.plan.inside
+        energy = self.choices.energy.at(cage)
+        energy = inwards(energy, units.from_input(level.fine).area) if inside else energy
+        bound, is_measure = self.plan.energy(energy, cage, units, units.clearance(level.report.wanted_clearance))
+        if not is_measure:
+            return None
+        at_cage, area = bound.after(cage.vertices), units.scale * units.scale
+
+        def cost(vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+            one, other = units.points(start), units.points(end)
+            if inside:  # walked the other way, the edge starts at its end
+                return area * at_cage.on_edge(int(cage.successor[vertex]), other, one)
+            return area * at_cage.on_edge(vertex, one, other)
+
+        return cost
+
+    def _widened(self, level: Level) -> Level:
+        """The level tightened with more clearance."""
+        units = SolverUnits.of(level.fine)
+        cage, fine = units.from_input(level.cage), units.from_input(level.fine)
+        bodies, energy = Bodies.of(cage, fine, side=self.plan.side), Area().at(cage)
+        if level.inside:
+            energy = inwards(energy, fine.area)
+        clearance = units.clearance(level.report.wanted_clearance + self.room)
+        run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
+        wider = [units.to_input(step) for step in run]
+        if not wider:
+            return level
+        return replace(level, cage=level.coarse.moved(wider[-1]), reinflation=level.reinflation.with_tightening(wider))
+
+
+def _standing(level: Level, cage: Mesh, note: Fault) -> Level:
+    """The level with another cage, from where it does not move."""
+    flow = FlowResult(level.fine.vertices[None], 0, "inside")
+    resting = Reinflation(level.fine.vertices[None], cage.vertices[None], 0)
+    kept = [other for other in level.report.notes if other.data.get("on") != "grid"]
+    report = replace(level.report, notes=(*kept, note))
+    return replace(level, coarse=cage, cage=cage, flow=flow, reinflation=resting, report=report)
+
+
+def _from_sector(points: FloatArray, orbits: Orbits, k: int) -> FloatArray:
+    """(m, 2) all vertices as images of those that element k makes; numbers that the group keeps hold them exactly."""
+    first, mine = points[orbits.first].copy(), orbits.element == k
+    first[orbits.orbit[mine]] = orbits.symmetry.image(points[mine], -k % orbits.symmetry.order)
+    given = points.copy()
+    given[orbits.first] = first
+    return orbits.symmetrised(given)
+
+
+def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | None:
+    """The steps of the level, continued to vertices (m, 2); None if that motion is not collision-free.
+
+    Tried in turn: straight, with edges pushed away from the fine mesh half-way, and from an earlier step.
+    """
+    path, bodies = level.reinflation, Bodies.of(level.cage, level.fine)
+    last = path.cage_steps[-1]
+    walked = Bodies.of(level.cage, level.fine, side=-1 if level.inside else 1)
+    middle = 0.5 * (last + vertices)
+    shift = np.ones(bodies.m) * spacing
+    ways = [[last, vertices]]
+    ways += [[last, middle + shift_edges(walked, middle, push * shift), vertices] for push in PUSHES]
+    for steps in ways:
+        if certify_motion(bodies, steps, [level.fine.vertices] * len(steps)):
+            return path.with_tightening(steps[1:])
+    for number in range(len(path.cage_steps) - 2, path.tightening_start - 1, -1):
+        if certify_motion(bodies, [path.cage_steps[number], vertices], [level.fine.vertices] * 2):
+            steps = np.concatenate([path.cage_steps[: number + 1], vertices[None]])
+            return Reinflation(path.moving_steps, steps, path.iterations)
+    return None

@@ -1,0 +1,177 @@
+"""Line cycles: each part next to a plain way of computing it, and starts that enclose their shapes."""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+import shapely
+
+from nestedcages_core import (
+    LineCycles,
+    Mesh,
+    NestedCagesError,
+    OuterHull,
+    Settings,
+    inner_cages,
+    nested_cages,
+    verify,
+)
+from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
+from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
+from nestedcages_core.decimation.line_cycles.loop_search import shares
+from nestedcages_core.decimation.line_cycles.method import cycles_around
+from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
+from nestedcages_core.decimation.line_cycles.turns import Turns
+from nestedcages_core.decimation.request import Request
+from nestedcages_core.tasks import drain
+from shapes import annulus, assert_nested, comb, islands, letter_a, polygon, ring, star
+
+RANDOM = np.random.default_rng(5)
+
+
+def random_turns(count: int, share: float) -> Turns:
+    """Turns between a share of all pairs of lines."""
+    target, source = np.nonzero((RANDOM.random((count, count)) < share) & ~np.eye(count, dtype=bool))
+    area = RANDOM.random(len(source)).astype(np.float32)
+    return Turns(source, target, np.zeros(len(source)), np.zeros(len(source)), area)
+
+
+@pytest.mark.parametrize(("count", "share"), [(5, 1.0), (8, 0.7), (9, 0.3), (6, 0.1)])
+def test_the_best_cycles_are_those_of_all_choices_of_lines(count: int, share: float) -> None:
+    turns = random_turns(count, share)
+    first = np.searchsorted(turns.target, np.arange(count + 1))
+    cost = np.full((count, count), np.inf)
+    cost[turns.source, turns.target] = turns.area
+    for start in range(count):
+        paths = Paths(turns, turns.area, first, start, count)
+        totals = paths.run()
+        for size in range(2, count + 1):
+            some = [c for c in combinations(range(count), size) if start in c]
+            areas = [sum(cost[a, b] for a, b in zip(c, (*c[1:], c[0]), strict=True)) for c in some]
+            assert totals[size] == pytest.approx(min(areas))
+            if np.isfinite(totals[size]):
+                cycle = paths.cycle(size).tolist()
+                assert areas[some.index(tuple(cycle))] == pytest.approx(totals[size])
+                corridor = np.sort(np.mod(np.array(cycle) - start, count)).tolist()
+                assert Paths(turns, turns.area, first, start, size).run(corridor)[size] <= totals[size] + 1e-6
+
+
+def test_lines_are_shared_between_loops_as_if_all_ways_were_tried() -> None:
+    for _ in range(40):
+        totals = [np.where(RANDOM.random(6) < 0.3, np.inf, RANDOM.random(6)) for _ in range(3)]
+        for total in totals:
+            total[:2] = np.inf
+        count = int(RANDOM.integers(5, 14))
+        ways = [w for w in product(range(6), repeat=3) if sum(w) <= count]
+        best = min((sum(t[k] for t, k in zip(totals, way, strict=True)) for way in ways), default=np.inf)
+        numbers = shares(totals, count)
+        if numbers is None:
+            assert best == np.inf
+        else:
+            assert sum(numbers) <= count
+            assert sum(t[k] for t, k in zip(totals, numbers, strict=True)) == pytest.approx(best)
+
+
+def test_rays_end_where_they_meet_the_solid() -> None:
+    fine = annulus(40, 0.4)
+    solid, reach = polygon(fine), 3.0
+    angle, radius = RANDOM.uniform(0.0, 2.0 * np.pi, 60), RANDOM.uniform(0.0, 1.6, 60)
+    point = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    turn = RANDOM.uniform(0.0, 2.0 * np.pi, 60)
+    lines = Lines.of(point, np.zeros(60), np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    free = Obstacles([fine.vertices[loop] for loop in fine.loops]).free(lines, reach)
+    for k in range(60):
+        here = shapely.Point(point[k])
+        if solid.contains(here):
+            assert (free[:, k] < 0.0).all()
+            continue
+        for way, sign in enumerate((1.0, -1.0)):
+            ray = shapely.LineString([point[k], point[k] + sign * reach * lines.direction[k]])
+            met = ray.intersection(solid)
+            assert free[way, k] == pytest.approx(reach if met.is_empty else here.distance(met))
+
+
+def test_areas_of_cycles_are_those_between_cage_and_outline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The sum over the turns of each loop is the difference of two areas."""
+    from nestedcages_core.decimation.line_cycles import method
+
+    seen: list[float] = []
+    choose = method.Choice.of.__func__  # type: ignore[attr-defined]
+
+    def watched(cls: type, searches: list, numbers: list) -> object:
+        seen.append(sum(float(search.totals[k]) for search, k in zip(searches, numbers, strict=True)))
+        return choose(cls, searches, numbers)
+
+    monkeypatch.setattr(method.Choice, "of", classmethod(watched))
+    for fine, count in ((letter_a(), 16), (star(), 20), (annulus(60), 12)):
+        request = Request.of(fine, count)
+        mesh, _ = drain(cycles_around(request, 0.0))
+        added = (mesh.area - fine.area) / request.outline.diameter**2
+        assert seen[-1] == pytest.approx(added, rel=1e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("fine", [letter_a(), star(), annulus(60), islands(), comb(5, 0.02), comb(2, 1e-5)])
+def test_starts_enclose_their_shapes_with_the_wanted_vertices(fine: Mesh) -> None:
+    areas = []
+    for count in (17, 18, 21, 27, 40):
+        mesh = LineCycles().decimate(fine, count)
+        assert len(mesh.vertices) == count and verify(mesh, fine)
+        areas.append(mesh.area)
+    assert areas == sorted(areas, reverse=True)
+    per_loop = [3 + k for k in range(len(fine.loops))] if len(fine.loops) > 1 else [9]
+    assert [len(loop) for loop in LineCycles().decimate(fine, per_loop).loops] == per_loop
+
+
+def test_a_spiral_is_bridged_far_along_its_outline() -> None:
+    turn = np.linspace(0.0, 6.0 * np.pi, 120)
+    ray = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    middle = (0.2 + 0.8 * turn / turn[-1])[:, None] * ray
+    spiral = Mesh.from_loops([np.concatenate([middle + 0.05 * ray, (middle - 0.05 * ray)[::-1]])])
+    assert verify(LineCycles().decimate(spiral, 17), spiral)
+
+
+@pytest.mark.parametrize("angle", [0.1, 1.0, 2.5])
+def test_cages_are_the_same_in_every_position(angle: float) -> None:
+    c, s = np.cos(angle), np.sin(angle)
+    for fine in (letter_a(), star(), islands()):
+        turned = Mesh.from_loops(
+            [np.roll(fine.vertices[loop] @ np.array([[c, s], [-s, c]]) * 7e3 + 1e4, 3, axis=0) for loop in fine.loops]
+        )
+        excess = [nested_cages(mesh, 20).levels[0].report.excess for mesh in (fine, turned)]
+        assert excess[1] == pytest.approx(excess[0], rel=0.01)
+
+
+def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
+    fine = letter_a()
+    curve, outside = (
+        nested_cages(fine, 20, Settings(decimation=LineCycles(on_curve=way))).levels[0] for way in (True, False)
+    )
+    assert (curve.report.start, outside.report.start) == ("flow", "line cycles")
+    assert curve.report.excess == pytest.approx(outside.report.excess, rel=0.01)
+    assert_nested(outside.cage, fine)
+
+
+def test_parameters_and_impossible_counts_are_told() -> None:
+    with pytest.raises(NestedCagesError, match="LineCycles: on_curve must be True or False"):
+        LineCycles(on_curve=2)  # type: ignore[arg-type]
+    with pytest.raises(NestedCagesError, match="too small"):
+        nested_cages(Mesh.from_loops([ring(60), 0.9 * ring(60), 0.8 * ring(60)]), 9)
+    assert Chain(ring(6)).size == 6
+
+
+def test_inner_cages_start_from_cycles_too() -> None:
+    for fine in (letter_a(), star(), annulus(60)):
+        level = inner_cages(fine, 16, Settings(starts=1)).levels[0]
+        hull = inner_cages(fine, 16, Settings(decimation=OuterHull())).levels[0]
+        assert level.report.start == "line cycles" and hull.report.start == "inner hull"
+        assert verify(fine, level.cage) and level.report.excess > 1.02 * hull.report.excess
+
+
+def test_the_least_count_that_is_named_has_a_cage() -> None:
+    with pytest.raises(NestedCagesError, match="ask for at least") as caught:
+        nested_cages(islands(), 15)
+    assert caught.value.code == "count.too_small"
+    least = caught.value.data["least"]
+    assert least > 15 and len(nested_cages(islands(), least).cages[0].vertices) == least
