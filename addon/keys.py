@@ -71,6 +71,8 @@ LINK = "nested_cages_link"
 # Of hidden helper objects: the cage whose motion they carry, or the object whose lines they show, and their thickness.
 HELPER = "nested_cages_helper"
 FIELD_OF = "nested_cages_field"
+# Of an object that shows what an instancing empty shows, to follow in its place: that empty.
+PROXY_OF = "nested_cages_proxy"
 LINES_OF = "nested_cages_lines_of"
 LINE_THICKNESS = "nested_cages_thickness"
 
@@ -149,3 +151,8 @@ def remove(owner: bpy.types.ID, names: Iterable[str]) -> None:
 def ours(owner: bpy.types.ID) -> list[str]:
     """Names of the add-on's custom properties of a data-block."""
     return [key for key in owner.keys() if key.startswith(PREFIX)]  # noqa: SIM118 - an ID is no mapping
+
+
+def found_object(identity: int | None) -> bpy.types.Object | None:
+    """The object with a session ID, even after renaming, undo and redo."""
+    return next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)

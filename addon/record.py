@@ -20,6 +20,8 @@ from . import keys
 VERSION = 1
 FINE, CAGE = "FINE", "CAGE"
 HOLDS, FAULT = "HOLDS", "FAULT"
+# What is said of a cage that is not the certified one any more.
+EDITED = "Edited since it was certified: verify it, or generate it again"
 # The code of notes that are sentences already.
 TEXT = "text"
 
@@ -158,6 +160,20 @@ def certificate(found: Any) -> str:
         )
     area = f"{-100.0 * found.excess:.2f} % less area" if found.inside else f"excess {100.0 * found.excess:.2f} %"
     return f"Certified as stored: simple, {loops}, {nested}; clearance {found.clearance:.3g}, {area}"
+
+
+def restate(obj: bpy.types.Object, clearance: float, excess: float, need: str = "") -> None:
+    """What is certified of a cage that was moved or edited, instead of what was; lengths in scene units."""
+    found = described(obj)
+    found.clearance, found.excess, found.most, found.need = clearance, excess, excess, need
+    found.check, found.finding, found.stamp = "NONE", "", stamp(obj)
+    publish(obj)
+
+
+def is_edited(obj: bpy.types.Object) -> bool:
+    """Whether a cage is not the one that was certified any more."""
+    found = member(obj)
+    return found.role == CAGE and bool(found.stamp) and found.stamp != stamp(obj)
 
 
 def stamp(obj: bpy.types.Object) -> str:

@@ -6,6 +6,8 @@ are unbound. The artist's work on either mesh is transferred to the other.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,9 +25,13 @@ from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
 from ..scene import display, filling, ownership
-from ..scene.plane import PLANARITY, size, space_to_space, transform
+from ..scene.areas import paints
+from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
+from ..scene.selection import scene_of
 from . import field, legacy, node_groups
 
+# Relative change of a clearance that is more than round-off.
+CHANGED = 1e-3
 # What the job says.
 STAGE = "binding"
 # Largest error of a vertex at rest, as a fraction of the size: some roundings of float32.
@@ -81,6 +87,31 @@ def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method:
     _disconnect(collection, levels)
     _fill(levels)
     return completed(_connect(context, collection, levels, method))
+
+
+def newcomers(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """The selected drawings without cages of their own that a bound output can take along."""
+    return [
+        obj
+        for obj in context.selected_objects
+        if paints(obj) and field.followed(obj) is None and ownership.level_of(obj) is None
+        if not ownership.outputs_about(scene_of(context), obj)
+    ]
+
+
+def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Binding]:
+    """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
+    cage = ownership.members(collection)[1]
+    made = field.field_of(cage)
+    if made is None:
+        raise UserError(f"'{collection.name}' was bound by an earlier version: press Rebind first")
+    parts = newcomers(context, collection)
+    for part in parts:
+        field.follow(part, made, in_place=False)
+        record.written(collection).sources.add().object = part
+    record.keep(collection)
+    yield from ()
+    return Binding((), f"{_named(parts)} bound, with what is in the cages already")
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
@@ -195,8 +226,8 @@ def _fill(levels: list[bpy.types.Object]) -> None:
         cage.hide_render = True  # as wires they did not show in renders
 
 
-def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
-    """Raises: UserError unless the cage, unposed, strictly encloses the unposed inner mesh in its plane."""
+def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> core.Certificate:
+    """The certificate of a cage around what is in it, both unposed. Raises: UserError unless it holds, in its plane."""
     there = space_to_space(cage, inner)
     drawing, corners = filling.mesh_of(inner), filling.points_of(filling.mesh_of(cage))
     points = transform(there, filling.points_of(drawing))
@@ -214,6 +245,7 @@ def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> None:
             f"'{cage.name}' does not enclose '{inner.name}' as it is now ({'; '.join(certificate.problems)}): "
             "move its vertices out, then bind again"
         )
+    return certificate
 
 
 def _connect(
@@ -223,11 +255,15 @@ def _connect(
     method: str,
 ) -> Work[Binding]:
     """Makes a field for each cage, which what is inside follows."""
-    kind = method if method in field.NAMES else field.HARMONIC
+    before = record.of(collection).bound
+    kind = next((each for each in (method, before) if each in field.NAMES), field.HARMONIC)
     record.bind(collection, kind)
     context.view_layer.update()
     for inner, cage in pairwise(levels):
-        _check_enclosed(inner, cage)
+        certificate, found = _check_enclosed(inner, cage), record.member(cage)
+        clearance, excess = float(certificate.clearance) * scale_of(inner), float(certificate.excess)
+        if record.is_edited(cage) or not math.isclose(clearance, found.clearance, rel_tol=CHANGED):
+            record.restate(cage, clearance, excess)
     originals = ownership.originals(collection)
     space = next((obj for obj in originals if obj in context.view_layer.objects[:]), levels[0])
     links: list[Link] = []
@@ -278,9 +314,13 @@ def _take_along(
             problems.append(f"'{fine.name}' follows in place of '{original.name}': {error}")
     if not problems:
         fine.hide_set(True)
-    followers = [f"'{original.name}'" for original in originals if field.followed(original) == made]
-    names = ", ".join(followers) if len(followers) <= MAX_NAMES else counted(len(followers), "drawing")
-    return "; ".join([*([f"{names} bound"] if followers else []), *problems])
+    followers = [original for original in originals if field.followed(original) == made]
+    return "; ".join([*([f"{_named(followers)} bound"] if followers else []), *problems])
+
+
+def _named(objects: Sequence[bpy.types.Object]) -> str:
+    """The names of few objects, or the number of many."""
+    return ", ".join(f"'{o.name}'" for o in objects) if len(objects) <= MAX_NAMES else counted(len(objects), "drawing")
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:
@@ -290,9 +330,8 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
         legacy.release(obj)
         display.render_lines(obj, True)
         keys.remove(obj, [keys.LINK])
-    for obj in bpy.data.objects:
-        if field.followed(obj) in fields:
-            field.release(obj)
+    for obj in [obj for obj in bpy.data.objects if field.followed(obj) in fields and not keys.has(obj, keys.PROXY_OF)]:
+        field.release(obj)
     legacy.release_originals(collection)
     for helper in fields:
         owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)

@@ -25,9 +25,10 @@ from ..generation import needs
 from ..generation.generate import AUTOMATIC_CLEARANCES, FLOAT32_ROUNDING, MARGIN, Generation, Options, Request, Result
 from ..generation.job import Job, Work, running
 from ..generation.levels import wanted_levels
+from ..keys import found_object
 from ..scene import filling, ownership
 from ..scene.convert import Drawing, ReadingOptions
-from ..scene.selection import found_object
+from ..scene.plane import scale_of
 from . import writing
 from .editing import drawing_now
 
@@ -137,20 +138,20 @@ class Live:
             certificates.append(core.verify(stored, moved[-1], wanted))
             if not certificates[-1].holds or (tolerance is not None and not tolerance.is_met(stored, after)):
                 return False
-            needs_met.append(needs.kept(tolerance, stored, after, writing.scale_of(objects[0])))
+            needs_met.append(needs.kept(tolerance, stored, after, scale_of(objects[0])))
             before, moved = cage, [*moved, stored]
         for obj, mesh in zip(objects, moved, strict=True):
             _move(obj, drawing.frame.points(mesh.vertices))
-        scale = writing.scale_of(objects[0])
+        scale = scale_of(objects[0])
         for obj, certificate, need in zip(objects[1:], certificates, needs_met, strict=True):
-            writing.describe_still(obj, certificate, scale, need)
+            record.restate(obj, float(certificate.clearance) * scale, float(certificate.excess), need)
         return True
 
     def _clearance(self, drawing: Drawing, fine: core.Mesh) -> float:
         """The wanted clearance, in the drawing's units."""
         source = drawing.source
         if self.options.clearance > 0.0 and source is not None:
-            return self.options.clearance / writing.scale_of(source)
+            return self.options.clearance / scale_of(source)
         return AUTOMATIC_CLEARANCES[0] * fine.diagonal
 
     def _tolerances(self, drawing: Drawing, fine: core.Mesh, count: int) -> list[core.Within | None]:
@@ -162,7 +163,7 @@ class Live:
     @staticmethod
     def _scale(drawing: Drawing) -> float:
         """The scene's length of a unit of the drawing's own space."""
-        return writing.scale_of(drawing.source) if drawing.source is not None else 1.0
+        return scale_of(drawing.source) if drawing.source is not None else 1.0
 
     def _begin(self, collection: bpy.types.Collection, drawing: Drawing) -> None:
         """Starts to make cages again, within the same distance or excess, or with the same vertex counts as far as the

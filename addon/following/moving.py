@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -162,22 +161,15 @@ def _level(
 
 
 def _said(error: core.NestedCagesError, frames: NDArray[np.float64]) -> str:
-    """An error of the core in frames instead of poses, with advice that Blender has: a smaller Step."""
+    """An error of the core with its frame, and with advice that Blender has: a smaller Step."""
+    pose = error.data.get("pose")
+    if pose is None:
+        return str(error)
+    frame = frames[min(pose, len(frames) - 1)]
     if error.code not in ("motion.blocked", "motion.collides"):
-        return _with_frames(str(error), frames)
-    frame = frames[min(error.data["pose"], len(frames) - 1)]
+        return f"frame {frame:g}: {error.__cause__ or error}"
     advice = "lower Step" if (np.diff(frames) > 1.0).any() else "slow the motion down there"
     return f"frame {frame:g}: the cage cannot follow the drawing here; {advice}, or use more vertices or clearance"
-
-
-def _with_frames(sentence: str, frames: NDArray[np.float64]) -> str:
-    """A message of the core with pose numbers replaced by frames."""
-
-    def frame(match: re.Match[str]) -> str:
-        word = "Frame" if match[1] == "P" else "frame"
-        return f"{word} {frames[min(int(match[2]), len(frames) - 1)]:g}"
-
-    return re.sub(r"\b([Pp])ose (\d+)", frame, sentence)
 
 
 def _stored(inner: core.Mesh, level: core.MovingLevel, clearance: float) -> Work[MovingCage | str]:

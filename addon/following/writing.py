@@ -20,7 +20,7 @@ from ..generation.generate import Result
 from ..generation.storage import CageLevel
 from ..scene import ownership
 from ..scene.convert import Drawing
-from ..scene.plane import Frame
+from ..scene.plane import Frame, scale_of
 from .moving import Moving, MovingCage
 
 
@@ -123,19 +123,6 @@ def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) ->
     for obj in ownership.members(collection):
         shape_keys.remove_steps(obj)
     record.keep(collection)
-
-
-def scale_of(obj: bpy.types.Object) -> float:
-    """The world length of a unit of an object's space."""
-    return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
-
-
-def describe_still(obj: bpy.types.Object, certificate: core.Certificate, scale: float, need: str = "") -> None:
-    """Describes a cage that was moved by a step, or edited; scale: the scene's length of its unit."""
-    found = record.described(obj)
-    found.clearance, found.excess = float(certificate.clearance) * scale, float(certificate.excess)
-    found.check, found.finding, found.need, found.stamp = "NONE", "", need, record.stamp(obj)
-    record.publish(obj)
 
 
 def _describe(obj: bpy.types.Object, frames: NDArray[np.float64], cage: MovingCage, scale: float) -> None:

@@ -32,7 +32,7 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     raise UserError(
         f"'{drawing.name}': No cage keeps the clearance of {clearance * scale:.6g}{several} {bound.where}: "
         f"{bound.why}; ask for less than {most * scale:.6g}, or {bound.remedy}.",
-        drawing.fault(bound.why),
+        drawing.fault(bound.message(clearance)),
     )
 
 

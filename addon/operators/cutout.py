@@ -22,13 +22,14 @@ from ..generation.levels import parse_levels
 from ..io import cutout
 from ..io.cutout import Canvas
 from ..io.image_outline import Picture
+from ..keys import found_object
 from ..properties import conversion, picture
 from ..properties.picture import PictureProperties
 from ..properties.settings import settings_of
 from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
-from ..scene.selection import found_object, scene_of, select
+from ..scene.selection import scene_of, select
 from .base import DialogJobOperator, Outcome
 
 

@@ -7,7 +7,9 @@ import numpy as np
 from mathutils import Vector
 
 from ..errors import Fault
-from ..scene.selection import found_object, select
+from ..keys import found_object
+from ..scene.plane import nearest
+from ..scene.selection import select
 from .base import Outcome, Reporting, last_fault
 
 
@@ -70,9 +72,8 @@ def _select_points(obj: bpy.types.Object, fault: Fault) -> None:
     if not points:
         return
     there = np.array([(obj.matrix_world @ Vector(point.co[:3]))[:] for point in points])
-    for place in fault.places:
-        distances = np.linalg.norm(there - np.array(place), axis=1)
-        chosen = points[int(distances.argmin())]
+    for index in nearest(np.array(fault.places), there):
+        chosen = points[index]
         if hasattr(chosen, "select_control_point"):
             chosen.select_control_point = True
         else:

@@ -12,7 +12,7 @@ from ..errors import UserError, counted
 from ..following import moving, poses, writing
 from ..generation.job import Work, part
 from ..properties import conversion, groups
-from ..properties.settings import GenerationProperties
+from ..properties.settings import OperatorProperties
 from ..scene.selection import scene_of
 from .base import DialogJobOperator, Outcome
 from .generate import sources, why_nothing
@@ -21,7 +21,7 @@ from .generate import sources, why_nothing
 READING_PART = 0.2
 
 
-class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy.types.Operator):
+class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.types.Operator):
     """Makes cages that follow the animation of the selected drawings."""
 
     bl_idname = "object.nested_cages_follow"
@@ -53,6 +53,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, GenerationProperties, bpy
 
     def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
         self._set_range(scene_of(context))
+        self.take_from_panel(context, groups.NOT_MOVING)
         asked: Any = context.window_manager.invoke_props_dialog(self)
         return {*asked}
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import bpy
@@ -10,6 +11,7 @@ import numpy as np
 
 from .. import keys, record
 from ..binding import binding, field
+from ..binding.adoption import adopt
 from ..errors import UserError, counted
 from ..generation import output
 from ..generation.advice import part
@@ -18,9 +20,10 @@ from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
 from ..properties import conversion, groups
-from ..properties.settings import GenerationProperties
+from ..properties.settings import GenerationProperties, OperatorProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
+from ..scene.reading import Lines, lines_of_all
 from ..scene.selection import scene_of
 from .base import JobOperator, Outcome
 
@@ -28,7 +31,7 @@ from .base import JobOperator, Outcome
 PINNED = 0.5
 
 
-class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.types.Operator):
+class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types.Operator):
     """Makes cages around the selected drawings."""
 
     bl_idname = "object.nested_cages_generate"
@@ -43,6 +46,10 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if context.mode not in {"OBJECT", "EDIT_MESH"}:
             return "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
         return "" if sources(context) else why_nothing(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+        self.take_from_panel(context)
+        return super().invoke(context, event)
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
@@ -86,6 +93,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, GenerationProperties, bpy.typ
         if bpy.context.mode == "EDIT_MESH":
             # Undo in Edit Mode only covers the edited mesh.
             bpy.ops.object.mode_set(mode="OBJECT")
+        adopt(scene, [result.drawing.source for result in results if result.drawing.source is not None])
         earlier = [found for result in results if (found := output.earlier_output(scene, result)) is not None]
         poses = {found: _poses(found) for found in earlier}
         collections, lost = output.write(scene, results, conversion.timing(self), self.thickness)
@@ -146,11 +154,12 @@ class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
+def sources(context: bpy.types.Context, *, as_selected: bool = False) -> list[bpy.types.Object]:
     """The drawings of the selection: all selected objects that can have an outline, or the meshes in Edit Mode.
 
-    Output of a selected drawing is about to be replaced, not to be caged. With nothing selected, the active object
-    counts if it has cages: an original hidden for its animation is no longer selected.
+    Output of a selected drawing, and bound output, is about to be replaced, not to be caged, unless it is wanted
+    `as_selected`. With nothing selected, the active object counts if it has cages: an original hidden for its animation
+    is no longer selected.
     """
     if context.mode == "EDIT_MESH":
         return list(context.objects_in_mode_unique_data)
@@ -158,7 +167,9 @@ def sources(context: bpy.types.Context) -> list[bpy.types.Object]:
     active = context.view_layer.objects.active
     if not context.selected_objects and active is not None and _has_cages(context, active):
         return [active]
-    return [obj for obj in selected if not _is_output_of(obj, selected)]
+    if as_selected:
+        return [obj for obj in selected if record.member(obj).of not in selected]
+    return list(dict.fromkeys(found for obj in selected for found in _drawings_of(obj, selected)))
 
 
 def why_nothing(context: bpy.types.Context) -> str:
@@ -185,20 +196,28 @@ def _poses(collection: bpy.types.Collection) -> dict[int | None, Pose]:
     return {ownership.level_of(obj): Pose.of(obj, source) for obj in ownership.members(collection)}
 
 
-def _is_output_of(obj: bpy.types.Object, drawings: Sequence[bpy.types.Object]) -> bool:
+def _drawings_of(obj: bpy.types.Object, selected: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself. A cage that
+    is neither bound nor selected with its drawing is a drawing like any other.
+    """
     if keys.block(obj, keys.FILLS, bpy.types.Object) is not None:
-        return True
+        return []
     if ownership.level_of(obj) is None:
-        return False
-    collection = ownership.collection_about(scene_of(bpy.context), obj)
-    return collection is not None and ownership.source_of(collection) in drawings
+        return [obj]
+    home, found = ownership.home_of_member(obj), record.member(obj)
+    if found.of in selected:
+        return []
+    if home is None:
+        return [found.of] if found.kept.bound and ownership.exists(found.of) else [obj]
+    return (ownership.originals(home) if ownership.is_bound(home) else []) or [obj]
 
 
 def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[list[Request], list[UserError]]:
     """The requests of the selection: each drawing with its own cages, all in common ones, or the active one with the
     others as its levels; and for several drawings, why some cannot be caged. Raises: UserError if none can.
     """
-    selected, active = sources(context), context.view_layer.objects.active
+    active = context.view_layer.objects.active
+    selected = sources(context, as_selected=values.use_selected_as_levels)
     if values.use_selected_as_levels:
         if active not in selected or len(selected) < 2:
             raise UserError(
@@ -214,9 +233,10 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[
         if not alone:
             raise UserError("Select the drawing too: all that is selected is one of its levels")
     found, problems = [], []
+    lines = lines_of_all(context, [*itertools.chain(*drawings), *own], values.resolution)
     for objects in drawings:
         try:
-            found.append(_request(context, objects, own, values))
+            found.append(_request(context, objects, own, lines, values))
         except UserError as error:
             problems.append(error)
     if problems and not found:
@@ -228,15 +248,17 @@ def _request(
     context: bpy.types.Context,
     objects: Sequence[bpy.types.Object],
     own: Sequence[bpy.types.Object],
+    lines: Mapping[bpy.types.Object, Lines],
     values: GenerationProperties,
 ) -> Request:
     """One drawing, of all objects, and the user's own levels for it. Raises: UserError."""
     reading = conversion.reading_options(values)
-    outlines = [convert.read(context, obj, reading) for obj in objects]
+    outlines = [convert.read(context, obj, reading, lines.get(obj)) for obj in objects]
     fine = convert.fine_drawing(outlines[0], reading)
     layers = [convert.drawing_in(fine.frame, outline, reading, layer=True) for outline in outlines[1:]]
     fine = convert.joined(fine, layers)
-    coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
+    others = [convert.read(context, obj, reading, lines.get(obj)) for obj in own]
+    coarse = [convert.drawing_in(fine.frame, outline, reading) for outline in others]
     if values.use_selected_as_levels:
         coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
     return Request(fine, tuple(coarse), _places(context, objects, fine, values))

@@ -8,9 +8,10 @@ from bpy.props import IntProperty, StringProperty
 from ..errors import UserError
 from ..generation.job import Work
 from ..io import image_outline
+from ..keys import found_object
 from ..properties import picture
 from ..properties.picture import PictureProperties
-from ..scene.selection import found_object, select
+from ..scene.selection import select
 from .base import DialogJobOperator, Outcome
 
 

@@ -47,7 +47,9 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
         yield obj.name
         for label, value in numbers.items():
             yield f"    {label}: {value:.6g}"
-        said = (found.start, record.certificate(found), found.need, keys.text(obj, keys.LINK), *record.sentences(found))
+        edited = not ownership.is_bound(collection) and record.is_edited(obj)
+        certificate = record.EDITED if edited else record.certificate(found)
+        said = (found.start, certificate, found.need, keys.text(obj, keys.LINK), *record.sentences(found))
         for sentence in filter(None, (*said, found.finding)):
             yield f"    {sentence}"
 

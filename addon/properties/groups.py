@@ -17,6 +17,8 @@ RULES: tuple[str, ...] = ("convex", "grid", "symmetry", "symmetry_order")
 PLACES: tuple[str, ...] = ("weight_group", "pin_group", "joint_armature", "min_edge", "min_angle")
 # Names of vertex groups.
 GROUPS = ("weight_group", "pin_group")
+# Settings that cages which follow a motion do not have.
+NOT_MOVING: tuple[str, ...] = ("use_selected_as_levels", "inside", *RULES, *PLACES)
 SHAPE: tuple[str, ...] = ("decimation", "energy")
 FRAMES: tuple[str, ...] = ("start_frame", "fit_length", "length", "frames_per_step")
 ANIMATION: tuple[str, ...] = ("show_flow", "shrink", "ease", "loop_back", "in_turn", "show_result")

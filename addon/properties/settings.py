@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import bpy
 from bpy.props import (
@@ -70,7 +71,7 @@ class GenerationProperties:
     )
     inside: BoolProperty(
         name="Inside",
-        description="Make cages inside the drawing, as large as their vertices allow, each inside the one before",
+        description="Make cages inside the drawing, of locally largest area, each inside the one before",
         default=False,
     )
     convex: BoolProperty(
@@ -275,6 +276,29 @@ class GenerationProperties:
 
 
 NAMES = tuple(GenerationProperties.__annotations__)
+
+
+def _forgotten(deferred: Any) -> Any:
+    """The same property of an operator, without the value of the last time, which would hide the panel's."""
+    keywords = {name: value for name, value in deferred.keywords.items() if name != "options"}
+    return deferred.function(**keywords, options={*deferred.keywords.get("options", {"ANIMATABLE"}), "SKIP_SAVE"})
+
+
+class OperatorProperties(GenerationProperties):
+    """The settings of an operator: those that are not given are the panel's when it is invoked, by a shortcut or from
+    the search, and the defaults when a script executes it.
+    """
+
+    if not TYPE_CHECKING:
+        __annotations__ = {name: _forgotten(each) for name, each in get_type_hints(GenerationProperties).items()}
+
+    def take_from_panel(self, context: bpy.types.Context, leave: Iterable[str] = ()) -> None:
+        """Sets what is neither given nor to be left as the panel shows it."""
+        properties: Any = self.properties  # type: ignore[attr-defined]
+        kept = {name: getattr(self, name) for name in NAMES if name in leave or properties.is_property_set(name)}
+        copy_values(settings_of(context), self)
+        for name, value in kept.items():
+            setattr(self, name, value)
 
 
 class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):

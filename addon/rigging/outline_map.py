@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import core
+from ..scene.plane import nearest
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -41,7 +42,7 @@ class OutlineMap:
 
     def nearest(self, points: Points, old: int) -> int:
         """The new vertex nearest to an old one along the old outline with vertices (n, 3)."""
-        return int(np.argmin(np.linalg.norm(self.of(points) - points[old], axis=1)))
+        return int(nearest(points[old : old + 1], self.of(points))[0])
 
 
 @dataclass(frozen=True)
@@ -93,8 +94,8 @@ def outline_map(old: Outline, new: Outline) -> OutlineMap:
     Loops are matched by their boxes if there are equally many, otherwise all old loops are searched.
     """
     if not len(old.edges):
-        nearest = np.array([np.argmin(np.linalg.norm(old.points - point, axis=1)) for point in new.points], np.int64)
-        return OutlineMap(nearest, nearest, np.zeros(len(nearest)))
+        same = nearest(new.points, old.points)
+        return OutlineMap(same, same, np.zeros(len(same)))
     if not (old.sided and new.sided):
         return _nearest(old, np.ones(len(old.edges), bool), new.points[:, :2], None)
     first, second, part = np.empty(len(new.points), int), np.empty(len(new.points), int), np.empty(len(new.points))

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import bpy
 
+from .. import keys
 from .filling import loop_edges, mesh_of
 
 
@@ -45,7 +46,7 @@ def _points(spline: bpy.types.Spline, resolution: int) -> int:
 @lru_cache(maxsize=64)
 def _text_sizes(identity: int, _body: str, _font: str, resolution: int) -> tuple[int, ...]:
     """Vertices of the loops of a text, which has no splines of its own; cached until the text changes."""
-    obj = next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
+    obj = keys.found_object(identity)
     if obj is None:
         return ()
     curve = obj.to_curve(bpy.context.evaluated_depsgraph_get())

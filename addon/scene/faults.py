@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import core
 from ..errors import Fault
-from .plane import Frame, size
+from .plane import Frame, nearest, size
 
-# Largest distance of edges at fault from the place in a message, as a fraction of the drawing's size: messages round
-# places to six digits.
+# Largest distance of edges at fault from the place in a message, as a fraction of the drawing's size: they may be
+# rounded.
 NEAR = 1e-4
 # Maximum number of points of a fault.
 MOST_POINTS = 8
-
-PLACE = re.compile(r"\((-?\d[\d.]*(?:e[+-]?\d+)?), (-?\d[\d.]*(?:e[+-]?\d+)?)\)")
-LOOP = re.compile(r"\b([Ll]oops?) (\d+)(?: and (\d+))?")
 
 
 class Part(NamedTuple):
@@ -30,31 +27,25 @@ class Part(NamedTuple):
     loops: Sequence[NDArray[np.float64]]
 
 
-def with_names(message: str, parts: Sequence[Part]) -> str:
-    """The message with loops numbered per object, for a drawing of several objects."""
-    if len(parts) < 2:
-        return message
+def with_names(found: core.Fault, parts: Sequence[Part]) -> str:
+    """The message, and which objects its loops belong to, for a drawing of several objects."""
     owners = [(part, number) for part in parts for number in range(len(part.loops))]
-
-    def name(number: int) -> str:
-        part, own = owners[number]
-        return f"'{part.name}'" if len(part.loops) == 1 else f"loop {own} of '{part.name}'"
-
-    def named(match: re.Match[str]) -> str:
-        numbers = [int(found) for found in match.groups()[1:] if found is not None]
-        if max(numbers) >= len(owners):
-            return match[0]
-        return " and ".join(map(name, numbers))
-
-    return LOOP.sub(named, message)
+    loops = [loop for loop in found.data.get("loops", ()) if loop < len(owners)]
+    if len(parts) < 2 or not loops:
+        return str(found)
+    names = []
+    for loop in loops:
+        part, own = owners[loop]
+        of_it = f"loop {own} of " if len(part.loops) > 1 else ""
+        names.append(f"loop {loop} is {of_it}'{part.name}'")
+    return f"{found} Here {' and '.join(names)}."
 
 
-def fault(message: str, parts: Sequence[Part], frame: Frame) -> Fault | None:
-    """The ends of the edges at the first place in a message, of the closest object; None without a place."""
-    found = PLACE.search(message)
-    if found is None:
+def fault(found: core.Fault, parts: Sequence[Part], frame: Frame) -> Fault | None:
+    """The ends of the edges at the place that a message names, of the closest object; None without a place."""
+    if found.data.get("place") is None:
         return None
-    place = np.array([float(found[1]), float(found[2])])
+    place = np.array(found.data["place"], dtype=np.float64)
     reach = NEAR * size(np.concatenate([loop for part in parts for loop in part.loops]))
     closest = min(parts, key=lambda part: min(_distances(loop, place).min() for loop in part.loops))
     ends: list[NDArray[np.float64]] = []
@@ -64,9 +55,9 @@ def fault(message: str, parts: Sequence[Part], frame: Frame) -> Fault | None:
     points = np.concatenate(ends)
     if not len(points):
         every = np.concatenate(list(closest.loops))
-        points = every[[np.linalg.norm(every - place, axis=1).argmin()]]
-    nearest = np.argsort(np.linalg.norm(points - place, axis=1), kind="stable")[:MOST_POINTS]
-    world = frame.to_world(points[nearest]).tolist()
+        points = every[nearest(place[None], every)]
+    closest_first = np.argsort(np.linalg.norm(points - place, axis=1), kind="stable")[:MOST_POINTS]
+    world = frame.to_world(points[closest_first]).tolist()
     return Fault(closest.identity, tuple((x, y, z) for x, y, z in world))
 
 

@@ -9,10 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .plane import Frame, transform
-
-# Distances that are computed at once.
-BLOCK = 2**22
+from .plane import Frame, nearest, transform
 
 
 def painted(
@@ -36,11 +33,7 @@ def painted(
         return None
     place = np.concatenate(places)
     weight = np.concatenate([np.zeros(len(p)) if w is None else w for p, w in zip(places, values, strict=True)])
-    closest = [
-        ((part[:, None] - place[None]) ** 2).sum(axis=2).argmin(axis=1)
-        for part in np.array_split(points, max(1, len(points) * len(place) // BLOCK))
-    ]
-    chosen: NDArray[np.float64] = weight[np.concatenate(closest)]
+    chosen: NDArray[np.float64] = weight[nearest(points, place)]
     return chosen
 
 

@@ -24,6 +24,8 @@ OWN_PLANARITY = 1e-6
 # Largest relative difference between the axes' lengths, and largest cosine between axes, of a scale that counts as
 # uniform.
 UNIFORMITY = 1e-5
+# Distances that are computed at once.
+BLOCK = 2**22
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,18 @@ def transform(matrix: Array, points: Array) -> Array:
     """Points (n, 3) under an affine matrix (4, 4)."""
     moved: Array = points @ matrix[:3, :3].T + matrix[:3, 3]
     return moved
+
+
+def scale_of(obj: bpy.types.Object) -> float:
+    """The world length of a unit of an object's space."""
+    return float(np.linalg.norm(np.array(obj.matrix_world)[:3, :3], axis=0).mean())
+
+
+def nearest(places: Array, points: Array) -> NDArray[np.intp]:
+    """(k,) index of the point (n, d) nearest to each place (k, d), the first of several."""
+    blocks = np.array_split(places, max(1, len(places) * len(points) // BLOCK))
+    found = [((block[:, None] - points[None]) ** 2).sum(axis=2).argmin(axis=1) for block in blocks]
+    return np.concatenate(found)
 
 
 def size(points: Array) -> float:

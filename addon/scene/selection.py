@@ -37,11 +37,6 @@ def outputs_of_chosen(context: bpy.types.Context) -> list[bpy.types.Collection]:
     return list(dict.fromkeys(output for outputs in found for output in outputs))
 
 
-def found_object(identity: int | None) -> bpy.types.Object | None:
-    """The object with a session ID, even after renaming, undo and redo."""
-    return next((obj for obj in bpy.data.objects if obj.session_uid == identity), None)
-
-
 def select(context: bpy.types.Context, *objects: bpy.types.Object) -> None:
     """Makes the objects the only selected ones, and the last of them the active one."""
     for other in context.selected_objects:

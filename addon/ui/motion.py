@@ -16,7 +16,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """The button that follows an animation."""
     button: Any = layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
     copy_values(settings_of(context), button)
-    for name in ("use_selected_as_levels", "inside", *groups.RULES, *groups.PLACES):
+    for name in groups.NOT_MOVING:
         button.property_unset(name)
 
 

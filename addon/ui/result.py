@@ -38,5 +38,7 @@ def _notes(obj: bpy.types.Object) -> list[str]:
     method, _, _ = keys.text(obj, keys.LINK).partition(",")
     follows = f"Follows by {method}" if method else ""
     found = record.member(obj)
+    if not ownership.is_bound_member(obj) and record.is_edited(obj):
+        return textwrap.wrap(record.EDITED, NOTE_WIDTH)
     sentences = [follows, record.verdict(found), found.need, *record.sentences(found)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]

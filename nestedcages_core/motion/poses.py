@@ -51,7 +51,7 @@ def read_poses(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike], times: ArrayL
             moved = fine.moved(given)
             standing = moved.validated()
         except InvalidMeshError as error:
-            raise InvalidMeshError(f"Pose {number}: {error}", code="poses.invalid") from error
+            raise InvalidMeshError(f"Pose {number}: {error}", code="poses.invalid", pose=number) from error
         if not np.array_equal(standing.successor, fine.successor):
             raise InvalidMeshError(
                 f"Pose {number} is turned inside out, or its loops lie in each other differently.",

@@ -40,7 +40,7 @@ def caged(kind: str = "curve", *, bind: bool = False, **settings):
 def stretch(cage) -> None:
     """Moves the corners of a cage apart."""
     for vertex in cage.data.vertices:
-        vertex.co.x *= 1.5
+        vertex.co *= 1.5
     cage.data.update()
     bpy.context.view_layer.update()
 
@@ -111,7 +111,7 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
     bpy.context.view_layer.update()
     assert moved_by(fine, coarsest) > 0.1
     for vertex in coarsest.data.vertices:
-        vertex.co.x /= 1.5
+        vertex.co /= 1.5
     choose(source)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert all(addon.record.member(cage).check == addon.record.HOLDS for cage in (finer, coarsest))
@@ -228,3 +228,48 @@ def test_files_of_several_drawings_hold_their_cages(tmp_path) -> None:
     assert (tmp_path / "cages.svg").read_text().count("<path") == 9
     assert bpy.ops.object.nested_cages_pieces(most=8) == {"FINISHED"}
     assert sum(obj.name.startswith("Part") and "Piece" in obj.name for obj in bpy.data.objects) == 3
+
+
+def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
+    source = MAKE["curve"]()
+    bpy.ops.object.nested_cages_generate(levels="0.05u")
+    collection, record = bpy.data.collections["Drawing Cages"], addon.record
+    cage = addon.scene.ownership.members(collection)[1]
+    assert not record.is_edited(cage) and "0.05" in " ".join(addon.ui.result._notes(cage))
+    stretch(cage)
+    said = " ".join(addon.ui.result._notes(cage))
+    assert said == record.EDITED
+    choose(source)
+    bpy.ops.object.nested_cages_report()
+    assert record.EDITED in bpy.data.texts["Nested Cages Report"].as_string()
+    assert bpy.ops.object.nested_cages_bind(method="LINEAR") == {"FINISHED"}
+    member = record.member(cage)
+    assert not member.need and member.excess > 0.3 and not record.is_edited(cage)
+    assert cage["nested_cages_excess"] == pytest.approx(member.excess) and not cage["nested_cages_need"]
+    assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
+    assert record.of(collection).bound == "LINEAR"
+
+
+def test_generate_after_bind_makes_the_drawings_cages_again(addon) -> None:
+    _source, collection = caged(bind=True)
+    coarsest = addon.scene.ownership.members(collection)[-1]
+    assert bpy.context.view_layer.objects.active == coarsest and bpy.context.selected_objects == [coarsest]
+    assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
+    assert [len(obj.data.vertices) for obj in addon.scene.ownership.members(collection)] == [60, 20, 10]
+    assert len(bpy.data.collections) == 1 and addon.scene.ownership.is_bound(collection)
+
+
+def test_a_shortcut_uses_the_values_of_the_panel(addon) -> None:
+    """Nothing is remembered from the last time; what a shortcut gives itself counts."""
+    names, settings = addon.properties.settings.NAMES, bpy.context.scene.nested_cages
+    known = bpy.ops.object.nested_cages_generate.get_rna_type().properties
+    assert all(known[name].is_skip_save for name in names)
+    settings.levels, settings.clearance, settings.inside = "18", 0.25, True
+
+    class Operator(addon.properties.settings.OperatorProperties):
+        properties = type("Given", (), {"is_property_set": staticmethod(lambda name: name == "clearance")})
+
+    operator = Operator()
+    operator.clearance, operator.inside = 0.5, False
+    operator.take_from_panel(bpy.context, leave=("inside",))
+    assert (operator.levels, operator.clearance, operator.inside) == ("18", 0.5, False)

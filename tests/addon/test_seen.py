@@ -151,7 +151,7 @@ def test_the_scene_s_range_is_put_back_by_whichever_goes_last(addon) -> None:
     bpy.data.objects["Two"].select_set(False)
     generate(fit_length=True, length=90)
     assert (scene.frame_start, scene.frame_end) == (1, 90)
-    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("Two", 61), ("One", 90)]
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("2 Drawings", 61), ("One", 90)]
     bpy.ops.object.nested_cages_remove_animation()
     assert (scene.frame_start, scene.frame_end) == (2, 61)
     bpy.context.view_layer.objects.active = bpy.data.objects["Two"]
@@ -285,16 +285,15 @@ def test_select_fault_finds_the_ends_of_an_open_curve(addon) -> None:
     assert [point.select for point in line.data.splines[0].points] == [True, *[False] * 58, True]
 
 
-def test_loops_are_told_by_the_names_of_their_objects(addon) -> None:
+def test_loops_are_told_by_the_names_of_their_objects(addon, core) -> None:
     """Numbers that count through all objects mean nothing to a user."""
     faults = addon.scene.faults
     one = faults.Part("One", 1, [star(), circle(12, 0.3)])
     two = faults.Part("Two", 2, [circle(40, 1.0, (0.9, 0.0))])
-    message = "Loops 0 and 2 cross near (0.5, 0.8): edge 1-2 meets edge 3-4; loop 1 is fine."
-    expected = "loop 0 of 'One' and 'Two' cross near (0.5, 0.8): edge 1-2 meets edge 3-4; loop 1 of 'One' is fine."
-    assert faults.with_names(message, [one, two]) == expected
-    assert faults.with_names(message, [one]) == message
-    assert faults.with_names("Loop 7 is open.", [one, two]) == "Loop 7 is open."
+    said = core.Fault("Loops 0 and 2 cross near (0.5, 0.8).", "mesh.crossing", loops=(0, 2), place=(0.5, 0.8))
+    assert faults.with_names(said, [one, two]) == f"{said} Here loop 0 is loop 0 of 'One' and loop 2 is 'Two'."
+    assert faults.with_names(said, [one]) == said
+    assert faults.with_names(core.Fault("Open.", "mesh.open", loops=(7,)), [one, two]) == "Open."
 
 
 def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:
@@ -314,6 +313,6 @@ def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:
     run = bpy.data.collections["Cages of 3 Drawings"]
     assert set(face.children) == {run}
     assert sorted(collection.name for collection in run.children) == ["Eye Cages", "Mouth Cages", "Nose Cages"]
-    assert len(scene.timeline_markers) == 3
+    assert [marker.name for marker in scene.timeline_markers] == ["3 Drawings"]
     assert generate(levels="12") == {"FINISHED"}
     assert len(bpy.data.collections) == 6
