@@ -36,13 +36,8 @@ def json_of(collection: bpy.types.Collection, *, flip_y: bool) -> str:
         found = core.cage_coordinates(shape, around)
     except core.NestedCagesError as error:
         raise UserError(f"'{fine.name}': {error}") from error
-    character = core.character.Character(
-        shape,
-        around,
-        bones,
-        weights / weights.sum(axis=1, keepdims=True),
-        found,
-        triangulation.triangulate(shape).triangles,
-    )
+    triangles = triangulation.triangulate(shape).triangles
+    weights /= weights.sum(axis=1, keepdims=True)
+    character = core.character.Character(shape, around, bones, weights, found, triangles)
     text: str = core.exchange.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
     return text

@@ -15,6 +15,7 @@ import numpy as np
 from ..contact import IPC, Contact, SequentialQP
 from ..decimation import Count, Decimation, LineCycles, OnCurve, OuterHull, Start
 from ..decimation.hull.inner_hull import InnerHull
+from ..decimation.line_cycles import InnerCycles
 from ..decimation.on_curve import closest_on_curve
 from ..energies import Area
 from ..errors import FlowError, NestingError
@@ -124,8 +125,9 @@ def _attempts_inside(
     """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
     chosen = settings.decimation.hull if isinstance(settings.decimation, OnCurve) else settings.decimation
     hull = InnerHull(chosen if isinstance(chosen, OuterHull) else OuterHull())
+    first = InnerCycles() if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh) else hull
     count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    last = Attempt(hull, count, settings.starts, settings.flow, (), clearances)
+    last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
     if isinstance(wanted, Mesh):
         yield replace(last, source=wanted, starts=1)
         if settings.fallback is None:

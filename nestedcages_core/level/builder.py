@@ -26,6 +26,7 @@ from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .choices import Choices
+from .counts import with_least
 from .early_stop import EarlyStop
 from .plan import ExactSolver, Plan
 from .progress import LevelProgress
@@ -116,7 +117,9 @@ class LevelBuilder:
                 if attempt.tightened:
                     failures.append(error)
                     started += [error] if self.starts else []
-        raise (started or failures)[-1]
+        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
+            raise (started or failures)[-1]
+        raise with_least(failures, self.outline, self.clearances[0])
 
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
