@@ -214,9 +214,26 @@ def test_undo_is_followed(addon, core, live, tick) -> None:
     obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
     assert not live.current().behind and holds(core, addon, collection, obj)
     bpy.ops.ed.redo()
+    assert addon.following.live._on_undo in bpy.app.handlers.redo_post
+    assert live.current()._dirty
     tick()
     obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
     assert not live.current().behind and holds(core, addon, collection, obj)
+
+
+def test_steps_that_single_precision_breaks_are_not_kept(addon, core, live, tick, monkeypatch) -> None:
+    """A step that leaves a cage as near as float64 allows: stored, it would lie on the drawing."""
+
+    def followed(cage, before, after, *_):
+        return core.Mesh(after.vertices * (1.0 + 1e-12), after.edges)
+
+    obj, collection = switched_on(star_mesh, "12")
+    tick()
+    monkeypatch.setattr(core, "followed", followed)
+    move_points(obj, 1.1)
+    tick()
+    obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
+    assert not live.current().problem and holds(core, addon, collection, obj)
 
 
 def test_bound_and_moving_cages_are_refused(live) -> None:

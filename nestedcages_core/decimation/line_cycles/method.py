@@ -17,6 +17,7 @@ import numpy as np
 
 from ...errors import InvalidMeshError, NestingError
 from ...geometry.mesh import Mesh
+from ...geometry.vectors import norm
 from ...parameters import check_flag
 from ...tasks import Stage, drain, mapped
 from ..base import LEAST_PER_LOOP, Count, Start
@@ -42,6 +43,9 @@ SOURCE = "line cycles"
 
 REACH = 1.5
 """Longest part of an edge on either side of its contact, in diameters."""
+
+LOOP_REACH = 4.0
+"""The same in diameters of the loop that a line belongs to: a vertex farther away would be a needle."""
 
 EXACT_SHIFT = 1e-7
 """Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
@@ -253,15 +257,12 @@ class _Around:
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
             found.append((lines.shifted(self.shift), expected, deserved_lines))
-        everything = Lines.joined([lines for lines, _, _ in found])
-        free = Obstacles(self.outline.loops).free(everything, REACH) + SLACK
-        usable = (free > SLACK).all(axis=0)
-        begin = 0
+        obstacles = Obstacles(self.outline.loops)
         for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
-            own = slice(begin, begin + len(lines))
-            begin += len(lines)
-            some = usable[own]
-            lines, own_free = lines.take(some), free[:, own][:, some]
+            size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
+            free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
+            usable = (free > SLACK).all(axis=0)
+            lines, own_free = lines.take(usable), free[:, usable]
             count = len(lines)
             if count < 3:
                 raise NoCyclesError("No lines are free.", code="count.too_small")
