@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from .. import record
-from ..scene import filled_copy, ownership
+from ..scene import display, filled_copy, ownership
 from . import shape_keys, timeline, visibility
 
 
@@ -34,15 +34,20 @@ def enter(collection: bpy.types.Collection) -> None:
     visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing])
 
 
-def leave(collection: bpy.types.Collection) -> None:
-    """Shows the originals again and removes the moving copy."""
-    found = record.written(collection)
-    for part in found.sources:
-        if part.hidden and ownership.exists(part.object):
-            visibility.always_show(part.object)
-        part.hidden = False
-    found.playing = False
-    fine = ownership.member(collection, 0)
-    for copy in filled_copy.copies_of(fine) if fine is not None else []:
-        shape_keys.remove_animation(copy)
-        filled_copy.remove(copy)
+def leave(*collections: bpy.types.Collection) -> None:
+    """Shows the originals of outputs again and removes the moving copies."""
+    actions: list[bpy.types.Action | None] = []
+    copies: list[bpy.types.Object] = []
+    for collection in collections:
+        found = record.written(collection)
+        for part in found.sources:
+            if part.hidden and ownership.exists(part.object):
+                actions.append(visibility.detach(part.object).action)
+            part.hidden = False
+        found.playing = False
+        fine = ownership.member(collection, 0)
+        copies += filled_copy.copies_of(fine) if fine is not None else []
+    for copy in copies:
+        for modifier in list(copy.modifiers):
+            display.remove_modifier(copy, modifier)
+    shape_keys.discard(copies, [copy.data for copy in copies if isinstance(copy.data, bpy.types.Mesh)], actions)
