@@ -8,7 +8,7 @@ changes it together with the cages, needs no special handling.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
@@ -295,7 +295,7 @@ def _on_load(*_: object) -> None:
     stop()
 
 
-def window_of(scene: str, windows: Sequence[Any]) -> Any:
+def window_of(scene: str, windows: Any) -> Any:
     """The window that shows a scene, or else the first one; None if there are no windows."""
     return next((window for window in windows if window.scene.name == scene), windows[0] if len(windows) else None)
 
