@@ -192,3 +192,9 @@ def test_the_examples_in_docstrings_run() -> None:
             assert outcome.failed == 0, module.name
             tried += outcome.attempted
     assert tried > 0
+
+
+def test_the_citation_is_of_this_version() -> None:
+    cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"version: {nestedcages_core.__version__}\n" in cited
+    assert "license: GPL-3.0-or-later\n" in cited
