@@ -15,7 +15,7 @@ from ..errors import Fault, UserError
 from . import faults
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform, world_matrix
-from .reading import READERS, lines_of
+from .reading import READERS, Lines, lines_of
 from .uniting import outline_of, united
 
 # Smallest part of the area of several drawings that is missing from their sum if one lies in another.
@@ -99,11 +99,17 @@ def readable(obj: bpy.types.Object) -> bool:
     return obj.type in READERS
 
 
-def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions = ReadingOptions()) -> Outline:
-    """The current evaluated outline of an object. Raises: UserError."""
-    context.evaluated_depsgraph_get()  # updates the object's matrix
-    vertices, edges = lines_of(context, obj, options.resolution)
-    loops = _closed_loops(obj, vertices, edges, options)
+def read(
+    context: bpy.types.Context,
+    obj: bpy.types.Object,
+    options: ReadingOptions = ReadingOptions(),
+    lines: Lines | None = None,
+) -> Outline:
+    """The current evaluated outline of an object; lines: its own, if they are known. Raises: UserError."""
+    if lines is None:
+        context.evaluated_depsgraph_get()  # updates the object's matrix
+        lines = lines_of(context, obj, options.resolution)
+    loops = _closed_loops(obj, lines.vertices, lines.edges, options)
     matrix = world_matrix(obj)
     lost = np.ptp(np.concatenate(loops), axis=0).astype(bool) & ~matrix[:3, :3].any(axis=0)
     if lost.any():
