@@ -14,7 +14,7 @@ from . import shape_keys, timeline, visibility
 def enter(collection: bpy.types.Collection) -> None:
     """Hides the originals of an output before and after its result, and shows the moving copy instead.
 
-    Around inner cages the drawing does not move.
+    Around inner cages the drawing does not move; in another scene without the cages it stays as it is.
     """
     leave(collection)
     frames, fine = timeline.frames_of(collection), ownership.member(collection, 0)
@@ -24,14 +24,22 @@ def enter(collection: bpy.types.Collection) -> None:
     # Before the way back, if there is one, the result is held for a step.
     back = [] if last == result else [(result + 1 + (last - 2 * result + first), True), (last + 1, False)]
     playing = [(first - 1, False), (first, True), (result, False), *back]
+    source = ownership.source_of(collection)
+    if source is not None and _is_elsewhere(source, fine):
+        return
     found = record.written(collection)
     found.playing = True
     for part in found.sources:
         if ownership.exists(part.object) and visibility.is_free(part.object):
             part.hidden = True
             visibility.switch(part.object, playing)
-    copy = filled_copy.make(collection, fine, ownership.source_of(collection))
+    copy = filled_copy.make(collection, fine, source)
     visibility.switch(copy, [(frame, not hidden) for frame, hidden in playing])
+
+
+def _is_elsewhere(source: bpy.types.Object, fine: bpy.types.Object) -> bool:
+    """Whether a drawing is in a scene that its cages are not in, where it would be hidden, and its copy a ghost."""
+    return any(s.objects.get(source.name) == source and s.objects.get(fine.name) != fine for s in bpy.data.scenes)
 
 
 def leave(*collections: bpy.types.Collection) -> None:

@@ -129,7 +129,7 @@ def _hierarchy(
                 Plan.of(inner, needs, side=side), clearances, settings, LevelProgress(index, len(wanted))
             )
             if isinstance(level, Within):
-                from ..tolerance.within import fewest
+                from ..tolerance.fewest import fewest
 
                 made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
             else:

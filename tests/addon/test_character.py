@@ -234,3 +234,24 @@ def test_rigging_again_fits_the_cage_to_new_parts() -> None:
     select(cage)
     assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+
+
+def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    select(cage)
+    path = tmp_path / "figure.json"
+    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER", flip_y=False) == {"FINISHED"}
+    found = core.character_from_engine_json(path.read_text())
+    assert {bone.name for bone in found.bones} == {bone.name for bone in armature.data.bones}
+    bone = bone_at(armature, 1.3, 1.1)
+    turn(armature, bone, 40.0)
+    shape, around = found.posed({bone.name: 40.0})
+    np.testing.assert_allclose(evaluated(cage)[:, :2], around, atol=1e-4)
+    fine = bpy.data.objects["Torso Fine"]
+    error = np.abs(evaluated(fine)[:, :2] - shape)
+    assert error.max() < 0.02 and np.abs(shape - found.shape.vertices).max() > 0.3, error.max()
+    bpy.ops.object.nested_cages_unbind()
+    cage.modifiers.clear()
+    with pytest.raises(RuntimeError, match="follows no armature"):
+        bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")

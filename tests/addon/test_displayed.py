@@ -165,3 +165,33 @@ def test_what_users_add_and_place_stays_in_its_displayed_cage(kind, seed, tmp_pa
     cage.location.x += 0.5
     cage.rotation_euler.z += 0.5
     check(end)
+
+
+def test_a_drawing_in_two_scenes_has_no_ghost_in_the_other() -> None:
+    source = wire("Drawing", [star()])
+    other = bpy.data.scenes.new("Other")
+    other.collection.objects.link(source)
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"}
+    assert [obj.name for obj in other.objects] == ["Drawing"]
+    at_frame(3)
+    assert not source.hide_viewport and not source.hide_render
+
+
+def test_text_of_instances_and_hidden_strokes_are_read_as_displayed(addon) -> None:
+    instanced = wire("Drawing", [star()])
+    tree = bpy.data.node_groups.new("Text", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    letters, fill = tree.nodes.new("GeometryNodeStringToCurves"), tree.nodes.new("GeometryNodeFillCurve")
+    letters.inputs["String"].default_value = "o"
+    tree.links.new(letters.outputs[0], fill.inputs[0])
+    tree.links.new(fill.outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
+    instanced.modifiers.new("Text", "NODES").node_group = tree
+    bpy.context.view_layer.update()
+    (face,) = addon.scene.areas.areas_of(bpy.context, instanced)
+    assert len(face.triangles) > 10 and np.ptp(face.points[:, 0]) < 1.0
+    if hasattr(bpy.types, "GreasePencilDrawing"):
+        drawn = grease_pencil("Strokes", [star(), star() * 0.5])
+        for layer in drawn.data.layers:
+            layer.opacity = 0.0
+        with pytest.raises(addon.errors.UserError, match="no silhouette"):
+            addon.scene.areas.areas_of(bpy.context, drawn)
