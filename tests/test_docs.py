@@ -118,9 +118,10 @@ def packaging(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 @pytest.mark.slow
-def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType) -> None:
-    rooms = packaging.draw_rooms.imported_rooms()
-    drawn = (ROOT / "docs" / "rooms.svg").read_text(encoding="utf-8")
+@pytest.mark.parametrize(("name", "of"), [("rooms.svg", "imported_rooms"), ("addon_rooms.svg", "addon_rooms")])
+def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType, name: str, of: str) -> None:
+    rooms = getattr(packaging.draw_rooms, of)()
+    drawn = (ROOT / "docs" / name).read_text(encoding="utf-8")
     again = "run: python packaging/draw_rooms.py"
     assert set(re.findall(r'class="room" id="([\w-]+)"', drawn)) == set(rooms), again
     arrows = {f"{room}-{other}" for room, others in packaging.draw_rooms.arrows(rooms).items() for other in others}

@@ -124,7 +124,7 @@ def after_tightening(runs: Sequence[Run], families: tuple[str, ...]) -> list[dic
 def spread(excesses: Sequence[float | None]) -> float:
     """Largest excess over the least."""
     known = [max(value, 1e-3) for value in excesses if value is not None]
-    return max(known) / min(known)
+    return max(known) / min(known) if known else np.inf
 
 
 def _median(values: Sequence[float]) -> float:

@@ -8,6 +8,7 @@ from comparison import methods, shapes
 from comparison.measure import Measurement, measure
 from comparison.shapes import Case
 from data import read_shape
+from nestedcages_core import AUGMENTED_2022
 
 SHOWN = {
     "figure 1: the A": "letter A, 45 + 6 in 32 + 3",
@@ -39,8 +40,8 @@ def results(folder: Path | None = None) -> dict[str, dict[str, Measurement]]:
         drawn = {made.shape: made for made in shapes.figures()}
         found = {figure: drawn[name] for figure, name in SHOWN.items()}
     else:
-        chosen[methods.WRITTEN] = methods.AUGMENTED_2022
-        found = {figure: Case("paper", 0, fine, read_shape(folder, fine), read_shape(folder, coarse))
+        chosen[methods.WRITTEN] = AUGMENTED_2022
+        found = {figure: Case("paper", 0, figure, read_shape(folder, fine), read_shape(folder, coarse))
                  for figure, (fine, coarse) in PAPERS.items()}  # fmt: skip
     return {figure: {name: measure(settings, made.fine, made.coarse, 1) for name, settings in chosen.items()}
             for figure, made in found.items()}  # fmt: skip

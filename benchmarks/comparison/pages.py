@@ -220,7 +220,8 @@ def _measured(runs: Sequence[Run], record: dict[str, Any]) -> list[str]:
             "out* (gears, rosettes, ribbons, plates, puzzle pieces, crystals), which took no part in tuning. Numbers "
             "that give no valid shape of at most 400 vertices are passed over; no parameter was changed for any shape.",
             f"**Check**: `{COMMAND} --check`, part of `make lint`, writes the pages anew from runs.csv and compares "
-            "them, and makes a sample of the runs again: success and excess must be as recorded. Unrelated changes of "
+            "them, and makes a sample of the runs again, on shapes with one optimum: success and excess must be as "
+            "recorded. Unrelated changes of "
             "the code leave it green; a change of results does not.",
         )),
     ]  # fmt: skip

@@ -11,7 +11,8 @@ from typing import Any
 from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
-from ..hierarchy import Found, Mirror, Rotation, level_words, parse_level
+from ..hierarchy import level_words, parse_level
+from ..needs.symmetry import Found, Mirror, Rotation
 from .outputs import WRITTEN
 
 USAGE = "nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]"

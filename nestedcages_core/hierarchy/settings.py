@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -14,8 +14,10 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..level.choices import Choices, is_length
-from ..needs.symmetry.detection import Found
 from ..parameters import check_flag, has_method
+
+if TYPE_CHECKING:
+    from ..needs.symmetry import Found
 
 STORED_TYPES = ("float64", "float32", "float16")
 """Types that can hold coordinates."""
@@ -31,6 +33,9 @@ class Settings(Choices):
     stored: DTypeLike | None = None
     """The type that will hold the coordinates, such as np.float32: the cage is certified on its numbers. None: doubles.
     """
+    merge: float | None = None
+    """Parts closer than this length share a loop of the cage, and holes of less than its square are filled, as far as
+    that makes the cage tighter; needs shapely. None: a loop for each loop of the fine mesh."""
     convex: bool = False
     """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
@@ -64,6 +69,19 @@ class Settings(Choices):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.merge is not None and not (is_length(self.merge) and self.merge > 0.0):
+            raise NestedCagesError(
+                f"merge must be a finite length above 0, not {self.merge!r}; leave it out to keep all loops.",
+                code="setting.invalid",
+                name="merge",
+                value=self.merge,
+            )
+        if self.merge is not None and (self.convex or self.symmetry is not None or self.has_priorities):
+            raise NestedCagesError(
+                "merge does not go with convex, symmetry, weights, pins, joints or limits; leave out one of them.",
+                code="setting.conflict",
+                names=("merge",),
+            )
         if self.grid is not None and not (is_length(self.grid) and self.grid > 0.0):
             raise NestedCagesError(
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none.",
@@ -78,7 +96,7 @@ class Settings(Choices):
             raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")
         _check_priorities(self)
         symmetry: object = self.symmetry
-        if not (symmetry is None or isinstance(symmetry, Found) or has_method(symmetry, "image")):
+        if not (symmetry is None or has_method(symmetry, "of") or has_method(symmetry, "image")):
             raise NestedCagesError(
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
                 f"not {symmetry!r}.",

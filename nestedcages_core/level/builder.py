@@ -6,12 +6,13 @@ import logging
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import Decimation, SeveralStarts, Start
+from ..decimation import Decimation, LineCycles, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import Area, CageEnergy, inwards, signed_area
@@ -32,10 +33,11 @@ from .plan import ExactSolver, Plan
 from .progress import LevelProgress
 from .report import Level, NestingReport, Progress
 from .reuse import coarse_meshes, flow_inside
-from .settling import Settling
 from .symmetrised_start import Alike, made_alike
-from .tightest_place import too_narrow
 from .units import SolverUnits
+
+if TYPE_CHECKING:
+    from .settling import Settling
 
 logger = logging.getLogger(__name__)
 
@@ -62,7 +64,11 @@ class LevelBuilder:
         self.symmetry = plan.group
         self.units = SolverUnits.of(self.fine)
         self.unit_fine = self.units.from_input(self.fine)
-        self.settling = None if plan.numbers is None else Settling(plan, settings, progress)
+        self.settling: Settling | None = None
+        if plan.numbers is not None:
+            from .settling import Settling
+
+            self.settling = Settling(plan, settings, progress)
         self.starts: list[Start] = []
         """Starts of the last attempt."""
 
@@ -87,8 +93,8 @@ class LevelBuilder:
         raise (yield from self.settling.failure(level))
 
     def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
-        """The level on any numbers, of the first attempt that succeeds. Raises the error of the last one that had a
-        start."""
+        """The level on any numbers, of the first attempt that succeeds. Raises the error of line cycles that led
+        nowhere, since others need as many vertices, or of the last attempt."""
         if self.plan.exact is not None:
             return (yield from self._exact(self.plan.exact, wanted, clearances))
         started: list[NestedCagesError] = []
@@ -116,7 +122,7 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-                    started += [error] if self.starts else []
+                    started += [error] if self.starts and isinstance(attempt.source, LineCycles) else []
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
             raise (started or failures)[-1]
         raise with_least(failures, self.outline, self.clearances[0])
@@ -439,6 +445,8 @@ def _failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -
                 "for the cage: "
             )
         return Fault(said + " ".join(certificate.problems), "certificate.failed", problems=certificate.problems)
+    from .tightest_place import too_narrow  # only where something failed
+
     return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
         f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
         f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",

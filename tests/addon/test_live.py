@@ -297,3 +297,11 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick
         else:
             assert core.Within(excess=0.2).is_met(cages[1], fine) and "20 % more area" in member.need
         assert addon.record.of(collection).settings.levels == levels
+
+
+def test_the_window_of_the_drawing_s_scene_is_worked_in(addon) -> None:
+    """With two windows on two scenes, whichever was opened first."""
+    windows = [SimpleNamespace(scene=SimpleNamespace(name=name)) for name in ("Other", "Scene")]
+    window_of = addon.following.live.window_of
+    assert window_of("Scene", windows) is windows[1] and window_of("Other", windows) is windows[0]
+    assert window_of("Gone", windows) is windows[0] and window_of("Scene", []) is None

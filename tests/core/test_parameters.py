@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import NestedCagesError, RandomSamples, ShapeKeeping
-from nestedcages_core.energies import ElementEnergy
+from nestedcages_core.energies.choices import ElementEnergy
 from nestedcages_core.published.gurditta_jacobson_2022 import (
     GradientDescent,
     PaperContact,

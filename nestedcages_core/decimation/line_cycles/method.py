@@ -21,11 +21,11 @@ from ...geometry.vectors import norm
 from ...parameters import check_flag
 from ...tasks import Stage, drain, mapped
 from ..base import LEAST_PER_LOOP, Count, Start
-from ..hull.clearing import CLEARANCE_RESERVE, cleared, without_gaps
+from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
 from ..hull.inner_hull import InnerHull, InnerRequest
 from ..hull.offset import offsetting
-from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
 from ..hull.outer_hull import SOURCE as HULL
+from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
 from ..outline import Outline
 from ..request import Request
@@ -261,7 +261,7 @@ class _Around:
         for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
             size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
             free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
-            usable = (free > SLACK).all(axis=0)
+            usable = np.asarray((free > SLACK).all(axis=0))
             lines, own_free = lines.take(usable), free[:, usable]
             count = len(lines)
             if count < 3:

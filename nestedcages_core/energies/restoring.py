@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...geometry.arrays import FloatArray
-from ...geometry.vectors import inner
+from ..geometry.arrays import FloatArray
+from ..geometry.vectors import inner
 
 
 @dataclass(frozen=True, eq=False)
