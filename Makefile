@@ -22,14 +22,17 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast lint docs bench extension release test-blender clean
+.PHONY: help demo test test-fast mutants coverage lint docs paper bench extension release test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
 	@echo "make test    runs every test of the core and of the add-on"
 	@echo "make test-fast     leaves out the slow ones, for use while working"
-	@echo "make lint    runs ruff and mypy, and says whether the comparison is of this code"
+	@echo "make mutants changes the exact parts one by one: lists changes that no test sees (FILES=..., MOST=20)"
+	@echo "make coverage      says of each room how much of it the fast tests of the core run"
+	@echo "make lint    runs ruff and mypy, and says whether the comparison holds for this code"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
+	@echo "make paper   puts every figure and table of the paper and of the comparison into build/paper.pdf"
 	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
 	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
@@ -48,16 +51,32 @@ test-fast: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py
 	$(if $(LIMIT),$(LIMIT) 300) $(TEST_ENV)/bin/python -m pytest -q $(WORKERS) -m "not slow and not thorough"
 
+# Before a release: every fault once put in by hand, then generated changes. All of them take hours.
+MOST ?= 40
+mutants: $(TEST_ENV)/ready
+	$(TEST_ENV)/bin/python packaging/mutants.py --by-hand
+	$(TEST_ENV)/bin/python packaging/mutants.py $(FILES) --most $(MOST)
+
+coverage: $(TEST_ENV)/ready
+	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check coverage
+	$(TEST_ENV)/bin/python -m coverage run --source=nestedcages_core -m pytest -q tests/core -m "not slow and not thorough"
+	$(TEST_ENV)/bin/python packaging/coverage_of_rooms.py
+
 lint: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m ruff check .
 	$(TEST_ENV)/bin/python -m ruff format --check .
 	$(TEST_ENV)/bin/python -m mypy
-	$(if $(wildcard docs/comparison/digest.json),$(TEST_ENV)/bin/python benchmarks/compare.py --check)
+	$(if $(wildcard docs/comparison/results.json),$(TEST_ENV)/bin/python benchmarks/compare.py --check)
 
 docs: $(DOCS_ENV)/ready
 	$(DOCS_ENV)/bin/python packaging/docs_pages.py
 	NO_MKDOCS_2_WARNING=1 $(DOCS_ENV)/bin/python -m mkdocs build --strict --quiet
 	@echo "Open build/site/index.html"
+
+# MESHES: the folder "data" of the paper's program, to draw its own meshes in place of our drawings of them.
+paper: $(TEST_ENV)/ready
+	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[comparison]"
+	$(TEST_ENV)/bin/python benchmarks/paper_pdf.py $(if $(MESHES),--meshes $(MESHES))
 
 bench: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[benchmark,cluster]"
@@ -90,7 +109,7 @@ test-blender-$(1)-$(2):
 	if [ -z "$$$$python" ]; then echo "== Blender $(2) is left out: no Python $(1) here"; exit 0; fi; \
 	env=.venv-bpy-$(2); \
 	if [ ! -e $$$$env/ready ]; then "$$$$python" -m venv --clear $$$$env && $$$$env/bin/python -m pip install --quiet \
-		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely tinycss2 cssselect2 hypothesis markdown-it-py && \
+		--disable-pip-version-check bpy==$(2) scipy==$$(SCIPY_$(1)) pytest pytest-timeout shapely tinycss2 cssselect2 pillow hypothesis markdown-it-py && \
 		touch $$$$env/ready || { echo "== Blender $(2) cannot be installed"; exit $$(if $$(IF_POSSIBLE),0,1); }; fi; \
 	echo "== Blender $(2)"; \
 	$(if $(LIMIT),$(LIMIT) 600) $$$$env/bin/python -m pytest -q tests/addon

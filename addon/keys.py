@@ -71,6 +71,8 @@ LINK = "nested_cages_link"
 # Of hidden helper objects: the cage whose motion they carry, or the object whose lines they show, and their thickness.
 HELPER = "nested_cages_helper"
 FIELD_OF = "nested_cages_field"
+# Of an object that shows what an instancing empty shows, to follow in its place: that empty.
+PROXY_OF = "nested_cages_proxy"
 LINES_OF = "nested_cages_lines_of"
 LINE_THICKNESS = "nested_cages_thickness"
 

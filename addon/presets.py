@@ -30,7 +30,7 @@ PRESETS: Mapping[str, Mapping[str, tuple[str, Mapping[str, Any]]]] = {
             {"levels": "16", "clearance_share": 1.0, "decimation": "ARC_LENGTH"},
         ),
         "Tight": (
-            "As tight as possible, with vertex counts relative to the drawing",
+            "Tight cages, with vertex counts relative to the drawing",
             {"levels": "10%, 3%", "decimation": "OUTER_HULL"},
         ),
     },

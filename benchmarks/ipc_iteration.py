@@ -20,7 +20,7 @@ from nestedcages_core import Area, Mesh
 from nestedcages_core.contact.barrier_ranges import BarrierRanges
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList
-from nestedcages_core.energies.choices.restoring import Restoring
+from nestedcages_core.energies.restoring import Restoring
 
 SIZES = (500, 5_000, 50_000)
 CAGE_CORNERS = 64

@@ -133,7 +133,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "clearing": Mechanism(
         "decimation",
-        patches={"decimation.hull.outer_hull:cleared": first},
+        patches={"decimation.hull.outer_search:cleared": first},
     ),
     "clearing: small details built over": Mechanism(
         "decimation",
@@ -145,11 +145,11 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "filling of gaps like round-off": Mechanism(
         "decimation",
-        patches={"decimation.hull.outer_hull:without_gaps": first},
+        patches={"decimation.hull.outer_search:without_gaps": first},
     ),
     "details like round-off built over": Mechanism(
         "decimation",
-        patches={"decimation.hull.outer_hull:without_small_details": first},
+        patches={"decimation.hull.outer_search:without_small_details": first},
     ),
     "room in small holes": Mechanism(
         "decimation",

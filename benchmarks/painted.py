@@ -98,7 +98,7 @@ LEVEL = "8%"
 """What the cages may have."""
 
 GREATEST_SECONDS = 300
-"""Time that a cage may take."""
+"""CPU time that a cage may take."""
 
 MADE, INK = 0.995, 0.001
 """Least share of files with a cage, and greatest share of their ink outside of it, all files alike."""
@@ -243,10 +243,10 @@ def caged(path: Path, out: Path, opacity: float) -> tuple[str, str]:
     said = io.StringIO()
 
     def stop(*_: object) -> None:
-        raise TimeoutError(f"no cage within {GREATEST_SECONDS} s")
+        raise TimeoutError(f"no cage within {GREATEST_SECONDS} s of CPU")
 
-    signal.signal(signal.SIGALRM, stop)
-    signal.alarm(GREATEST_SECONDS)
+    signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, GREATEST_SECONDS)
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(said):
             words = [str(path), "--levels", LEVEL, "--quiet", "-o", str(out), "--opacity", str(opacity)]
@@ -255,7 +255,7 @@ def caged(path: Path, out: Path, opacity: float) -> tuple[str, str]:
     except Exception as error:  # a traceback is what this looks for
         return "", f"{type(error).__name__}: {error}"
     finally:
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
     return "", " ".join(line.removeprefix("error: ") for line in said.getvalue().splitlines() if "error: " in line)
 
 

@@ -1,8 +1,12 @@
-"""Builds the C++ program of Gurditta & Jacobson 2022 from a checkout of yours, and times it on the discs of Table 1.
+"""Builds the C++ program of Gurditta & Jacobson 2022 from a checkout of yours, and runs it on the discs of Table 1 and
+its own meshes.
 
     python benchmarks/paper_program.py --checkout DIR --libigl DIR --eigen DIR --output times.csv
     python benchmarks/table1.py --data times.csv
     python benchmarks/performance.py table1 --program-times times.csv
+
+``--compare benchmarks/data/program.csv`` runs it and `as_published` on the meshes of figures 1 and 2, those in
+the checkout, and on discs: a table of docs/comparison/as-published.md.
 
 Nothing of that program is part of this project. It needs libigl 2.4 and Eigen 3 (folders that hold `igl` and `Eigen`),
 TinyAD, which is a submodule of its checkout, and a C++ compiler. Its sources are compiled as they are, but for its
@@ -24,10 +28,11 @@ from pathlib import Path
 import numpy as np
 
 import clone  # noqa: F401 - puts the core of this clone on the path
-from data import COARSE_RING_VERTICES, Table1Row, annulus, read_table1
-from nestedcages_core import Mesh
+from data import COARSE_RING_VERTICES, Table1Row, annulus, read_shape, read_table1
+from nestedcages_core import Mesh, verify
+from nestedcages_core.published.gurditta_jacobson_2022 import as_published
 
-COLUMNS = "fine_vertices", "reference_cpp_cpu_s", "reference_cpp_excess_percent", "optimum_excess_percent"
+COLUMNS = "fine_vertices", "reference_cpp_cpu_s", "reference_cpp_excess_percent"
 """Of the file with the times, as in data/table1.csv."""
 
 NO_WINDOW = """
@@ -86,6 +91,7 @@ def main() -> int:
     parser.add_argument("--tinyad", type=Path, help="folder with TinyAD/ (default: that of the checkout)")
     parser.add_argument("--output", type=Path, required=True, help="CSV file for the times")
     parser.add_argument("--compiler", default=os.environ.get("CXX", "c++"), help="C++ compiler (default: $CXX or c++)")
+    parser.add_argument("--compare", type=Path, help="CSV file for its excess beside that of as_published")
     parser.add_argument("--rows", type=int, nargs="+", help="only discs with so many vertices")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -94,11 +100,13 @@ def main() -> int:
             return 1
         rows = [row for row in read_table1() if not options.rows or row.fine_vertices in options.rows]
         measured = [timed(program, row) for row in rows]
+        if options.compare:
+            compare(program, options.checkout / "data", options.compare)
     with options.output.open("w", newline="", encoding="utf-8") as file:
         lines = csv.writer(file)
         lines.writerow(COLUMNS)
         for row in measured:
-            known = (row.fine_vertices, row.reference_seconds, row.reference_excess, row.optimum_excess)
+            known = (row.fine_vertices, row.reference_seconds, row.reference_excess)
             lines.writerow(["" if value is None else f"{value:.4g}" for value in known])
     return 0
 
@@ -120,19 +128,52 @@ def built(program: Path, options: argparse.Namespace) -> bool:
 
 def timed(program: Path, row: Table1Row) -> Table1Row:
     """The row with CPU seconds and excess of the program; None where it ends without a result."""
-    fine, coarse = annulus(row.fine_ring_vertices), annulus(COARSE_RING_VERTICES)
+    seconds, excess = ran(program, annulus(row.fine_ring_vertices), annulus(COARSE_RING_VERTICES))
+    print(f"{row.fine_vertices:4d} vertices: {seconds} s, excess {excess} %", flush=True)
+    return replace(row, reference_seconds=seconds, reference_excess=excess)
+
+
+def ran(program: Path, fine: Mesh, coarse: Mesh) -> tuple[float | None, float | None]:
+    """CPU seconds and excess of the program; None where it ends without a result."""
     for name, mesh in (("fine", fine), ("coarse", coarse)):
         written(program.parent.parent / "data", name, mesh)
     result = program.parent / "result.csv"
     result.unlink(missing_ok=True)
     subprocess.run([program, "fine", "coarse"], cwd=program.parent, stdout=subprocess.DEVNULL, check=False)
-    seconds = excess = None
-    if result.is_file():
-        first, *points = result.read_text(encoding="utf-8").split()
-        cage = coarse.moved(np.loadtxt(points, delimiter=",", ndmin=2))
-        seconds, excess = float(first), 100.0 * (cage.area / fine.area - 1.0)
-    print(f"{row.fine_vertices:4d} vertices: {seconds} s, excess {excess} %", flush=True)
-    return replace(row, reference_seconds=seconds, reference_excess=excess)
+    if not result.is_file():
+        return None, None
+    first, *points = result.read_text(encoding="utf-8").split()
+    cage = coarse.moved(np.loadtxt(points, delimiter=",", ndmin=2))
+    return float(first), 100.0 * (cage.area / fine.area - 1.0)
+
+
+def compare(program: Path, meshes: Path, path: Path) -> None:
+    """Write what the program and `as_published` make of the same meshes."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(("mesh", "program_excess_percent", "ours_excess_percent", "encloses", "short_diagonals"))
+        lines.writerows(side_by_side(program, *case) for case in cases(meshes))
+
+
+def cases(folder: Path) -> list[tuple[str, Mesh, Mesh]]:
+    """The program's own meshes, discs of Table 1, and one of them at other sizes."""
+    pairs = (("figure 1", "A_guy_fine", "A_guy_coarse"), ("figure 2", "octagon_hole_hand", "square_hole_hand"))
+    found = [(name, read_shape(folder, fine), read_shape(folder, coarse)) for name, fine, coarse in pairs]
+    coarse = annulus(COARSE_RING_VERTICES)
+    found += [(f"disc {2 * k}", annulus(k), coarse) for k in (row.fine_ring_vertices for row in read_table1())]
+    disc = annulus(COARSE_RING_VERTICES)
+    return [*found, *((f"disc 32, {scale:g} times the size", disc.moved(scale * disc.vertices),
+                       coarse.moved(scale * coarse.vertices)) for scale in (0.5, 3.0))]  # fmt: skip
+
+
+def side_by_side(program: Path, name: str, fine: Mesh, coarse: Mesh) -> tuple[str, ...]:
+    """What the program and `as_published` make of a pair of meshes."""
+    _, excess = ran(program, fine, coarse)
+    ours = as_published(fine, coarse)
+    certificate = verify(ours.cage, fine)
+    print(f"{name}: {excess} % and {100.0 * certificate.excess} %", flush=True)
+    text = "" if excess is None else f"{excess:.6f}"
+    return name, text, f"{100.0 * certificate.excess:.6f}", str(certificate.holds), f"{ours.short / fine.diagonal:.3g}"
 
 
 def written(folder: Path, name: str, mesh: Mesh) -> None:

@@ -2,11 +2,11 @@
 
     python benchmarks/stress.py --count 10000 --seed 0 --jobs 2
 
-Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull or
-from coarse meshes on the curve. A count that is refused because the loops need more is replaced by the one that the
-refusal names, and told apart. Prints each failure with its seed (repeat it with --seed SEED --count 1), and at the end
-tables of cages, counts replaced, and refusals by their sentence. A sample is checked by shapely as well. Exit status 1
-when anything failed.
+Per case: a random shape (kind, size, gaps), one to three levels of random vertex counts, started from the outer hull,
+line cycles or coarse meshes on the curve. A count that is refused because the loops need more is replaced by the one
+that the refusal names, and told apart. Prints each failure with its seed (repeat it with --seed SEED --count 1), and at
+the end tables of cages, counts replaced, and refusals by their sentence. A sample is checked by shapely as well. Exit
+status 1 when anything failed.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from nestedcages_core import (
     ArcLength,
     Hierarchy,
     Level,
+    LineCycles,
     Mesh,
     NestingError,
     OnCurve,
@@ -88,7 +89,7 @@ def run_case(seed: int) -> Case | None:
     counts = {int(c) for c in random.integers(fewest, max(fewest, min(most, 100)) + 1, random.integers(1, 4))}
     levels = tuple(sorted(counts, reverse=True))
     hull = OuterHull()
-    decimation = (hull, OnCurve(hull), ArcLength())[random.integers(3)]
+    decimation = (hull, OnCurve(hull), ArcLength(), LineCycles())[random.integers(4)]
     case = Case(seed, kind, most, levels, type(decimation).__name__)
     settings = Settings(decimation=decimation, fallback=hull, starts=1)
     begin = time.process_time()

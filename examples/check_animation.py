@@ -1,8 +1,8 @@
-"""Checks the cages in a .blend file as Blender plays them: on every frame and half frame, by exact predicates.
+"""Checks the cages in a .blend file as Blender plays them, by the independent checker, exactly.
 
-Run as ``python examples/check_animation.py FILE.blend``; exit status 1 if anything is wrong. From the end of a level's
-flow on, cage and inner mesh must not touch, the cage must not touch itself, and the inner mesh must be inside; on the
-last frame the fine mesh must have the source's coordinates, bit by bit.
+Run as ``python examples/check_animation.py FILE.blend``; exit status 1 if anything is wrong. On the last frame each
+cage must enclose the inner mesh, and the fine mesh must have the source's coordinates, bit by bit. From the end of a
+level's flow on, the cage must meet neither the inner mesh nor itself between one half frame and the next.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs, segments_intersect, winding_number
+from nestedcages_core.checker import faults_of_cage, faults_of_motion
 
 SOURCE, LEVEL = "nested_cages_source", "nested_cages_level"  # the add-on's marks on collections and objects
 INSIDE = "nested_cages_inside"  # of cages that lie inside the drawing
@@ -35,14 +35,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Pose:
-    """Evaluated points (n, 2) and edges (m, 2) of a mesh object in its own plane."""
+    """Evaluated vertices (n, 2) and edges (m, 2) of a mesh object in its own plane."""
 
-    points: np.ndarray
+    vertices: np.ndarray
     edges: np.ndarray
-
-    @property
-    def tree(self) -> BoxTree:
-        return BoxTree(self.points[self.edges[:, 0]], self.points[self.edges[:, 1]])
 
 
 def check_animation(scene: bpy.types.Scene) -> Outcome:
@@ -67,6 +63,7 @@ def checked_poses(scene: bpy.types.Scene, collection: bpy.types.Collection) -> I
     """Goes through a collection's animation: name and problems of each pair of levels at each half frame."""
     levels = sorted((item for item in collection.objects if LEVEL in item), key=lambda item: item[LEVEL])
     last = collection["nested_cages_end"]
+    before: dict[int, tuple[Pose, Pose]] = {}
     for half in range(2 * min(cage["nested_cages_flow_start"] for cage in levels[1:]), 2 * last + 1):
         frame = half / 2
         scene.frame_set(half // 2, subframe=half % 2 / 2)
@@ -75,9 +72,14 @@ def checked_poses(scene: bpy.types.Scene, collection: bpy.types.Collection) -> I
             outer = next((item for item in levels if item[LEVEL] == cage[LEVEL] + 1), None)
             if frame >= cage["nested_cages_reinflation_start"] and not flows(outer, frame):
                 name = f"frame {frame:g}, level {inner[LEVEL]} in level {cage[LEVEL]}"
-                pair = (evaluated(inner, graph), evaluated(cage, graph))
-                problems = nesting_problems(*(pair[::-1] if cage.get(INSIDE) else pair))
-                yield name, problems + self_problems(pair[1])
+                pair = (evaluated(cage, graph), evaluated(inner, graph))
+                problems = contacts(before[cage[LEVEL]], pair) if cage[LEVEL] in before else []
+                if frame == last:
+                    problems += faults_of_cage(*(pair[::-1] if cage.get(INSIDE) else pair), alike=False)
+                before[cage[LEVEL]] = pair
+                yield name, problems
+            else:
+                before.pop(cage[LEVEL], None)
 
 
 def flows(outer: bpy.types.Object | None, frame: float) -> bool:
@@ -97,27 +99,10 @@ def evaluated(item: bpy.types.Object, graph: bpy.types.Depsgraph) -> Pose:
     return Pose(points[:, :2].astype(np.float64), edges.astype(np.int64))
 
 
-def nesting_problems(inner: Pose, cage: Pose) -> list[str]:
-    """What is wrong with a cage around an inner mesh, both in one plane."""
-    problems: list[str] = []
-    crossings = len(crossing_pairs(inner.tree, cage.tree)[0])
-    if crossings:
-        problems.append(f"{crossings} pairs of edges cross")
-    starts, ends = cage.points[cage.edges[:, 0]], cage.points[cage.edges[:, 1]]
-    outside = np.count_nonzero(winding_number(inner.points, starts, ends) != 1)
-    if outside:
-        problems.append(f"{outside} vertices are outside of the cage")
-    return problems
-
-
-def self_problems(cage: Pose) -> list[str]:
-    """Whether a cage crosses itself."""
-    first, second = cage.tree.self_pairs()
-    a, b = cage.edges[first], cage.edges[second]
-    apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))  # neighbours share a vertex and are meant to touch there
-    a, b = cage.points[a[apart]], cage.points[b[apart]]
-    crosses = segments_intersect(a[:, 0], a[:, 1], b[:, 0], b[:, 1]).any()
-    return ["the cage crosses itself"] if crosses else []
+def contacts(before: tuple[Pose, Pose], now: tuple[Pose, Pose]) -> list[str]:
+    """Contacts of the outer one of two meshes with the inner one or itself between two moments, on straight lines."""
+    (outer, inner), steps = now, [np.stack([a.vertices, b.vertices]) for a, b in zip(before, now, strict=True)]
+    return faults_of_motion(outer.edges, inner.edges, steps[0], steps[1], [0])
 
 
 def home_problems(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[str]:

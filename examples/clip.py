@@ -42,7 +42,7 @@ def first_cage(fine: bpy.types.Object, cage: bpy.types.Object) -> Iterator[Still
         ("a drawing and a coarse mesh", COARSE, start, start, 0),
         ("the drawing shrinks into the mesh", COARSE, start, inside, SHRINKING),
         ("it grows back and pushes the mesh out", CAGES[0], inside, tight, GROWING),
-        ("the cage becomes as tight as it can", CAGES[0], tight, end, TIGHTENING),
+        ("the cage becomes tight", CAGES[0], tight, end, TIGHTENING),
     ):
         for frame in np.linspace(begin, until, count + 1)[min(count, 1) :]:
             body = loops_at(fine, frame)

@@ -11,31 +11,16 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .contact import IPC as IPC
 from .contact import AllPairs as AllPairs
 from .contact import Cells as Cells
-from .contact import NoFilter as NoFilter
 from .contact import SequentialQP as SequentialQP
-from .contact import SmallestDistance as SmallestDistance
-from .contact import TimeOfImpact as TimeOfImpact
 from .contact import UniformGrid as UniformGrid
 from .contact.reinflation import Reinflation
-from .decimation import ArcLength as ArcLength
-from .decimation import DouglasPeucker as DouglasPeucker
-from .decimation import EdgeCollapse as EdgeCollapse
 from .decimation import LineCycles as LineCycles
 from .decimation import OnCurve as OnCurve
 from .decimation import OuterHull as OuterHull
-from .decimation import OwnDecimation as OwnDecimation
-from .decimation import Visvalingam as Visvalingam
 from .energies import Area as Area
-from .energies import BoundaryARAP as BoundaryARAP
-from .energies import ElementEnergy as ElementEnergy
-from .energies import InitialDisplacement as InitialDisplacement
-from .energies import InteriorARAP as InteriorARAP
 from .energies import NoEnergy as NoEnergy
-from .energies import ShapeKeeping as ShapeKeeping
-from .energies import StepDisplacement as StepDisplacement
 from .energies import WeightedSum as WeightedSum
 from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
@@ -47,8 +32,6 @@ from .geometry.quadrature import GaussLegendre as GaussLegendre
 from .geometry.quadrature import Midpoint as Midpoint
 from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
 from .geometry.quadrature import RandomSamples as RandomSamples
-from .geometry.triangulation import convex_pieces as convex_pieces
-from .hierarchy import Found as Found
 from .hierarchy import (
     Hierarchy,
     Level,
@@ -60,9 +43,6 @@ from .hierarchy import (
     nested_cages,
 )
 from .hierarchy import InnerCagesRun as InnerCagesRun
-from .hierarchy import Mirror as Mirror
-from .hierarchy import Rotation as Rotation
-from .solver import ProjectedNewton as ProjectedNewton
 from .tightening import Tightening as Tightening
 from .tolerance import Within
 from .verification import Certificate, MotionCertificate, verify, verify_motion
@@ -80,12 +60,27 @@ if TYPE_CHECKING:
     from .character import suggest_bones as suggest_bones
     from .checker import Verdict as Verdict
     from .checker import check
+    from .contact.ipc import IPC as IPC
+    from .contact.step_filter import NoFilter as NoFilter
+    from .contact.step_filter import SmallestDistance as SmallestDistance
+    from .contact.step_filter import TimeOfImpact as TimeOfImpact
     from .coordinates import Grids as Grids
     from .coordinates import Harmonic as Harmonic
     from .coordinates import MeanValue as MeanValue
     from .coordinates import PiecewiseLinear as PiecewiseLinear
     from .coordinates import cage_coordinates, deform
     from .coordinates import grids as grids
+    from .decimation.choices import ArcLength as ArcLength
+    from .decimation.choices import DouglasPeucker as DouglasPeucker
+    from .decimation.choices import EdgeCollapse as EdgeCollapse
+    from .decimation.choices import OwnDecimation as OwnDecimation
+    from .decimation.choices import Visvalingam as Visvalingam
+    from .energies.choices import BoundaryARAP as BoundaryARAP
+    from .energies.choices import ElementEnergy as ElementEnergy
+    from .energies.choices import InitialDisplacement as InitialDisplacement
+    from .energies.choices import InteriorARAP as InteriorARAP
+    from .energies.choices import ShapeKeeping as ShapeKeeping
+    from .energies.choices import StepDisplacement as StepDisplacement
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
     from .exchange import character_from_engine_json as character_from_engine_json
@@ -113,6 +108,7 @@ if TYPE_CHECKING:
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
+    from .geometry.triangulation import convex_pieces as convex_pieces
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
     from .motion import MotionReport as MotionReport
@@ -121,6 +117,9 @@ if TYPE_CHECKING:
     from .motion import animated_cages
     from .motion import followed as followed
     from .motion import stream_cages as stream_cages
+    from .needs.symmetry import Found as Found
+    from .needs.symmetry import Mirror as Mirror
+    from .needs.symmetry import Rotation as Rotation
     from .published.gurditta_jacobson_2022 import GradientDescent as GradientDescent
     from .published.gurditta_jacobson_2022 import PaperContact as PaperContact
     from .published.gurditta_jacobson_2022 import PaperFlow as PaperFlow
@@ -134,6 +133,7 @@ if TYPE_CHECKING:
     from .published.settings import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
     from .published.settings import NESTED_CAGES_2015 as NESTED_CAGES_2015
     from .published.settings import SIMPLE_2022 as SIMPLE_2022
+    from .solver import ProjectedNewton as ProjectedNewton
 
 __version__ = "0.1.0"
 
@@ -189,6 +189,34 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 ]
 
 _LATER = {
+    "contact.ipc": ("IPC",),
+    "contact.step_filter": (
+        "NoFilter",
+        "SmallestDistance",
+        "TimeOfImpact",
+    ),
+    "decimation.choices": (
+        "ArcLength",
+        "DouglasPeucker",
+        "EdgeCollapse",
+        "OwnDecimation",
+        "Visvalingam",
+    ),
+    "energies.choices": (
+        "BoundaryARAP",
+        "ElementEnergy",
+        "InitialDisplacement",
+        "InteriorARAP",
+        "ShapeKeeping",
+        "StepDisplacement",
+    ),
+    "geometry.triangulation": ("convex_pieces",),
+    "needs.symmetry": (
+        "Found",
+        "Mirror",
+        "Rotation",
+    ),
+    "solver": ("ProjectedNewton",),
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
     "character": ("Bone", "Character", "Skeleton", "bone_weights", "joints_of", "suggest_bones"),
     "checker": ("Verdict", "check"),

@@ -1,4 +1,5 @@
-"""Draws the rooms of the project and which uses which, from the imports in the sources: docs/rooms.svg.
+"""Draws the rooms of the core and of the add-on and which uses which, from the imports in the sources: docs/rooms.svg
+and docs/addon_rooms.svg.
 
     python packaging/draw_rooms.py
 
@@ -16,8 +17,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CORE = ROOT / "nestedcages_core"
-PICTURE = ROOT / "docs" / "rooms.svg"
 ADDON = "addon"
+PICTURES = {"rooms.svg": "The rooms of Nested Cages", "addon_rooms.svg": "The rooms of its add-on"}
 APART = {"__main__"}  # only starts the command
 
 Graph = Mapping[str, set[str]]
@@ -41,6 +42,26 @@ def imported_rooms() -> dict[str, set[str]]:
                 base = (*package[: len(package) + 1 - node.level], *(node.module or "").split("."))
                 target = next((part for part in base if part), None)
                 found |= {target} if target else {alias.name for alias in node.names}
+    return _known(rooms)
+
+
+def addon_rooms() -> dict[str, set[str]]:
+    """The rooms of the add-on and what each imports, but for its own registration."""
+    rooms: dict[str, set[str]] = {}
+    folder = ROOT / ADDON
+    for path in sorted(folder.rglob("*.py")):
+        parts = path.relative_to(folder).with_suffix("").parts
+        if parts == ("__init__",):
+            continue
+        found = rooms.setdefault(parts[0], set())
+        for node in statements(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level == len(parts):
+                found |= {node.module.split(".")[0]} if node.module else {alias.name for alias in node.names}
+    return _known(rooms)
+
+
+def _known(rooms: dict[str, set[str]]) -> dict[str, set[str]]:
+    """Rooms without those apart, and imports of other rooms only."""
     for name in APART:
         rooms.pop(name, None)
     return {room: {other for other in found if other in rooms and other != room} for room, found in rooms.items()}
@@ -78,16 +99,16 @@ def floors(rooms: Graph) -> list[list[str]]:
     return [sorted(room for room in rooms if height[room] == level) for level in range(top + 1)]
 
 
-def purpose(room: str) -> str:
-    """The first line of a room's docstring, up to the first pause."""
-    folder = ROOT / ADDON if room == ADDON else CORE / room
+def purpose(room: str, home: Path = CORE) -> str:
+    """The first line of the docstring of a room in the folder `home`, up to the first pause."""
+    folder = ROOT / ADDON if room == ADDON else home / room
     path = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
     line = (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").partition("\n")[0]
     return line.partition(". ")[0].rstrip(".")
 
 
-def draw(rooms: Graph) -> str:
-    """The picture as SVG text."""
+def draw(rooms: Graph, title: str, home: Path = CORE) -> str:
+    """The picture of the rooms in the folder `home` as SVG text."""
     levels = floors(rooms)[::-1]
     width = max(len(level) for level in levels) * (WIDTH + GAP_X) - GAP_X + 2 * MARGIN
     height = len(levels) * (HEIGHT + GAP_Y) - GAP_Y + 2 * MARGIN
@@ -108,7 +129,7 @@ def draw(rooms: Graph) -> str:
                 f'{end:.0f} {bottom - 5:.0f}"/>'
             )
     for room, (x, y) in corner.items():
-        words = textwrap.wrap(purpose(room), LETTERS, max_lines=3, placeholder=" …")
+        words = textwrap.wrap(purpose(room, home), LETTERS, max_lines=3, placeholder=" …")
         said = "".join(
             f'<text class="purpose" x="{x + 10:.0f}" y="{y + 37 + 15 * k:.0f}">{html.escape(line)}</text>'
             for k, line in enumerate(words)
@@ -121,7 +142,7 @@ def draw(rooms: Graph) -> str:
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}" '
             f'height="{height:.0f}">',
-            "<title>The rooms of Nested Cages; an arrow leads to what a room uses</title>",
+            f"<title>{title}; an arrow leads to what a room uses</title>",
             "<style>text{font-family:system-ui,sans-serif;fill:#1d2733}.name{font-size:14px;font-weight:600}"
             ".purpose{font-size:11.5px;fill:#46566a}rect{fill:#eef3f9;stroke:#7d93ad}"
             ".arrow{fill:none;stroke:#7d93ad;stroke-width:1.4}</style>",
@@ -136,8 +157,10 @@ def draw(rooms: Graph) -> str:
 
 
 def main() -> int:
-    PICTURE.write_text(draw(imported_rooms()), encoding="utf-8")
-    print(f"{PICTURE.relative_to(ROOT)} drawn")
+    drawn = [(imported_rooms(), CORE), (addon_rooms(), ROOT / ADDON)]
+    for (name, title), (rooms, home) in zip(PICTURES.items(), drawn, strict=True):
+        (ROOT / "docs" / name).write_text(draw(rooms, title, home), encoding="utf-8")
+        print(f"docs/{name} drawn")
     return 0
 
 

@@ -1,73 +1,132 @@
-"""The comparison's own measuring: the paper as written fails as its program does, ours does not, and all is told."""
+"""The comparison: statistics, runs and pages, what contradicts a conclusion, and what the check finds."""
 
 from __future__ import annotations
 
-import csv
 import importlib
-import json
+from dataclasses import replace
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-BENCHMARKS = ROOT / "benchmarks"
 PAGES = ROOT / "docs" / "comparison"
 
 
 @pytest.fixture
 def comparison(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    pytest.importorskip("shapely")
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    importlib.import_module("clone")
     return importlib.import_module("comparison")
 
 
-@pytest.mark.skipif(not (PAGES / "digest.json").is_file(), reason="the pages were made before there were digests")
-def test_the_comparison_is_of_this_code(comparison: ModuleType) -> None:
-    from comparison import digest
+def pretended(comparison: ModuleType) -> list:
+    """Runs in which 2015 is tighter and faster, ranges decide, and tightened contacts differ on some shapes."""
+    from comparison import methods, runs, shapes
 
-    assert digest.changed(PAGES) == [], "run: python benchmarks/compare.py"
+    made = []
 
+    def add(
+        experiment: str, family: str, number: int, method: str, excess: float, seconds: float, after: float
+    ) -> None:
+        made.append(runs.Run(
+            experiment, family, number, f"shape {number}", method, 60, 10, True, True, "", excess, after, 1e-3, 0.0,
+            seconds, 5, 7, None, "",
+        ))  # fmt: skip
 
-def test_comments_do_not_change_a_digest_but_code_does(comparison: ModuleType, tmp_path: Path) -> None:
-    from comparison import digest
-
-    def of(text: str) -> str:
-        path = tmp_path / "module.py"
-        path.write_text(text, encoding="utf-8")
-        return digest._digest(path)
-
-    before = of(
-        '"""Doc."""\nLIMIT = 3  # seconds\n"""What it is."""\n\ndef f(x):\n    """Twice."""\n    return 2 * x\n'
-    )
-    assert of('"""Other."""\nLIMIT = 3\n\n\ndef f(x):\n    return 2 * x\n') == before
-    assert of("LIMIT = 4\n\ndef f(x):\n    return 2 * x\n") != before
-    assert of("LIMIT = 3\n\ndef f(x):\n    return 3 * x\n") != before
-    assert of("LIMIT = 3\n\ndef f(y):\n    return 2 * y\n") != before
-
-
-def test_what_the_results_depend_on_is_named(comparison: ModuleType) -> None:
-    from comparison import digest
-
-    names = digest.digests()
-    for part in ("nestedcages_core/contact/ccd.py", "nestedcages_core/published/li_2020/barrier.py",
-                 "nestedcages_core/verification/certificate.py", "benchmarks/comparison/methods.py",
-                 "benchmarks/comparison/experiments/sweeps.py", "benchmarks/random_shapes.py",
-                 "benchmarks/data/table1.csv"):  # fmt: skip
-        assert part in names
-    assert not any(name.startswith("nestedcages_core/exchange") for name in names)
+    for family in (shapes.RANDOM, shapes.GLYPHS, shapes.HELD_OUT):
+        for number in range(12):
+            for method, excess, seconds in (
+                (methods.ORIGINAL, 10.0, 0.01), (methods.REPAIRED, 30.0, 1.0), (methods.NEWTON, 29.0, 0.03),
+            ):  # fmt: skip
+                add("methods", family, number, method, excess + number, seconds, 5.0)
+            for method in methods.CONTACTS:
+                loose = method == "El Topo" and number < 5
+                add("contacts", family, number, method, 20.0, 0.01, 6.0 if loose else 5.0)
+            for method in methods.AT_RANGES:
+                add("ranges", family, number, method, 10.0 + 1e3 * float(method.split()[-1]), 0.01, 5.0)
+    return made
 
 
-def test_a_changed_file_is_named(comparison: ModuleType, tmp_path: Path) -> None:
-    from comparison import digest
+def test_intervals_and_paired_tests_are_those_of_the_textbook(comparison: ModuleType) -> None:
+    from comparison import statistics
 
-    digest.write(tmp_path)
-    assert digest.changed(tmp_path) == []
-    record = json.loads((tmp_path / digest.FILE).read_text(encoding="utf-8"))
-    record["nestedcages_core/contact/ccd.py"] = "another"
-    record["nestedcages_core/gone.py"] = "gone"
-    (tmp_path / digest.FILE).write_text(json.dumps(record), encoding="utf-8")
-    assert digest.changed(tmp_path) == ["nestedcages_core/contact/ccd.py", "nestedcages_core/gone.py"]
+    values = np.random.default_rng(1).normal(3.0, 1.0, 400)
+    mean = statistics.bootstrap(values, np.mean)
+    assert mean.value == values.mean()
+    assert (mean.low, mean.high) == pytest.approx(values.mean() + np.array([-1.96, 1.96]) * values.std() / 20, abs=0.02)
+    assert statistics.geometric_mean([1.0, 4.0, 2.0]).value == pytest.approx(2.0)
+    test = statistics.sign_test([1.0] * 8 + [3.0] * 2 + [2.0], [2.0] * 11)
+    assert (test.wins, test.losses) == (8, 2)
+    assert test.p == pytest.approx(2 * (1 + 10 + 45) / 2**10)  # two tails of the binomial distribution
+    assert np.isnan(statistics.bootstrap([]).value)
+
+
+def test_conclusions_say_when_runs_contradict_them(comparison: ModuleType) -> None:
+    from comparison import conclusions, methods, pages
+
+    made = pretended(comparison)
+    known = {c.name: both for c, both in conclusions.verdicts(made).items()}
+    assert all(verdict.holds for both in known.values() for verdict in both)
+    assert "24 of 24 (sign test" in known["original"][0].numbers
+    assert "on 42 %" in known["tightened"][1].numbers
+    swap = {methods.ORIGINAL: methods.REPAIRED, methods.REPAIRED: methods.ORIGINAL}
+    turned = [replace(run, method=swap.get(run.method, run.method)) for run in made]
+    verdict = conclusions.original(turned, conclusions.KNOWN)
+    assert not verdict.holds
+    assert pages.said(verdict).endswith("**Contradicted by these runs.**")
+    flat = [replace(run, excess=10.0) if run.experiment == "ranges" else run for run in made]
+    assert not conclusions.ranges(flat, conclusions.KNOWN).holds
+    alike = [replace(run, tightened=5.0) for run in made]
+    assert not conclusions.tightened(alike, conclusions.KNOWN).holds
+
+
+def test_runs_survive_their_file_and_make_the_pages(comparison: ModuleType, tmp_path: Path) -> None:
+    from comparison import check, pages, runs
+
+    made = [*pretended(comparison), replace(pretended(comparison)[0], shape="lost", success=False, excess=None)]
+    runs.write(made, tmp_path / pages.RUNS)
+    assert runs.read(tmp_path / pages.RUNS) == made
+    record = {"commit": "abc", "machine": "here", "minutes": 1.5}
+    pages.write(made, record, tmp_path)
+    assert len(list(tmp_path.rglob("*.md"))) == 6
+    assert "abc" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
+    assert check.other_pages(made, record, tmp_path) == []
+    page = tmp_path / "comparison" / "contacts.md"
+    page.write_text(page.read_text(encoding="utf-8").replace("20.0", "19.0"), encoding="utf-8")
+    assert check.other_pages(made, record, tmp_path) == [f"{page} is not what its runs give"]
+
+
+def test_the_check_names_runs_that_come_out_otherwise(comparison: ModuleType, tmp_path: Path) -> None:
+    from comparison import check, experiments, shapes
+
+    case = next(shapes.cases(((shapes.HELD_OUT, 1),)))
+    made = experiments.contacts(case, ("IPC, ours", "sequential QP"))
+    again = experiments.sample(made)
+    assert [run.method for run in again] == [*[run.method for run in made], "energy of 2022"]
+    assert check.other_runs(made, again[:2]) == []
+    looser = [replace(made[0], excess=1.1 * made[0].excess + 1.0), *made[1:]]
+    (line,) = check.other_runs(looser, again[:2])
+    assert "gear" in line and "IPC, ours" in line
+    assert len(check.other_runs(made, again)) == 1  # one that was not recorded
+    assert check.check(tmp_path) == check.CHANGED
+
+
+@pytest.mark.skipif(not (PAGES / "results.json").is_file(), reason="the comparison was not made yet")
+def test_the_pages_are_what_their_runs_give(comparison: ModuleType) -> None:
+    from comparison import check, pages, runs
+
+    assert check.other_pages(runs.read(PAGES / pages.RUNS), pages.read_record(PAGES), PAGES.parent) == []
+
+
+def test_held_out_shapes_are_valid_and_of_six_kinds(comparison: ModuleType) -> None:
+    from comparison import shapes
+
+    made = list(shapes.cases(((shapes.HELD_OUT, 12),)))
+    assert len({case.shape.split()[0] for case in made}) >= 5
+    assert all(len(case.coarse.vertices) < len(case.fine.vertices) <= shapes.MOST_VERTICES for case in made)
 
 
 def test_measurements_are_kept(comparison: ModuleType, tmp_path: Path) -> None:
@@ -89,107 +148,29 @@ def test_measurements_are_kept(comparison: ModuleType, tmp_path: Path) -> None:
     assert Bench(store=tmp_path).each("squares", square, {3: (3,)}) == {3: 9}
 
 
-def test_a_conclusion_that_the_runs_contradict_is_marked(comparison: ModuleType, capsys) -> None:
-    pytest.importorskip("matplotlib")
-    from comparison import making, report
-    from comparison.conclusions import CONCLUSIONS, CONFIRMED, Verdict
+@pytest.mark.slow
+def test_a_disc_by_published_methods_and_ours(comparison: ModuleType) -> None:
+    from comparison import experiments, methods, shapes
+    from comparison.measure import measure
 
-    assert len({c.name for c in CONCLUSIONS} & set(CONFIRMED)) == 3
-    assert report.said(Verdict("It is so.", True)) == "It is so."
-    assert "Contradicted by these runs" in report.said(Verdict("It is so.", False))
-    assert making.told({CONCLUSIONS[0]: Verdict("It is so.", True)}) == 0
-    assert making.told({CONCLUSIONS[0]: Verdict("It is so.", False)}) == making.CONTRADICTED
-    assert "CONTRADICTED: original. It is so." in capsys.readouterr().out
-
-
-def test_the_front_is_what_nothing_beats(comparison: ModuleType) -> None:
-    pytest.importorskip("matplotlib")
-    from comparison.experiments.sweeps import Point, front
-
-    made = {p.label: p for p in (
-        Point("fast", 1.0, 5.0, 9.0, 0.0), Point("tight", 3.0, 1.0, 5.0, 0.0), Point("beaten", 3.0, 2.0, 6.0, 0.0),
-        Point("fails", 0.5, 0.5, 4.0, 0.5),
-    )}  # fmt: skip
-    assert [point.label for point in front(made)] == ["fails", "fast", "tight"]
-
-
-def test_kept_trees_find_the_pairs_that_the_grid_finds(comparison: ModuleType) -> None:
-    from comparison.kept_trees import FineTree
-    from nestedcages_core import Mesh
-    from nestedcages_core.contact.pairs import Bodies, find_pairs
-
-    random = np.random.default_rng(0)
-    turn = 2.0 * np.pi * np.arange(60) / 60
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    cage, fine = Mesh.from_loops([1.3 * circle[::6]]), Mesh.from_loops([circle])
-    bodies = Bodies.of(cage, fine)
-    x = np.concatenate([cage.vertices, fine.vertices])
-    tree = FineTree.of(fine.vertices, fine.successor)
-    for radius in (0.05, 0.2, 0.5):
-        moved = x + 0.05 * random.normal(size=x.shape)
-        pairs = [tree.pairs(bodies, moved, radius), find_pairs(bodies, moved, radius)]
-        found, expected = ({tuple(row) for row in p.corners.tolist()} for p in pairs)
-        assert found == {row for row in expected if row in found}
-        near = pairs[1].measure(moved).distance < radius
-        assert {tuple(row) for row in pairs[1].corners[near].tolist()} <= found
+    found = {run.method: run for run in experiments.table_1(shapes.disc(32))}
+    assert found[methods.WRITTEN].excess == pytest.approx(21.8, abs=0.1)  # of the compiled program
+    assert found[methods.WRITTEN].encloses and not found[methods.WRITTEN].success
+    assert found[methods.OURS].success and found[methods.OURS].excess < 1.96  # the optimum is 1.947
+    late = measure(methods.WHOLE[methods.REPAIRED], *shapes.disc(16)[3:], limit=0.1)
+    assert late.out_of_time and late.cage is not None  # how far it came is kept
 
 
 @pytest.mark.slow
-def test_what_a_run_is_said_to_be(comparison: ModuleType, tmp_path: Path) -> None:
+def test_the_paper_is_made_of_the_runs(comparison: ModuleType, tmp_path: Path, monkeypatch) -> None:
     pytest.importorskip("matplotlib")
-    from comparison import methods, tables
-    from comparison.bench import Bench
-    from comparison.cases import disc
-    from comparison.experiments.figures import kind_of_failure
+    from comparison import figures, pages, runs
 
-    chosen = {"paper": methods.PAPER, "repaired": methods.HOME, "ours": methods.TIGHT}
-    (found,) = Bench().compare("test", {"disc": disc(32)}, chosen).values()
-    late = Bench().compare("test", {"disc": disc(32)}, {"late": methods.HOME}, limit=0.1)["disc"]["late"]
-
-    assert not found["paper"].success
-    assert found["paper"].certified
-    assert 0.0 < found["paper"].short < 1e-3
-    assert abs(found["paper"].excess - 19.5) < 2.0  # of the paper's program in its Table 1
-    assert "short of its target" in kind_of_failure(found["paper"])
-    assert found["repaired"].success
-    assert found["ours"].success
-    assert found["ours"].excess < 0.1
-    assert kind_of_failure(late) == "out of time"
-    assert late.cage is not None  # how far it came is kept
-
-    assert tables.write_runs({"test": {"disc": found}}, tmp_path / "runs.csv") == 3
-    with (tmp_path / "runs.csv").open(newline="", encoding="utf-8") as file:
-        lines = {line["method"]: line for line in csv.DictReader(file)}
-    assert [lines[name]["success"] for name in found] == ["False", "True", "True"]
-    assert float(lines["ours"]["total_s"]) == pytest.approx(found["ours"].total, abs=1e-4)
-    assert lines["paper"]["failed_in"] == "reinflation"
-
-
-@pytest.mark.slow
-def test_pages_and_report_come_of_the_runs(comparison: ModuleType, tmp_path: Path, monkeypatch) -> None:
-    pytest.importorskip("matplotlib")
-    pytest.importorskip("fpdf")
-    from comparison import digest, making
-    from comparison.bench import Bench
-    from comparison.cases import Sizes, read_inputs
-
-    inputs = read_inputs(sizes=Sizes(first_seed=1, contact_random=2, contact_glyphs=1))
-    making.compare(inputs, Bench(), ["contacts"], tmp_path)
-    page = (tmp_path / "comparison.md").read_text(encoding="utf-8")
-    assert "](comparison/contacts.md)" in page
-    tables = (tmp_path / "comparison" / "contacts.md").read_text(encoding="utf-8")
-    assert tables.startswith("# Contacts from the same starts")
-    assert "3 starts: 2 random shapes" in tables
-    results = json.loads((tmp_path / "comparison" / "results.json").read_text(encoding="utf-8"))
-    assert set(results["conclusions"]) == {"barrier", "tightening"}
-
-    report = importlib.import_module("report")
-    report.make(results, tmp_path / "comparison", tmp_path / "report.pdf")
-    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
-    assert report.plain("**So** it *is*: `a__b`.") == "**So** it __is__: ab."
-
-    assert digest.check(tmp_path / "comparison") == 0
-    assert digest.check(tmp_path) == digest.CHANGED
-    monkeypatch.setattr(making, "EXPERIMENTS", {})
-    with pytest.raises(SystemExit, match="no experiment 'none'"):
-        making.run(SimpleNamespace(only=["none"]), tmp_path, tmp_path)
+    paper = importlib.import_module("paper_pdf")
+    runs.write(pretended(comparison), tmp_path / pages.RUNS)
+    (tmp_path / pages.RECORD).write_text('{"commit": "abc", "machine": "here", "minutes": 1.5}', encoding="utf-8")
+    monkeypatch.setattr(figures, "SHOWN", dict(list(figures.SHOWN.items())[:1]))
+    monkeypatch.setattr(figures, "METHODS", {"ours": figures.METHODS["ours"]})
+    paper.make(tmp_path, None, tmp_path / "paper.pdf")
+    assert (tmp_path / "paper.pdf").read_bytes().startswith(b"%PDF")
+    assert paper.columns("| a | bb |\n| --- | --- |\n| ccc | d |") == "a    bb\nccc  d "

@@ -90,7 +90,10 @@ def test_a_staged_extension_names_its_wheels(
         folder.mkdir(parents=True, exist_ok=True)
         abi = "cp" + python.replace(".", "")
         path = folder / f"{name}-{version}-{abi}-{abi}-{tags[0]}.whl"
-        path.write_bytes(b"")
+        with zipfile.ZipFile(path, "w") as archive:
+            for member in ("p/a.py", "p/tests/b.py"):
+                archive.writestr(member, "1")
+            archive.writestr("p.dist-info/RECORD", "p/a.py,,\np/tests/b.py,,\n")
         asked.append((python, tags, package))
         return path
 
@@ -108,7 +111,10 @@ def test_a_staged_extension_names_its_wheels(
         reached = manifest.get("blender_version_max")
         assert tuple(manifest["platforms"]) == bundle.platforms
         assert {Path(name).name for name in manifest["wheels"]} == {path.name for path in wheels}
-        assert all((source / name).is_file() for name in manifest["wheels"])
+        for name in manifest["wheels"]:
+            with zipfile.ZipFile(source / name) as archive:
+                assert archive.namelist() == ["p/a.py", "p.dist-info/RECORD"]
+                assert archive.read("p.dist-info/RECORD") == b"p/a.py,,\n"
         assert (source / "manual" / "docs" / "guide" / "README.html").is_file()
         assert not (source / "tests").exists()
     assert reached is None  # every Blender has a zip

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from .. import keys, record
 
 Frames = TypeVar("Frames", float, NDArray[np.float64])
+# Name and frame of a marker.
+Mark = tuple[str, int]
 
 
 @dataclass(frozen=True)
@@ -149,13 +151,13 @@ def _when(part: NDArray[np.float64]) -> NDArray[np.float64]:
     return times
 
 
-def add_markers(scene: bpy.types.Scene, name: str, frame: int) -> list[tuple[str, int]]:
+def add_markers(scene: bpy.types.Scene, name: str, frame: int) -> list[Mark]:
     """Marks the result of a drawing by its name; returns the markers' names and frames."""
     scene.timeline_markers.new(name, frame=frame)
     return [(name, frame)]
 
 
-def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str, int]]) -> None:
+def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[Mark]) -> None:
     """Removes one marker for each name and frame that still exists."""
     for name, frame in names_and_frames:
         marker = next((m for m in scene.timeline_markers if m.name == name and m.frame == frame), None)
@@ -163,30 +165,44 @@ def remove_markers(scene: bpy.types.Scene, names_and_frames: Sequence[tuple[str,
             scene.timeline_markers.remove(marker)
 
 
-def extend_scene(
-    scene: bpy.types.Scene, collection: bpy.types.Collection, played: Sequence[Span], timing: Timing
-) -> None:
-    """Adds the marker of an output and extends the scene's range to it; the collection stores both for
-    `restore_scene`."""
+def play_in(
+    collection: bpy.types.Collection, played: Sequence[Span], timing: Timing, marker: Mark | None = None
+) -> Mark:
+    """Notes when an output plays, and its marker, one of its own unless several share one; returns the marker."""
     found, result = record.written(collection), played[-1].end
-    for name, frame in add_markers(scene, found.title or collection.name, result):
-        marker = found.markers.add()
-        marker.name, marker.frame = name, frame
+    noted = found.markers.add()
+    noted.name, noted.frame = marker or (found.title or collection.name, result)
     found.frames, found.animated = (played[0].flow, result, last_frame(played, timing)), True
+    return noted.name, noted.frame
+
+
+def settle(scene: bpy.types.Scene, dropped: Sequence[Mark], added: Sequence[Mark] = ()) -> None:
+    """Removes markers that no output needs any more, adds new ones, and fits the scene's range to what plays."""
+    needed = {(mark.name, mark.frame) for each in bpy.data.collections for mark in record.of(each).markers}
+    remove_markers(scene, sorted(set(dropped) - needed))
+    there = {(mark.name, mark.frame) for mark in scene.timeline_markers}
+    for name, frame in dict.fromkeys(added):
+        if (name, frame) not in there:
+            add_markers(scene, name, frame)
     _fit_range(scene)
 
 
 def restore_scene(scene: bpy.types.Scene, collection: bpy.types.Collection) -> None:
     """Removes the marker of an output and restores the scene's range, as far as other outputs do not need it."""
+    settle(scene, stop(scene, collection))
+
+
+def stop(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[Mark]:
+    """Notes that an output does not play any more; returns its markers."""
     found = record.written(collection)
-    remove_markers(scene, [(marker.name, marker.frame) for marker in found.markers])
+    dropped = [(marker.name, marker.frame) for marker in found.markers]
     before = keys.numbers(collection, keys.FRAME_END, 2)
     if before is not None and before[0] > 0 and scene.frame_end == before[1]:
         scene.frame_end = int(before[0])
     keys.remove(collection, [keys.FRAME_END])
     found.markers.clear()
     found.animated = False
-    _fit_range(scene)
+    return dropped
 
 
 def frames_of(collection: bpy.types.Collection) -> tuple[int, int, int] | None:

@@ -7,6 +7,7 @@ are unbound. The artist's work on either mesh is transferred to the other.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,7 +25,9 @@ from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
 from ..scene import display, filling, ownership
+from ..scene.areas import paints
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
+from ..scene.selection import scene_of
 from . import field, legacy, node_groups
 
 # Relative change of a clearance that is more than round-off.
@@ -84,6 +87,31 @@ def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method:
     _disconnect(collection, levels)
     _fill(levels)
     return completed(_connect(context, collection, levels, method))
+
+
+def newcomers(context: bpy.types.Context, collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """The selected drawings without cages of their own that a bound output can take along."""
+    return [
+        obj
+        for obj in context.selected_objects
+        if paints(obj) and field.followed(obj) is None and ownership.level_of(obj) is None
+        if not ownership.outputs_about(scene_of(context), obj)
+    ]
+
+
+def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Binding]:
+    """Makes the selected drawings follow the cages of a bound output as well. Raises: UserError."""
+    cage = ownership.members(collection)[1]
+    made = field.field_of(cage)
+    if made is None:
+        raise UserError(f"'{collection.name}' was bound by an earlier version: press Rebind first")
+    parts = newcomers(context, collection)
+    for part in parts:
+        field.follow(part, made, in_place=False)
+        record.written(collection).sources.add().object = part
+    record.keep(collection)
+    yield from ()
+    return Binding((), f"{_named(parts)} bound, with what is in the cages already")
 
 
 def unbind(collection: bpy.types.Collection) -> list[str]:
@@ -286,9 +314,13 @@ def _take_along(
             problems.append(f"'{fine.name}' follows in place of '{original.name}': {error}")
     if not problems:
         fine.hide_set(True)
-    followers = [f"'{original.name}'" for original in originals if field.followed(original) == made]
-    names = ", ".join(followers) if len(followers) <= MAX_NAMES else counted(len(followers), "drawing")
-    return "; ".join([*([f"{names} bound"] if followers else []), *problems])
+    followers = [original for original in originals if field.followed(original) == made]
+    return "; ".join([*([f"{_named(followers)} bound"] if followers else []), *problems])
+
+
+def _named(objects: Sequence[bpy.types.Object]) -> str:
+    """The names of few objects, or the number of many."""
+    return ", ".join(f"'{o.name}'" for o in objects) if len(objects) <= MAX_NAMES else counted(len(objects), "drawing")
 
 
 def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object], *, lines_back: bool = True) -> None:
@@ -298,9 +330,8 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
         legacy.release(obj)
         display.render_lines(obj, True)
         keys.remove(obj, [keys.LINK])
-    for obj in bpy.data.objects:
-        if field.followed(obj) in fields:
-            field.release(obj)
+    for obj in [obj for obj in bpy.data.objects if field.followed(obj) in fields and not keys.has(obj, keys.PROXY_OF)]:
+        field.release(obj)
     legacy.release_originals(collection)
     for helper in fields:
         owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)

@@ -15,6 +15,7 @@ from ..core import core
 from ..errors import UserError
 from ..generation.memory import remembered
 from ..scene import display, filling, placement
+from ..scene.areas import instances_collection
 from ..scene.plane import size, space_to_space, transform
 from . import node_groups
 
@@ -73,19 +74,25 @@ def follow(obj: bpy.types.Object, field: bpy.types.Object, *, in_place: bool) ->
     """
     if problem := why_not(obj):
         raise UserError(problem)
-    node_groups.group(node_groups.FOLLOW)
+    if instances_collection(obj):
+        obj = _proxy(obj)
     modifier = obj.modifiers.new(FOLLOW, "NODES")
     assert isinstance(modifier, bpy.types.NodesModifier)
     modifier.node_group = node_groups.group(node_groups.FOLLOW)
     display.set_input(modifier, "Object", field)
     display.set_input(modifier, "In Place", in_place)
     display.set_input(modifier, "Subdivide", _halvings(obj))
+    empty = keys.block(obj, keys.PROXY_OF, bpy.types.Object)
+    if empty is not None:
+        display.set_input(modifier, "Collection", empty.instance_collection)
 
 
 def why_not(obj: bpy.types.Object) -> str:
     """Why an object cannot follow; empty if it can."""
     if not obj.is_editable:
         return f"'{obj.name}' is linked from another file: make it local first"
+    if instances_collection(obj):
+        return ""
     if obj.type not in {"MESH", "CURVE", "FONT", "CURVES", "GREASEPENCIL"}:
         return f"'{obj.name}' is of a kind without modifiers: convert it to a mesh or a curve"
     for layer in obj.data.layers if obj.type == "GREASEPENCIL" else ():
@@ -100,19 +107,42 @@ def field_of(cage: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def followed(obj: bpy.types.Object) -> bpy.types.Object | None:
-    """The field that an object follows."""
-    modifier = display.nodes_modifier(obj, FOLLOW)
+    """The field that an object follows, or the object that shows what it instances."""
+    modifier = display.nodes_modifier(shown_by(obj), FOLLOW)
     if modifier is None or modifier.node_group != bpy.data.node_groups.get(node_groups.FOLLOW):
         return None
     found: bpy.types.Object | None = display.get_input(modifier, "Object")
     return found
 
 
+def shown_by(obj: bpy.types.Object) -> bpy.types.Object:
+    """The object that shows what an empty instances, if that is bound; else the object itself."""
+    return next((child for child in obj.children if child.get(keys.PROXY_OF) == obj), obj)
+
+
 def release(obj: bpy.types.Object) -> None:
-    """Removes the modifier."""
+    """Removes the modifier, and the object that shows what this one instances."""
+    for proxy in [child for child in obj.children if child.get(keys.PROXY_OF) == obj]:
+        release(proxy)
+        mesh = filling.mesh_of(proxy)
+        bpy.data.objects.remove(proxy)
+        bpy.data.meshes.remove(mesh)
+        obj.instance_type = "COLLECTION"
     modifier = obj.modifiers.get(FOLLOW)
     if modifier is not None:
         display.remove_modifier(obj, modifier)
+
+
+def _proxy(empty: bpy.types.Object) -> bpy.types.Object:
+    """A new object to show the collection that an empty instances, which empties cannot bend."""
+    name = f"{empty.name} Bound"
+    made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    made[keys.PROXY_OF] = empty
+    for home in empty.users_collection:
+        home.objects.link(made)
+    made.parent = empty
+    empty.instance_type = "NONE"
+    return made
 
 
 @contextmanager

@@ -152,6 +152,8 @@ class Live:
         source = drawing.source
         if self.options.clearance > 0.0 and source is not None:
             return self.options.clearance / scale_of(source)
+        if self.options.clearance_share > 0.0:
+            return self.options.clearance_share * drawing.mesh().diagonal
         return AUTOMATIC_CLEARANCES[0] * fine.diagonal
 
     def _tolerances(self, drawing: Drawing, fine: core.Mesh, count: int) -> list[core.Within | None]:
@@ -178,7 +180,9 @@ class Live:
         clearance = self._clearance(drawing, fine) if self.options.clearance > 0.0 else 0.0
 
         def work() -> Work[list[Result]]:
-            generation = Generation([Request(drawing)], replace(self.options, levels=levels, clearance=clearance))
+            generation = Generation(
+                [Request(drawing)], replace(self.options, levels=levels, clearance=clearance, shrink=False)
+            )
             yield from generation
             return generation.results
 
@@ -291,13 +295,18 @@ def _on_load(*_: object) -> None:
     stop()
 
 
+def window_of(scene: str, windows: Any) -> Any:
+    """The window that shows a scene, or else the first one; None if there are no windows."""
+    return next((window for window in windows if window.scene.name == scene), windows[0] if len(windows) else None)
+
+
 def _on_timer() -> float | None:
     """Seconds until the next check; None when Live is off."""
     live = current()
     if live is None:
         return None
-    windows = bpy.context.window_manager.windows
-    with bpy.context.temp_override(window=windows[0]) if len(windows) else nullcontext():
+    window = window_of(live.scene, bpy.context.window_manager.windows)
+    with bpy.context.temp_override(window=window) if window is not None else nullcontext():
         if live.tick(bpy.context):
             return LOOK_INTERVAL
     stop()

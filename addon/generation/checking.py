@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..core import core, predicates
 from ..errors import UserError
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
+from ..scene.plane import Frame
 from .job import Progress, Work
 
 
@@ -35,16 +36,27 @@ class Finding:
     fine_faults: NDArray[np.float32]
 
 
+# Reads what is displayed of a drawing, in the plane of the cages. Raises: UserError.
+Seen = Callable[[bpy.types.Context, bpy.types.Object, Frame], tuple[Outline, Drawing]]
+
+
+def _outline(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) -> tuple[Outline, Drawing]:
+    """The outline of an object, in the plane of a frame or a parallel one."""
+    outline = read(context, obj)
+    return outline, drawing_in(frame, outline, layer=True)
+
+
 @dataclass(frozen=True)
 class Chain:
     """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of; ``instead``: only they
-    are displayed as they are, since they may have changed, not the copy.
+    are displayed as they are, since they may have changed, not the copy. ``seen`` reads them.
     """
 
     objects: Sequence[bpy.types.Object]
     originals: Sequence[bpy.types.Object] = ()
     fine: int = 0
     instead: bool = False
+    seen: Seen = _outline
 
 
 def check(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
@@ -60,8 +72,7 @@ def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, 
     frame = fine_drawing(outlines[0]).frame
     found = [(outline, drawing_in(frame, outline)) for outline in outlines]
     for original in chain.originals:
-        seen = read(context, original)
-        copied = (seen, drawing_in(frame, seen))
+        copied = chain.seen(context, original, frame)
         if chain.fine > 0:
             yield (*found[chain.fine - 1], *copied)
         if chain.fine < len(found) - 1:

@@ -119,7 +119,7 @@ DECIMATIONS = {
 MERGING = ("LEVEL_SET_MERGING",)
 
 ENERGIES = {
-    "AREA": Choice("Least Area", "As tight as the vertex count allows", lambda _: core.Area()),
+    "AREA": Choice("Least Area", "Area at a local minimum: the tightest choice", lambda _: core.Area()),
     "SHAPE_KEEPING": Choice(
         "Keep Shape",
         "Tight, but keeps straight lines, horizontal and vertical edges, and symmetry",

@@ -45,16 +45,28 @@ def write(
     staged: list[bpy.types.Collection] = []
     try:
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
-        collections = [
-            _write_one(scene, result, when, collection or _new_collection(home, result), rollback)
-            for result, when, collection in zip(
-                results, timing.of_each([result.levels for result in results]), earlier, strict=True
-            )
-        ]
+        timings = timing.of_each([result.levels for result in results])
+        marker = None
+        if len(results) > 1 and not timing.in_turn:  # they play together: one marker, on the last result
+            ends = [timeline.spans(result.levels, timing)[-1].end for result in results]
+            marker = (f"{len(results)} Drawings", max(ends))
+        dropped: list[timeline.Mark] = []
+        added: list[timeline.Mark] = []
+        collections = []
+        for result, when, before in zip(results, timings, earlier, strict=True):
+            collection = before or _new_collection(home, result)
+            dropped += timeline.stop(scene, collection)
+            played = timeline.spans(result.levels, when)
+            _write_one(result, when, played, collection, rollback)
+            added.append(timeline.play_in(collection, played, when, marker))
+            record.keep(collection)
+            collections.append(collection)
+        timeline.settle(scene, dropped, added)
         for result, collection in zip(results, collections, strict=True):
             _set_thickness(collection, result, thickness)
+        staged += collections
+        stage.leave(*collections)
         for collection in collections:
-            staged.append(collection)
             stage.enter(collection)
     except BaseException:
         rollback.restore()
@@ -114,12 +126,8 @@ def _check_replaceable(collection: bpy.types.Collection | None) -> None:
 
 
 def _write_one(
-    scene: bpy.types.Scene,
-    result: Result,
-    timing: Timing,
-    collection: bpy.types.Collection,
-    rollback: Rollback,
-) -> bpy.types.Collection:
+    result: Result, timing: Timing, played: Sequence[Span], collection: bpy.types.Collection, rollback: Rollback
+) -> None:
     """Writes one output into its collection."""
     source, first = result.drawing.source, result.levels[0]
     name = source.name if source is not None else result.drawing.name
@@ -129,8 +137,6 @@ def _write_one(
     for obj in before:
         rollback.set_aside(obj)
     _rename(collection, name)
-    timeline.restore_scene(scene, collection)
-    played = timeline.spans(result.levels, timing)
 
     inner = "Inner " if result.inside else ""
     fine = _member_with_mesh(
@@ -168,9 +174,6 @@ def _write_one(
     for number, obj in enumerate(made):
         member_of_it = record.described(obj)
         member_of_it.level, member_of_it.of, member_of_it.home = number, source, collection
-    timeline.extend_scene(scene, collection, played, timing)
-    record.keep(collection)
-    return collection
 
 
 def _play(

@@ -10,7 +10,6 @@ import bpy
 
 from .. import keys, record
 from ..animation import shape_keys
-from ..animation.shape_keys import remove_mesh
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..rigging.pose import Placement
 from ..rigging.rig import has_steps, hooks_of
@@ -67,16 +66,13 @@ class Rollback:
                 display.remove_modifier(obj, modifier)
             record.remove(obj)
             self._lost.append(f"'{obj.name}' is no level any more and was kept for what was made on it")
-        for obj in self._surplus:
-            shape_keys.remove_animation(obj)
-            bpy.data.objects.remove(obj)
-        actions = {member.visibility.action for member in self._members if member.visibility is not None}
-        for action in actions | {value for value in kept if isinstance(value, bpy.types.Action)}:
-            if action is not None and action.users == 0:
-                bpy.data.actions.remove(action)
-        meshes = {member.mesh for member in self._members}
-        for mesh in meshes | {value for value in kept if isinstance(value, bpy.types.Mesh)}:
-            remove_mesh(mesh)
+        actions = [member.visibility.action for member in self._members if member.visibility is not None]
+        meshes = [member.mesh for member in self._members]
+        shape_keys.discard(
+            self._surplus,
+            [*meshes, *(value for value in kept if isinstance(value, bpy.types.Mesh))],
+            [*actions, *(value for value in kept if isinstance(value, bpy.types.Action))],
+        )
         return self._lost
 
     def restore(self) -> None:

@@ -181,10 +181,18 @@ def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, 
     """
     try:
         text, count = WRITERS[kind](shapes, flip_y, extras)
+    except core.NestedCagesError as error:
+        raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
+    write_text(path, text)
+    return count
+
+
+def write_text(path: Path, text: str) -> None:
+    """Writes a whole file or none. Raises: UserError."""
+    try:
         core.exchange.write_whole(path, text)
     except (core.NestedCagesError, OSError) as error:
         raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
-    return count
 
 
 def _svg(shapes: dict[str, core.Mesh], flip_y: bool, extras: Extras) -> tuple[str, int]:

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from .. import keys
 from ..core import core
 from ..errors import UserError
 from ..generation.job import Progress, Work
@@ -31,11 +32,12 @@ EDGE_ON = 1e-12
 
 @dataclass(frozen=True)
 class Options:
-    """`strokes`: with the width of strokes. `fill_holes`: without holes. `gap`: parts closer than this length of the
-    scene are joined.
+    """`strokes`: with the width of strokes; `closed`: closed ones are areas too. `fill_holes`: without holes.
+    `gap`: parts closer than this length of the scene are joined.
     """
 
     strokes: bool = True
+    closed: bool = False
     fill_holes: bool = False
     gap: float = 0.0
 
@@ -78,7 +80,7 @@ def outline(
     for done, obj in enumerate(objects):
         yield Progress(0.5 * done / len(objects), f"reading '{obj.name}'")
         try:
-            for area in areas_of(context, obj, strokes=options.strokes):
+            for area in areas_of(context, obj, strokes=options.strokes, closed=options.closed):
                 areas += _painted(area, frame)
         except UserError as error:
             problems.append(error)
@@ -122,9 +124,16 @@ def _has_room(loop: NDArray[np.float64]) -> bool:
 
 
 def place(
-    context: bpy.types.Context, active: bpy.types.Object, frame: Frame, loops: Sequence[NDArray[np.float64]]
+    context: bpy.types.Context,
+    active: bpy.types.Object,
+    frame: Frame,
+    loops: Sequence[NDArray[np.float64]],
+    parts: Sequence[bpy.types.Object],
 ) -> bpy.types.Object:
-    """A new flat mesh with the loops as its border, in the collection of the active object and with its material."""
+    """A new flat mesh with the loops as its border, in the collection of the active object and with its material.
+
+    parts: the objects whose silhouette it is, which will follow its cages too.
+    """
     mesh = core.Mesh.from_loops(loops)
     name = f"{active.name} Silhouette"
     obj = bpy.data.objects.new(name, filling.filled(name, frame.points(mesh.vertices), mesh))
@@ -132,4 +141,5 @@ def place(
         obj.data.materials.append(active.active_material)
     (active.users_collection or [context.scene.collection])[0].objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
+    obj[keys.OTHERS] = {str(number): part for number, part in enumerate(parts)}
     return obj

@@ -21,6 +21,7 @@ from . import (
     live,
     pieces,
     report,
+    rig,
     silhouette,
 )
 from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
@@ -35,6 +36,7 @@ CLASSES = (
     *bake.CLASSES,
     *bind.CLASSES,
     *handles.CLASSES,
+    *rig.CLASSES,
     *report.CLASSES,
     *follow.CLASSES,
     *live.CLASSES,

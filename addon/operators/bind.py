@@ -61,13 +61,13 @@ class LinkOperator(BindingOperator):
 
     def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, binding.Binding]]) -> None:
         cages = [ownership.members(collection)[-1] for collection, _ in done]
-        links = [link for _, made in done for link in made.links]
+        error = max((link.rest for _, made in done for link in made.links), default=0.0)
         select(context, *cages)
         name = f"'{cages[0].name}'" if len(cages) == 1 else f"the {len(cages)} coarsest cages"
         said = done[0][1].original if len(done) == 1 else f"{len(done)} drawings follow."
         self.report(
             {"INFO"},
-            f"Move {name} and the drawing follows; error {max(link.rest for link in links):.1e} at rest. {said}",
+            f"Move {name} and the drawing follows; error {error:.1e} at rest. {said}",
         )
 
 
@@ -81,6 +81,18 @@ class OBJECT_OT_nested_cages_bind(LinkOperator, bpy.types.Operator):
         "The file works without the add-on"
     )
     needs_bound = False
+
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        bound = ownership.is_bound(collection)
+        return "" if bound and binding.newcomers(bpy.context, collection) else super().unsuitable(collection)
+
+    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
+        return (
+            binding.take_in(context, collection)
+            if ownership.is_bound(collection)
+            else super().each(context, collection)
+        )
 
 
 class OBJECT_OT_nested_cages_rebind(LinkOperator, bpy.types.Operator):

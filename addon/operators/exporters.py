@@ -9,6 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from ..characters import engine
 from ..errors import UserError, counted
 from ..io import exporters
 from ..scene import convert, ownership
@@ -30,8 +31,9 @@ FILE_ITEMS = (
     ("SVG", "SVG", "One path per outline, holes cut out"),
     ("GEOJSON", "GeoJSON", "One feature per outline, for maps and shapely"),
     ("ENGINE", "Collision Outline", "Polygons with holes of the coarsest outline as JSON for game engines"),
+    ("CHARACTER", "Character", "Bones, cage, triangles and weights of a rigged drawing as JSON for game engines"),
 )
-SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json"}
+SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json", "CHARACTER": ".json"}
 
 
 class OnOutlines(Reporting):
@@ -149,6 +151,8 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
             if not self.filepath:
                 raise UserError("Choose a file to write")
             path = Path(bpy.path.abspath(self.filepath))
+            if self.kind == "CHARACTER":
+                return self._character(context, path)
             objects = coarsest(context) if self.kind == "ENGINE" else outlines(context)
             shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
             extras = exporters.Extras(
@@ -161,6 +165,15 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         except UserError as error:
             return self.fail(error)
         self.report({"INFO"}, f"{counted(count, 'outline')} written to {path.name}")
+        return {"FINISHED"}
+
+    def _character(self, context: bpy.types.Context, path: Path) -> Outcome:
+        """Writes the rigged drawing of the selection. Raises: UserError."""
+        found = outputs_of_chosen(context)
+        if len(found) != 1:
+            raise UserError("Select one rigged drawing, or its cage: a file has one character")
+        exporters.write_text(path, engine.json_of(found[0], flip_y=self.flip_y))
+        self.report({"INFO"}, f"'{found[0].name}' written to {path.name}")
         return {"FINISHED"}
 
 

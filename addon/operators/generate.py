@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import bpy
@@ -22,6 +23,7 @@ from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties, OperatorProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
+from ..scene.reading import Lines, lines_of_all
 from ..scene.selection import scene_of
 from .base import JobOperator, Outcome
 
@@ -230,9 +232,10 @@ def requests(context: bpy.types.Context, values: GenerationProperties) -> tuple[
         if not alone:
             raise UserError("Select the drawing too: all that is selected is one of its levels")
     found, problems = [], []
+    lines = lines_of_all(context, [*itertools.chain(*drawings), *own], values.resolution)
     for objects in drawings:
         try:
-            found.append(_request(context, objects, own, values))
+            found.append(_request(context, objects, own, lines, values))
         except UserError as error:
             problems.append(error)
     if problems and not found:
@@ -244,15 +247,17 @@ def _request(
     context: bpy.types.Context,
     objects: Sequence[bpy.types.Object],
     own: Sequence[bpy.types.Object],
+    lines: Mapping[bpy.types.Object, Lines],
     values: GenerationProperties,
 ) -> Request:
     """One drawing, of all objects, and the user's own levels for it. Raises: UserError."""
     reading = conversion.reading_options(values)
-    outlines = [convert.read(context, obj, reading) for obj in objects]
+    outlines = [convert.read(context, obj, reading, lines.get(obj)) for obj in objects]
     fine = convert.fine_drawing(outlines[0], reading)
     layers = [convert.drawing_in(fine.frame, outline, reading, layer=True) for outline in outlines[1:]]
     fine = convert.joined(fine, layers)
-    coarse = [convert.drawing_in(fine.frame, convert.read(context, obj, reading), reading) for obj in own]
+    others = [convert.read(context, obj, reading, lines.get(obj)) for obj in own]
+    coarse = [convert.drawing_in(fine.frame, outline, reading) for outline in others]
     if values.use_selected_as_levels:
         coarse.sort(key=lambda drawing: -sum(map(len, drawing.loops)))
     return Request(fine, tuple(coarse), _places(context, objects, fine, values))

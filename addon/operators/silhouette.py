@@ -65,12 +65,12 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
         frame = silhouette.plane_of(context, objects[0], self.plane)
         options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
-        identity = objects[0].session_uid
+        identities = [obj.session_uid for obj in objects]
         loops, problems = yield from silhouette.outline(context, objects, frame, options)
-        first = found_object(identity)
-        if first is None:
+        parts = [part for each in identities if (part := found_object(each)) is not None]
+        if not parts or parts[0].session_uid != identities[0]:
             raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
-        made = silhouette.place(context, first, frame, loops)
+        made = silhouette.place(context, parts[0], frame, loops, parts)
         select(context, made)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {len(loops)} loops")

@@ -14,8 +14,11 @@ from ..binding import field
 from ..binding.adoption import adopt, waiting
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check, check_animation, same_frame, select_points
-from ..generation.job import Work
+from ..generation.job import Work, completed
+from ..io import silhouette
 from ..scene import convert, ownership
+from ..scene.convert import Drawing, Outline
+from ..scene.plane import Frame, transform, world_matrix
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
 from .base import JobOperator, Outcome
 
@@ -92,14 +95,14 @@ def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Obje
         or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
     ):
         return Chain(objects)
-    bound = ownership.is_bound(collection)
-    originals = [
-        original
-        for original in ownership.originals(collection)
-        if original not in objects and original.visible_get() and _is_readable(context, original)
-        if not bound or field.followed(original) is not None
+    found = [
+        original for original in ownership.originals(collection) if original not in objects and original.visible_get()
     ]
-    return Chain(objects, originals, objects.index(fine), instead=bound and len(originals) > 0)
+    place = objects.index(fine)
+    if not ownership.is_bound(collection):
+        return Chain(objects, [original for original in found if _is_readable(context, original)], place)
+    originals = [original for original in found if field.followed(original) is not None]
+    return Chain(objects, originals, place, instead=bool(originals), seen=_displayed)
 
 
 def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
@@ -108,6 +111,19 @@ def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     except UserError:
         return False
     return True
+
+
+def _displayed(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) -> tuple[Outline, Drawing]:
+    """The outline of a bound drawing, or of the area that it paints if it has none. Raises: UserError."""
+    try:
+        outline = convert.read(context, obj)
+    except UserError:
+        shown = field.shown_by(obj)
+        loops, _ = completed(silhouette.outline(context, [shown], frame, silhouette.Options(closed=True)))
+        back = np.linalg.inv(world_matrix(shown)) @ frame.matrix
+        own = tuple(transform(back, frame.points(loop)).astype(np.float32) for loop in loops)
+        return Outline(obj.name, own, world_matrix(shown), obj.session_uid), Drawing(obj.name, frame, loops)
+    return outline, convert.drawing_in(frame, outline, layer=True)
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:

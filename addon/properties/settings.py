@@ -71,7 +71,7 @@ class GenerationProperties:
     )
     inside: BoolProperty(
         name="Inside",
-        description="Make cages inside the drawing, as large as their vertices allow, each inside the one before",
+        description="Make cages inside the drawing, of locally largest area, each inside the one before",
         default=False,
     )
     convex: BoolProperty(

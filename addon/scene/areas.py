@@ -55,12 +55,18 @@ class Stroke:
 Area = Patch | Faces | Stroke
 
 
-def areas_of(context: bpy.types.Context, obj: bpy.types.Object, *, strokes: bool = True) -> list[Area]:
-    """All that an object paints; `strokes`: with the width of Grease Pencil strokes. Raises: UserError if nothing."""
+def areas_of(
+    context: bpy.types.Context, obj: bpy.types.Object, *, strokes: bool = True, closed: bool = False
+) -> list[Area]:
+    """All that an object paints, its instances included. Raises: UserError if nothing.
+
+    strokes: with the width of Grease Pencil strokes; closed: closed strokes are areas too, even if not filled.
+    """
     if obj.type == "GREASEPENCIL":
-        found = list(_drawn(context, obj, strokes))
+        found = list(_drawn(context, obj, strokes, closed or not strokes))
     else:
         found = [*_shape(context, obj)] if obj.type in SOLID else []
+        found += _instances(context, obj)
         if obj.type in {"FONT", "CURVES"}:
             found += _outlines(context, obj)
     if not found:
@@ -72,12 +78,29 @@ def areas_of(context: bpy.types.Context, obj: bpy.types.Object, *, strokes: bool
 
 def paints(obj: bpy.types.Object) -> bool:
     """Whether an object of this kind can have a silhouette."""
-    return obj.type in SOLID or obj.type in READERS
+    return obj.type in SOLID or obj.type in READERS or instances_collection(obj)
+
+
+def instances_collection(obj: bpy.types.Object) -> bool:
+    """Whether an object is an empty that shows a collection."""
+    return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
+
+
+def _instances(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
+    """The areas of what an object instances: a collection, or geometry of its nodes."""
+    for found in context.evaluated_depsgraph_get().object_instances:
+        if found.is_instance and found.parent is not None and found.parent.original == obj:
+            matrix = np.array(found.matrix_world, dtype=np.float64)
+            if found.object is not None and found.object.type in SOLID:
+                yield from _faces(found.object, matrix)
 
 
 def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
     """The faces of the evaluated object, and the inside of its closed lines."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    yield from _faces(obj.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj))
+
+
+def _faces(evaluated: bpy.types.Object, matrix: Points) -> Iterator[Area]:
     mesh = evaluated.to_mesh()
     if mesh is None:
         return
@@ -93,7 +116,7 @@ def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
         mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
     finally:
         evaluated.to_mesh_clear()
-    world = transform(world_matrix(obj), points.astype(np.float64))
+    world = transform(matrix, points.astype(np.float64))
     if len(triangles):
         yield Faces(world, triangles)
     lone = edges[np.bincount(used, minlength=len(edges)) == 0].astype(np.int64)
@@ -109,20 +132,27 @@ def _outlines(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Are
     yield Patch(loops, evenodd=obj.type != "FONT")
 
 
-def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool) -> Iterator[Area]:
+def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool, closed: bool) -> Iterator[Area]:
     """Fills and strokes of the visible layers of a Grease Pencil drawing on the current frame.
 
     Raises: UserError for strokes that are not made of straight pieces.
     """
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     data: Any = evaluated.data
+    drawings = [frame.drawing for layer in data.layers if (frame := layer.current_frame()) is not None]
+    # Strokes made by scripts have no opacity unless it is set, and are meant to be seen.
+    opaque = any(_is_seen(stroke) for drawing in drawings if drawing is not None for stroke in drawing.strokes)
     for layer in data.layers:
         frame = layer.current_frame()
-        if layer.hide or frame is None or frame.drawing is None:
+        if layer.hide or layer.opacity <= 0.0 or frame is None or frame.drawing is None:
             continue
+        if layer.use_masks and any(not mask.hide for mask in layer.mask_layers):
+            raise UserError(f"layer '{layer.name}' of '{obj.name}' has masks: switch them off, or cut the strokes")
         matrix = world_matrix(obj) @ np.array(layer.matrix_local)
         scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
         for stroke in frame.drawing.strokes:
+            if opaque and not _is_seen(stroke):
+                continue
             drawn = np.array([(*point.position, point.radius) for point in stroke.points], np.float64).reshape(-1, 4)
             kind = getattr(stroke, "curve_type", STRAIGHT)
             if kind == SMOOTH:
@@ -134,7 +164,7 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool) -> 
                 )
             points, radii = transform(matrix, drawn[:, :3]), scale * np.maximum(drawn[:, 3], 0.0)
             style = _style(evaluated, stroke.material_index)
-            filled = (style is not None and style.show_fill) or (stroke.cyclic and not strokes)
+            filled = (style is not None and style.show_fill) or (stroke.cyclic and closed)
             if filled and len(points) >= SMALLEST_LOOP:
                 yield Patch((points,), evenodd=True)
             lined = strokes and (style is None or style.show_stroke)
@@ -154,6 +184,11 @@ def _smooth(values: Points, cyclic: bool) -> Points:
     slope, bend, twist = end - before, 2 * before - 5 * start + 4 * end - after, 3 * (start - end) + after - before
     found = (start + 0.5 * t * (slope + t * (bend + t * twist))).reshape(-1, values.shape[1])
     return found if cyclic else np.concatenate([found, values[-1:]])
+
+
+def _is_seen(stroke: Any) -> bool:
+    """Whether a stroke has any opacity."""
+    return stroke.fill_opacity > 0.0 or any(point.opacity > 0.0 for point in stroke.points)
 
 
 def _style(obj: bpy.types.Object, index: int) -> Any:

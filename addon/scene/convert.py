@@ -15,8 +15,11 @@ from ..errors import Fault, UserError
 from . import faults
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform, world_matrix
-from .reading import READERS, lines_of
+from .reading import READERS, Lines, lines_of
 from .uniting import outline_of, united
+
+# Smallest part of the area of several drawings that is missing from their sum if one lies in another.
+NESTED_PART = 1e-9
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class ReadingOptions:
 @dataclass(frozen=True)
 class Outline:
     """The evaluated outline of an object: closed loops (k, 3) in its own space, float32, its matrix (4, 4), and its
-    session ID. ``letters``: its loops may cross and touch, as those of a text do.
+    session ID. ``letters``: its loops may cross and touch, as those of a text do. ``filled``: it has faces.
     """
 
     name: str
@@ -41,6 +44,7 @@ class Outline:
     matrix: NDArray[np.float64]
     identity: int
     letters: bool = False
+    filled: bool = False
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -61,6 +65,7 @@ class Drawing:
     identity: int = 0
     others: tuple[Drawing, ...] = ()
     united: bool = False
+    filled: bool = False
 
     @property
     def source(self) -> bpy.types.Object | None:
@@ -94,17 +99,23 @@ def readable(obj: bpy.types.Object) -> bool:
     return obj.type in READERS
 
 
-def read(context: bpy.types.Context, obj: bpy.types.Object, options: ReadingOptions = ReadingOptions()) -> Outline:
-    """The current evaluated outline of an object. Raises: UserError."""
-    context.evaluated_depsgraph_get()  # updates the object's matrix
-    vertices, edges = lines_of(context, obj, options.resolution)
-    loops = _closed_loops(obj, vertices, edges, options)
+def read(
+    context: bpy.types.Context,
+    obj: bpy.types.Object,
+    options: ReadingOptions = ReadingOptions(),
+    lines: Lines | None = None,
+) -> Outline:
+    """The current evaluated outline of an object; lines: its own, if they are known. Raises: UserError."""
+    if lines is None:
+        context.evaluated_depsgraph_get()  # updates the object's matrix
+        lines = lines_of(context, obj, options.resolution)
+    loops = _closed_loops(obj, lines.vertices, lines.edges, options)
     matrix = world_matrix(obj)
     lost = np.ptp(np.concatenate(loops), axis=0).astype(bool) & ~matrix[:3, :3].any(axis=0)
     if lost.any():
         axes = " and ".join(axis for axis, gone in zip("XYZ", lost, strict=True) if gone)
         raise UserError(f"'{obj.name}' is scaled to nothing along {axes}: give it a scale first")
-    return Outline(obj.name, loops, matrix, obj.session_uid, letters=obj.type == "FONT")
+    return Outline(obj.name, loops, matrix, obj.session_uid, letters=obj.type == "FONT", filled=_is_filled(obj))
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:
@@ -146,18 +157,28 @@ def drawing_in(
 def _drawing(outline: Outline, frame: Frame, loops: Sequence[NDArray[np.float64]]) -> Drawing:
     """Letters that overlap or touch are united."""
     kept = outline_of(outline.name, loops) if outline.letters else tuple(loops)
-    return Drawing(outline.name, frame, kept, outline.identity)
+    return Drawing(outline.name, frame, kept, outline.identity, filled=outline.filled)
+
+
+def _is_filled(obj: bpy.types.Object) -> bool:
+    """Whether an object shows faces."""
+    if obj.type == "MESH":
+        return len(obj.data.polygons) > 0
+    flat = obj.type == "FONT" or (obj.type == "CURVE" and obj.data.dimensions == "2D")
+    return flat and obj.data.fill_mode != "NONE"
 
 
 def joined(drawing: Drawing, others: Sequence[Drawing]) -> Drawing:
-    """A drawing and others in the same frame as one. Where they cross or touch they are united. Raises: UserError."""
+    """A drawing and others in the same frame as one. Where they overlap they are united. Raises: UserError."""
     parts = (drawing, *others)
     whole = replace(drawing, loops=tuple(loop for part in parts for loop in part.loops), others=tuple(others))
     try:
-        core.Mesh.from_loops(whole.loops)
+        area = core.Mesh.from_loops(whole.loops).area
     except core.NestedCagesError:
-        for part in parts:
-            part.mesh()  # name the drawing that has a fault
+        area = 0.0
+    # Each part by itself, which names the one that has a fault. A line inside another part is a hole, a face is not.
+    nested = area < (1.0 - NESTED_PART) * sum(part.mesh().area for part in parts)
+    if not area or (nested and any(part.filled for part in others)):
         loops = united(drawing.name, [core.exchange.Painted(part.loops, evenodd=True) for part in parts])
         return replace(whole, loops=loops, united=True)
     return whole

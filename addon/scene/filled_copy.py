@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from .. import keys
-from .display import add_nodes_modifier, add_socket, new_node, remove_modifier, set_input
+from .display import add_nodes_modifier, add_socket, new_node, set_input
 
 FILL = "Nested Cages Fill"
 
@@ -34,16 +34,6 @@ def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.t
 def copies_of(fine: bpy.types.Object) -> list[bpy.types.Object]:
     """The objects that fill a fine mesh."""
     return [child for child in fine.children if child.get(keys.FILLS) == fine]
-
-
-def remove(copy: bpy.types.Object) -> None:
-    """Removes a copy with its mesh."""
-    mesh = copy.data
-    for modifier in list(copy.modifiers):
-        remove_modifier(copy, modifier)
-    bpy.data.objects.remove(copy)
-    if isinstance(mesh, bpy.types.Mesh) and mesh.users == 0:
-        bpy.data.meshes.remove(mesh)
 
 
 def main_material(source: bpy.types.Object) -> bpy.types.Material | None:

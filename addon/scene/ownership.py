@@ -106,14 +106,17 @@ def collection_of(
 
 
 def outputs_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.types.Collection]:
-    """The output that an object belongs to, those that it is the source of, or those whose cages it moves."""
+    """The output that an object belongs to, those that it is a source of, or those whose cages it moves."""
     if level_of(obj) is not None:
         home = home_of_member(obj)
         return [home] if home is not None else []
     found = outputs_of(scene, obj)
-    if found or (obj.type not in {"ARMATURE", "EMPTY"} and not keys.has(obj, keys.HANDLES_OF)):
+    if found:
         return found
     sets = [c for c in bpy.data.collections if is_output(c) and members(c)]
+    shared = [c for c in sets if obj in originals(c)]
+    if shared or (obj.type not in {"ARMATURE", "EMPTY"} and not keys.has(obj, keys.HANDLES_OF)):
+        return shared
     return [c for c in sets if any(getattr(m, "object", None) == obj for m in members(c)[-1].modifiers)]
 
 
@@ -130,8 +133,14 @@ def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
 
 
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The source objects of an output, first the one that it is named after; without deleted ones."""
-    return [part.object for part in record.of(collection).sources if exists(part.object)]
+    """The source objects of an output, first the one that it is named after, and those whose silhouette that is;
+    without deleted ones.
+    """
+    found = [part.object for part in record.of(collection).sources if exists(part.object)]
+    others = found[0].get(keys.OTHERS) if found else None
+    shown = others.values() if hasattr(others, "values") else ()
+    found += [obj for obj in shown if isinstance(obj, bpy.types.Object) and exists(obj)]
+    return list(dict.fromkeys(found))
 
 
 def colours_of(collection: bpy.types.Collection) -> int:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any, NamedTuple
 
 import bmesh
@@ -14,6 +14,10 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from .display import add_nodes_modifier, new_node
 from .filling import mesh_of
+
+# Removes temporary blocks, now or later.
+Remove = Callable[[list[Any]], None]
+Reader = Callable[[bpy.types.Context, bpy.types.Object, int, Remove], AbstractContextManager[bpy.types.Object]]
 
 
 class Lines(NamedTuple):
@@ -37,12 +41,34 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
         raise UserError(
             f"'{obj.name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh"
         )
-    with READERS[obj.type](context, obj, resolution) as subject:
+    with READERS[obj.type](context, obj, resolution, bpy.data.batch_remove) as subject:
         return _evaluated_lines(context, subject)
 
 
+def lines_of_all(
+    context: bpy.types.Context, objects: Sequence[bpy.types.Object], resolution: int = 0
+) -> dict[bpy.types.Object, Lines]:
+    """`lines_of` several objects by one evaluation of the scene, which takes as long as it has objects; without those
+    that have to be read by themselves, as in Edit Mode.
+    """
+    found, garbage = {}, list[Any]()
+    meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
+    with ExitStack() as stack:
+        stack.callback(lambda: bpy.data.batch_remove(garbage) if garbage else None)
+        subjects = {
+            obj: stack.enter_context(READERS[obj.type](context, obj, resolution, garbage.extend))
+            for obj in meshes_first
+            if obj.type in READERS and obj.mode != "EDIT"
+        }
+        for obj, subject in subjects.items():
+            found[obj] = _evaluated_lines(context, subject)
+    return found
+
+
 @contextmanager
-def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int) -> Iterator[bpy.types.Object]:
+def _itself(
+    context: bpy.types.Context, obj: bpy.types.Object, _resolution: int, remove: Remove
+) -> Iterator[bpy.types.Object]:
     """A mesh object itself, or an enabled copy if it is disabled and hence not evaluated."""
     if obj.evaluated_get(context.evaluated_depsgraph_get()).is_evaluated:
         yield obj
@@ -54,11 +80,13 @@ def _itself(context: bpy.types.Context, obj: bpy.types.Object, _resolution: int)
         context.scene.collection.objects.link(copy)
         yield copy
     finally:
-        bpy.data.objects.remove(copy)
+        remove([copy])
 
 
 @contextmanager
-def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
+def _plain_copy(
+    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
+) -> Iterator[bpy.types.Object]:
     """A temporary copy of a curve or text, in the scene so that its modifiers apply, without bevel, extrusion and
     fill."""
     copy = obj.copy()
@@ -81,12 +109,13 @@ def _plain_copy(context: bpy.types.Context, obj: bpy.types.Object, resolution: i
         copy.hide_viewport = False
         yield copy
     finally:
-        bpy.data.objects.remove(copy)
-        bpy.data.curves.remove(data)
+        remove([copy, data])
 
 
 @contextmanager
-def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) -> Iterator[bpy.types.Object]:
+def _meshed(
+    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
+) -> Iterator[bpy.types.Object]:
     """A temporary mesh object with the curves of an object that has no mesh: hair and Grease Pencil."""
     tree = bpy.data.node_groups.new(obj.name, "GeometryNodeTree")
     mesh = bpy.data.meshes.new(obj.name)
@@ -114,12 +143,9 @@ def _meshed(context: bpy.types.Context, obj: bpy.types.Object, resolution: int) 
         context.scene.collection.objects.link(helper)
         yield helper
     finally:
-        bpy.data.objects.remove(helper)
-        bpy.data.meshes.remove(mesh)
-        bpy.data.node_groups.remove(tree)
+        remove([helper, mesh, tree])
 
 
-Reader = Callable[[bpy.types.Context, bpy.types.Object, int], AbstractContextManager[bpy.types.Object]]
 READERS: dict[str, Reader] = {
     "MESH": _itself,
     "CURVE": _plain_copy,

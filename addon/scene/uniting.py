@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..core import core
 from ..errors import UserError
+from .chains import SMALLEST_LOOP
 
 Loop = NDArray[np.float64]
 Loops = tuple[Loop, ...]
@@ -38,6 +39,7 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
         try:
             mesh = core.exchange.solid(areas, seam=gap)
             loops = tuple(stored(mesh.vertices[loop]) for loop in mesh.loops)
+            loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)
         except core.NestedCagesError as error:
             problem = problem or error

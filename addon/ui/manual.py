@@ -33,6 +33,8 @@ OPERATORS = {
     "from_image": "pictures",
     "cutout": "pictures",
     "silhouette": "silhouette",
+    "rig": "characters",
+    "suggest_bones": "characters",
 }
 SETTINGS = {
     "level": "levels",

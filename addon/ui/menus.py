@@ -22,6 +22,8 @@ class VIEW3D_MT_nested_cages(bpy.types.Menu):
         layout.separator()
         layout.operator("object.nested_cages_bind", icon="LINKED")
         layout.operator("object.nested_cages_add_handles", icon="BONE_DATA")
+        layout.operator("object.nested_cages_suggest_bones", icon="GROUP_BONE")
+        layout.operator("object.nested_cages_rig", icon="ARMATURE_DATA")
         layout.operator("object.nested_cages_follow", icon="CON_FOLLOWTRACK")
         layout.operator("object.nested_cages_live", icon="REC")
         layout.operator("object.nested_cages_rebind", icon="FILE_REFRESH")

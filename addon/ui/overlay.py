@@ -5,7 +5,7 @@ In renders a modifier gives lines their width; see `scene.display`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import bpy
@@ -14,6 +14,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
+from .. import record
 from ..properties import groups
 from ..scene import filling, ownership
 from ..scene.plane import transform
@@ -34,22 +35,37 @@ class Strokes(NamedTuple):
 
 
 def strokes(context: bpy.types.Context) -> Iterator[Strokes]:
-    """The visible cages on this frame, without those being edited, which Blender shows."""
+    """The cages that this view shows on this frame, without those being edited, which Blender shows."""
     depsgraph, chosen = context.evaluated_depsgraph_get(), groups.preferences()
     wide = WIDTH if chosen is None else chosen.line_width
-    for collection in context.scene.collection.children_recursive:
-        members = ownership.members(collection) if ownership.is_output(collection) else []
-        for obj in members[1:]:
-            if obj.mode == "OBJECT" and obj.visible_get():
+    view = {"viewport": context.space_data} if isinstance(context.space_data, bpy.types.SpaceView3D) else {}
+    there = set(context.view_layer.objects)
+    for collection in bpy.data.collections:
+        if not ownership.is_output(collection):
+            continue
+        found = record.of(collection)
+        cages = [part.object for part in found.levels if part.object in there][1:]
+        for obj in cages:
+            if obj.mode == "OBJECT" and obj.visible_get(**view):
                 mesh = filling.mesh_of(obj.evaluated_get(depsgraph))
                 points = transform(np.array(obj.matrix_world), filling.points_of(mesh)).astype(np.float32)
-                handles = points if obj == members[-1] and ownership.is_bound(collection) else points[:0]
+                handles = points if obj == cages[-1] and found.bound else points[:0]
                 colour, width = np.array(obj.color), wide
                 if obj.select_get():
                     colour[:3] += LIGHTER * (1.0 - colour[:3])
                     width += MORE
                 r, g, b, _ = colour.tolist()
                 yield Strokes(points[filling.loop_edges(mesh)].reshape(-1, 3), handles, (r, g, b, 1.0), width)
+
+
+def alike(found: Iterable[Strokes]) -> Iterator[Strokes]:
+    """Strokes of the same colour and width as one: a batch takes as long as many lines."""
+    together: dict[tuple[object, float], list[Strokes]] = {}
+    for each in found:
+        together.setdefault((each.colour, each.width), []).append(each)
+    for (_, width), same in together.items():
+        ends, handles = (np.concatenate(parts) for parts in zip(*((s.ends, s.handles) for s in same), strict=True))
+        yield Strokes(ends, handles, same[0].colour, width)
 
 
 def _buffer(points: NDArray[np.float32]) -> Any:
@@ -69,7 +85,7 @@ def _draw() -> None:
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     viewport: Any = gpu.state.viewport_get()  # type: ignore[func-returns-value]
     gpu.state.blend_set("ALPHA")
-    for found in strokes(context):
+    for found in alike(strokes(context)):
         shader.bind()
         shader.uniform_float("viewportSize", viewport[2:])
         shader.uniform_float("lineWidth", found.width * scale)

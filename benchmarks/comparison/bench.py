@@ -12,9 +12,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from comparison.measure import LIMIT, Measurement, Method, Results, Wanted, measure
-from nestedcages_core import Mesh
-
 
 @dataclass
 class Bench:
@@ -26,27 +23,6 @@ class Bench:
     """Folder of the measurements that are there already, of these very sources; None keeps none."""
     _took: dict[tuple[str, Hashable], float] = field(default_factory=dict, init=False, repr=False)
     _pool: ProcessPoolExecutor | None = field(default=None, init=False, repr=False)
-
-    def compare(
-        self,
-        experiment: str,
-        cases: Mapping[str, tuple[Mesh, Wanted]],
-        methods: Mapping[str, Method],
-        *,
-        repeats: int = 1,
-        limit: float = LIMIT,
-    ) -> Results:
-        """Every method on every case."""
-        tasks = {
-            (shape, name): (method, fine, wanted, repeats, limit)
-            for shape, (fine, wanted) in cases.items()
-            for name, method in methods.items()
-        }
-        found = self.each(experiment, measure, tasks, _outcome)
-        results: Results = {shape: {} for shape in cases}
-        for (shape, name), result in found.items():
-            results[shape][name] = result
-        return results
 
     def each(
         self,
@@ -69,7 +45,7 @@ class Bench:
 
     @property
     def seconds(self) -> float:
-        """Wall-clock seconds that the measurements took when they were made, divided among the processes."""
+        """CPU seconds of all measurements, divided among the processes."""
         return sum(self._took.values()) / max(self.jobs, 1)
 
     def close(self) -> None:
@@ -79,7 +55,7 @@ class Bench:
             self._pool = None
 
     def _results(self, function: Callable[..., Any], tasks: Mapping[Hashable, tuple[Any, ...]]) -> Any:
-        """(key, wall-clock seconds, value) of every task as it is done."""
+        """(key, CPU seconds, value) of every task as it is done."""
         if not self.jobs:
             for key, arguments in tasks.items():
                 yield key, *_timed(function, arguments)
@@ -117,10 +93,6 @@ class Bench:
 
 
 def _timed(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[float, Any]:
-    began = time.perf_counter()
+    began = time.process_time()
     value = function(*arguments)
-    return time.perf_counter() - began, value
-
-
-def _outcome(result: Measurement) -> str:
-    return "ok" if result.success else f"{result.failed or 'not certified'} {result.problem[:60]}"
+    return time.process_time() - began, value

@@ -1,238 +1,162 @@
-"""What the comparison concludes. Every conclusion is a sentence with numbers from the runs, and a test of its claim.
-
-A claim that the runs contradict is printed as such, and the command fails.
-"""
+"""Three claims. Each is a sentence with numbers from the runs, and a test of what it says; both on the shapes that
+methods were made with, and on held-out families. A claim that the runs contradict is printed as such."""
 
 from __future__ import annotations
 
-import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from comparison import methods
-from comparison.experiments import contacts, flows, reuse, scaling, sweeps
-from comparison.experiments.contacts import CLEARING, DESCENT, TIGHTENED
-from comparison.measure import Results
-from comparison.tables import count, median, number
+import numpy as np
 
-Found = dict[str, Results]
+from comparison import methods, statistics
+from comparison.runs import Run, of, shared
+from comparison.shapes import GLYPHS, HELD_OUT, RANDOM
 
-ORIGINAL, AUGMENTED = "Nested Cages 2015", "paper repaired"
-FASTER = 3.0
-"""Times faster that "faster" means, where the claim is of whole methods."""
-SAME = 0.1
-"""Spread of medians after the tightening, relative to that before, up to which contacts are called alike."""
+KNOWN = (RANDOM, GLYPHS)
+SIGNIFICANT = 0.05
+"""p of a paired test below which one method is called better."""
+AGREE = 0.02
+"""Spread of medians after the tightening, relative to their mean, up to which contacts agree in the median."""
+APART = 1.01
+"""Ratio of the largest to the least excess of a shape above which contacts differ on it."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A conclusion on some runs."""
+    """What some runs say of a claim."""
 
-    text: str
+    numbers: str
     holds: bool
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """A claim."""
+    """A claim and its test."""
 
     name: str
-    needs: tuple[str, ...]
-    """The experiments that it rests on."""
-    judge: Callable[[Found], Verdict]
+    claim: str
+    judge: Callable[[Sequence[Run], tuple[str, ...]], Verdict]
     page: str
-    """The page with the tables."""
+    picture: str
+    caption: str
 
 
-@dataclass(frozen=True)
-class Trial:
-    """Conclusions on shapes that the pages do not contain."""
-
-    seed: int
-    shapes: dict[str, int]
-    """Experiment -> how many."""
-    verdicts: dict[Conclusion, Verdict]
-
-    def __str__(self) -> str:
-        """All of it in lines."""
-        counts = ", ".join(f"{count} for {name}" for name, count in self.shapes.items())
-        lines = [f"On random shapes that the pages do not contain, seeds from {self.seed} on: {counts}."]
-        lines += [
-            f"{'Holds' if verdict.holds else 'DOES NOT HOLD'}: {verdict.text}" for verdict in self.verdicts.values()
-        ]
-        return "\n".join(lines)
-
-    @property
-    def outcome(self) -> str:
-        """In a sentence."""
-        lost = [f"*{verdict.text.split('**')[1]}*" for verdict in self.verdicts.values() if not verdict.holds]
-        count = sum(self.shapes.values())
-        kept = len(self.verdicts) - len(lost)
-        return (
-            f"Tried again on {count} random shapes that these runs do not contain, {kept} of {len(self.verdicts)} "
-            "conclusions hold" + (f"; not: {' '.join(lost)}" if lost else ".")
-        )
-
-
-def original_against_augmentation(found: Found) -> Verdict:
+def original(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
     """Gurditta & Jacobson name this comparison as what their work lacks."""
-    runs = [shape for name in ("figures", "random shapes") for shape in found.get(name, {}).values()]
-    solved = {name: sum(shape[name].success for shape in runs) for name in (ORIGINAL, AUGMENTED, "IPC")}
-    both = [
-        (shape[ORIGINAL], shape[AUGMENTED]) for shape in runs if shape[ORIGINAL].success and shape[AUGMENTED].success
-    ]
-    tighter = sum((one.excess or 0.0) < (other.excess or 0.0) for one, other in both)
-    ratio = median(other.total / one.total for one, other in both) or 0.0
+    own = of(runs, "methods", *families)
+    solved = {name: [run.success for run in own if run.method == name]
+              for name in (methods.ORIGINAL, methods.REPAIRED, methods.NEWTON)}  # fmt: skip
+    rows = shared(own, [methods.ORIGINAL, methods.REPAIRED, methods.NEWTON])
+    one, other = ([row[name].excess or 0.0 for row in rows] for name in (methods.ORIGINAL, methods.REPAIRED))
+    tighter = statistics.sign_test(one, other)
+    points = statistics.bootstrap([b - a for a, b in zip(one, other, strict=True)])
+    slower = {name: statistics.geometric_mean([_time(row[name]) / _time(row[methods.ORIGINAL]) for row in rows])
+              for name in (methods.REPAIRED, methods.NEWTON)}  # fmt: skip
+    descent, newton = slower[methods.REPAIRED], slower[methods.NEWTON]
     return Verdict(
-        "**The original is tighter and faster than its augmentation as published, and solves more.** With El Topo as "
-        f"contact, Nested Cages of 2015 solves {solved[ORIGINAL]} of {len(runs)} figures and random shapes, the method "
-        f"of 2022 with its faults repaired {solved[AUGMENTED]}, ours with IPC {solved['IPC']}. Where both published "
-        f"methods succeed, the original is tighter on {tighter} of {len(both)} and {ratio:.0f} times faster in the "
-        "median.",
-        solved[ORIGINAL] > solved[AUGMENTED] and 2 * tighter > len(both) and ratio >= FASTER,
-    )
-
-
-def barrier_is_not_to_blame(found: Found) -> Verdict:
-    """IPC as published, in place of the modified one."""
-    rows = contacts.solved_by_all(found["contacts"], DESCENT)
-    excess = {name: median(row[name].excess for row in rows) or 0.0 for name in contacts.contacts_with(DESCENT)}
-    seconds = {name: median(contacts.time_of(row[name]) for row in rows) or 0.0 for name in excess}
-    tightest = min(excess, key=lambda name: excess[name])
-    fastest = min(seconds, key=lambda name: seconds[name])
-    return Verdict(
-        "**It is not the barrier that makes the augmentation loose.** From the same starts and with area descent, IPC "
-        f"as published in 2020 leaves {excess['IPC 2020']:.1f} % after reinflation alone, El Topo "
-        f"{excess['El Topo']:.1f} %, its simplification {excess['velocity filter']:.1f} %, our IPC "
-        f"{excess['IPC']:.1f} % and the energy of 2022, even by Newton steps, {excess[contacts_last()]:.1f} % (medians "
-        f"of {len(rows)} shapes that all solve). The tightest is {tightest}, the fastest {fastest}: our IPC takes "
-        f"{1e3 * seconds['IPC']:.0f} ms where that of 2020 takes {1e3 * seconds['IPC 2020']:.0f}.",
-        excess["IPC 2020"] < excess[contacts_last()] and excess["El Topo"] < excess[contacts_last()]
-        and tightest == "IPC 2020" and fastest == "IPC",
+        f"The method of 2015 solves {sum(solved[methods.ORIGINAL])} of {len(solved[methods.ORIGINAL])} shapes, that of "
+        f"2022 with its faults repaired {sum(solved[methods.REPAIRED])}. Where both do, 2015 is tighter on "
+        f"{tighter.text}, by {points.text('.1f')} points in the median. Gradient descent takes {descent.text('.0f')} "
+        f"times as long as 2015 (geometric mean); the same energy by Newton steps takes {newton.text('.1f')} times.",
+        tighter.wins > tighter.losses and tighter.p < SIGNIFICANT and descent.low > 1.0
+        and newton.high < descent.low,
     )  # fmt: skip
 
 
-def contacts_last() -> str:
-    """The modified energy of 2022."""
-    return "paper's energy, Newton"
+def ranges(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
+    """IPC as published against the modified energy, at equal ranges."""
+    rows = shared(of(runs, "ranges", *families), list(methods.AT_RANGES))
+    least, largest = methods.RANGES[0], methods.RANGES[-1]
 
+    def excess(name: str, d_hat: float) -> list[float]:
+        return [row[f"{name}, {d_hat:g}"].excess or 0.0 for row in rows]
 
-def tightening_levels(found: Found) -> Verdict:
-    """What is left of the differences."""
-    before, after = (contacts.solved_by_all(found["contacts"], variant) for variant in (DESCENT, TIGHTENED))
-    first = [median(row[name].excess for row in before) or 0.0 for name in contacts.contacts_with(DESCENT)]
-    last = [median(row[name].excess for row in after) or 0.0 for name in contacts.contacts_with(TIGHTENED)]
-    spread = (max(first) - min(first), max(last) - min(last))
+    effect = statistics.geometric_mean(
+        _ratios(excess(methods.ENERGY_2022, largest), excess(methods.ENERGY_2022, least))
+    )
+    told, tests = [], []
+    for d_hat in (least, largest):
+        ours, theirs = excess(methods.ENERGY_2022, d_hat), excess(methods.IPC_2020, d_hat)
+        tests.append(statistics.sign_test(ours, theirs))
+        told.append(
+            f"at d̂ = {d_hat:g} it leaves {_median(ours):.1f} % and IPC of 2020 {_median(theirs):.1f} %, and is "
+            "tighter "
+            f"on {tests[-1].text}"
+        )
+    slower = statistics.geometric_mean([
+        _time(row[f"{methods.ENERGY_2022}, {least:g}"]) / _time(row[f"{methods.ENERGY_2022}, {largest:g}"])
+        for row in rows
+    ])  # fmt: skip
+    close = tests[0]
     return Verdict(
-        "**After the same tightening the contacts are alike.** Medians after reinflation lie "
-        f"{spread[0]:.1f} points apart, after the tightening {spread[1]:.2f} ({min(last):.2f} to {max(last):.2f} %): "
-        "which contact brought the fine mesh back matters for time and failures, not for the cage.",
-        spread[1] <= SAME * spread[0],
+        f"From the same starts, on {len(rows)} shapes that both barriers solve at every range, the excess of the "
+        "energy "
+        f"of 2022 grows {effect.text()} times from d̂ = {least:g} to {largest:g} diagonals. Medians after reinflation "
+        f"alone: {'; '.join(told)}. The small range takes {slower.text('.0f')} times as long.",
+        effect.low > 1.0 and not (close.losses > close.wins and close.p < SIGNIFICANT),
     )
 
 
-def tightness_is_a_parameter(found: Found) -> Verdict:
-    """Single settings say little."""
-    made = sweeps.points(found["sweeps"])
-    ours, original = sweeps.spread(made, "IPC"), sweeps.spread(made, "El Topo")
-    default = made["IPC, default"].above
-    others = [made[f"{name}, default"].above for name in methods.ALONE if f"{name}, default" in made]
-    front = [point.label.split(",")[0] for point in sweeps.front(made)]
+def tightened(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
+    """What is left of the differences between contacts."""
+    rows = after_tightening(runs, families)
+    names = list(methods.CONTACTS)
+    medians = [float(np.median([row[name].tightened or 0.0 for row in rows])) for name in names] if rows else [np.nan]
+    before = [float(np.median([row[name].excess or 0.0 for row in rows])) for name in names] if rows else [np.nan]
+    apart = [spread([row[name].tightened for name in names]) for row in rows]
+    differ = statistics.share([ratio > APART for ratio in apart])
     return Verdict(
-        "**How tight a contact is by itself is a parameter.** Our IPC lies "
-        f"{default:.1f} points above the tightest run with its default and {ours[0]:.1f} to {ours[1]:.1f} over its "
-        f"parameters; El Topo {original[0]:.1f} to {original[1]:.1f}; the defaults of all contacts spread over "
-        f"{max(others) - min(others):.1f}. On the Pareto front of time, tightness and failures are "
-        f"{len(set(front))} of {len(methods.ALONE)} contacts: {', '.join(dict.fromkeys(front))}.",
-        ours[0] <= 0.7 * default and len(set(front)) >= 2,
+        f"On {len(rows)} shapes that all {len(names)} contacts solve, medians lie from {min(before):.1f} to "
+        f"{max(before):.1f} % after reinflation and from {min(medians):.2f} to {max(medians):.2f} % after the same "
+        f"tightening. Shape by shape they differ by more than 1 % of the excess on {100.0 * differ.value:.0f} % "
+        f"[{100.0 * differ.low:.0f}, {100.0 * differ.high:.0f}] of the shapes, at most "
+        f"{max(apart, default=np.nan):.1f} times.",
+        max(medians) - min(medians) <= AGREE * float(np.mean(medians)) and differ.low > 0.0,
     )
 
 
-def growth(found: Found) -> Verdict:
-    """Who is there for large meshes."""
-    rows = found["scaling"]
-    reached = {
-        name: max((len(r.fine.vertices) for r in scaling.series(rows, name)), default=0) for name in methods.ALONE
-    }
-    largest = max(int(shape.split(" in ")[0]) for shape in rows)
-    programs = [run for run in scaling.series(rows, "sequential QP") if len(run.fine.vertices) == largest]
-    last = f" ({programs[0].seconds['reinflation']:.1f} s and {programs[0].megabytes:.0f} MB there)" if programs else ""
-    told = ", ".join(f"{name} {reached[name]:,}" for name in methods.ALONE if name != "sequential QP")
-    return Verdict(
-        f"**For large meshes, sequential quadratic programs.** Within {scaling.LIMIT:.0f} s they bring "
-        f"{reached['sequential QP']:,} vertices back{last}. The largest that the others succeed on: {told}.",
-        reached["sequential QP"] == max(reached.values()),
-    )
+def after_tightening(runs: Sequence[Run], families: tuple[str, ...]) -> list[dict[str, Run]]:
+    """The shapes on which every contact succeeds, tightening included."""
+    rows = shared(of(runs, "contacts", *families), list(methods.CONTACTS))
+    return [row for row in rows if all(run.tightened is not None for run in row.values())]
 
 
-def text_and_program(found: Found) -> Verdict:
-    """Which weights, new samples, reuse."""
-    rows = found["flows"]
-    inside = {name: flows.entered(rows, name) for name in methods.FLOWS}
-    shared = [r for r in rows.values() if all(r[n].failed != "flow" for n in (flows.PROGRAM, flows.TEXT))]
-    steps = {n: statistics.mean(r[n].flow_steps for r in shared) for n in (flows.PROGRAM, flows.TEXT)}
-    ratio = statistics.geometric_mean(reuse.saved(found["reuse"]))
-    return Verdict(
-        "**Weights, samples and kept trees matter little.** The flow with the weights of the text gets inside on "
-        f"{inside[flows.TEXT]} of {len(rows)} shapes, with those of the program on {inside[flows.PROGRAM]} "
-        f"({steps[flows.TEXT]:.0f} and {steps[flows.PROGRAM]:.0f} steps in the mean), with new samples at each step on "
-        f"{inside[flows.NEW]} where fixed ones reach {inside[flows.FIXED]}; the two-sided flow on "
-        f"{inside[flows.TWO_SIDED]}. Trees kept from the flow make the reinflation take {ratio:.2f} times as long as "
-        "trees built anew.",
-        inside[flows.TWO_SIDED] >= max(inside.values())
-        and abs(inside[flows.TEXT] - inside[flows.PROGRAM]) <= 0.1 * len(rows)
-        and abs(inside[flows.NEW] - inside[flows.FIXED]) <= 0.1 * len(rows)
-        and 0.7 <= ratio <= 1.3,
-    )
+def spread(excesses: Sequence[float | None]) -> float:
+    """Largest excess over the least."""
+    known = [max(value, 1e-3) for value in excesses if value is not None]
+    return max(known) / min(known) if known else np.inf
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values)) if len(values) else np.nan
+
+
+def _ratios(one: Sequence[float], other: Sequence[float]) -> list[float]:
+    return [max(a, 1e-3) / max(b, 1e-3) for a, b in zip(one, other, strict=True)]
+
+
+def _time(run: Run) -> float:
+    return max(run.seconds or 0.0, 1e-4)
 
 
 CONCLUSIONS = (
-    Conclusion("original", ("figures", "random shapes"), original_against_augmentation, "random-shapes.md"),
-    Conclusion("barrier", ("contacts",), barrier_is_not_to_blame, "contacts.md"),
-    Conclusion("tightening", ("contacts",), tightening_levels, "contacts.md"),
-    Conclusion("parameters", ("sweeps",), tightness_is_a_parameter, "sweeps.md"),
-    Conclusion("growth", ("scaling",), growth, "scaling.md"),
-    Conclusion("flow", ("flows", "reuse"), text_and_program, "flows.md"),
-)
-
-CONFIRMED = ("original", "barrier", "tightening")
-"""Those that are tried again on shapes that the runs do not contain."""
-
-
-def verdicts(found: Found) -> dict[Conclusion, Verdict]:
-    """The conclusions whose experiments were run."""
-    return {c: c.judge(found) for c in CONCLUSIONS if all(found.get(name) for name in c.needs)}
-
-
-def summary_rows(found: Found) -> list[list[str]]:
-    """Whole methods: successes on figures and random shapes, excess and time where all leave a cage; Table 1."""
-    names = [name for name in next(iter(found["figures"].values())) if name != "paper, Newton"]
-    shapes = [*found["figures"].values(), *found["random shapes"].values()]
-    shared = [shape for shape in shapes if all(shape[name].certified for name in names)]
-    lines = []
-    for name in names:
-        rows = [shape[name] for shape in found["table 1"].values() if name in shape]
-        lines.append([
-            name, count(found["figures"], name), count(found["random shapes"], name),
-            number(median(shape[name].excess for shape in shared), ".1f"),
-            number(median(shape[name].total for shape in shared), ".3f"),
-            number(median(run.excess for run in rows), ".1f"), number(median(run.total for run in rows), ".3f"),
-        ])  # fmt: skip
-    return lines
+    Conclusion(
+        "original", "The method of 2015 is tighter than its augmentation of 2022; that it is much faster is mostly "
+        "gradient descent.", original, "methods.md", "original.png",
+        "Every shape: excess of 2022 over that of 2015, and their times",
+    ),
+    Conclusion(
+        "ranges", "What makes the augmentation of 2022 loose is the range of its barrier, not the barrier: at that of "
+        "IPC (2020) it is no looser.", ranges, "contacts.md", "ranges.png",
+        "Excess over the range d̂, median and quartiles",
+    ),
+    Conclusion(
+        "tightened", "After the same tightening contacts agree in the median, but not shape by shape.", tightened,
+        "contacts.md", "tightened.png", "Largest over least excess of the contacts, for every shape",
+    ),
+)  # fmt: skip
 
 
-def contact_rows(found: Found) -> list[list[str]]:
-    """Contacts from the same starts: failures, excess with and without descent, after the tightening, time."""
-    results = found["contacts"]
-    shared = {variant: contacts.solved_by_all(results, variant) for variant in (DESCENT, CLEARING, TIGHTENED)}
-    lines = []
-    for name in methods.ALONE:
-        cells = [name]
-        for variant in (DESCENT, CLEARING, TIGHTENED):
-            has = name in contacts.contacts_with(variant)
-            cells.append(number(median(row[name].excess for row in shared[variant])) if has else "–")
-        own = DESCENT if name in contacts.contacts_with(DESCENT) else CLEARING
-        seconds = median(contacts.time_of(row[name]) for row in shared[own]) or 0.0
-        cells += [f"{1e3 * seconds:.1f}", f"{1.0 - contacts.successes(results, name, own):.1%}"]
-        lines.append(cells)
-    return lines
+def verdicts(runs: Sequence[Run]) -> dict[Conclusion, tuple[Verdict, Verdict]]:
+    """Every conclusion on the shapes that methods were made with, and on held-out families."""
+    return {c: (c.judge(runs, KNOWN), c.judge(runs, (HELD_OUT,))) for c in CONCLUSIONS}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from data import ring
-from nestedcages_core import Mesh
+from nestedcages_core import Mesh, OnCurve
 
 Points = np.ndarray
 """(k, 2)."""
@@ -15,7 +15,7 @@ def drawings() -> dict[str, tuple[Mesh, Mesh]]:
     """Name -> fine and coarse mesh."""
     thirds = 2.0 * np.pi / 9.0
     return {
-        "letter A": (letter_a(), letter_a_coarse()),
+        "letter A, 45 + 6 in 32 + 3": figure_1(),
         "octagon with a hole in a square with a hole": (holed(8, 8, 1.0, np.pi / 8), holed(4, 4, 1.0, np.pi / 4)),
         "disc with a hole in an octagon": (holed(32, 32), holed(8, 8)),
         "disc with a hole in a pentagon": (holed(32, 32), holed(5, 5)),
@@ -57,6 +57,12 @@ def letter_a_coarse() -> Mesh:
 def letter_a() -> Mesh:
     """The same with its corners cut."""
     return with_cut_corners(letter_a_coarse())
+
+
+def figure_1() -> tuple[Mesh, Mesh]:
+    """The same with as many vertices as the fine and the coarse mesh of the paper's figure 1."""
+    fine = OnCurve().decimate(letter_a(), [45, 6])
+    return fine, OnCurve().decimate(fine, [32, 3])
 
 
 def star_coarse() -> Mesh:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -29,28 +29,18 @@ from nestedcages_core.level.attempts import contacts_for
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.tasks import Stage, drain, mapped
 
-DEFAULT = "nested_cages"
-"""The name of the method that is the program as it is, fallbacks and all."""
-
 OUT_OF_TIME = "ended after"
 """How the problem of a run begins that was ended."""
 
 PHASES = ("flow", "reinflation", "tightening")
 CLEARANCE = 1e-5  # bounding-box diagonals of the fine mesh, the default of nested_cages
 LIMIT = 12.0  # CPU seconds after which a run is ended
-REPEATS = 3  # runs of which the fastest counts, where they are short
+REPEATS = 3  # runs of which the median counts, where they are short
 SHORT = 0.5  # CPU seconds up to which a run is short
 
 
 class OutOfTimeError(Exception):
     """The run has used up its seconds."""
-
-
-class Decimated(NamedTuple):
-    """A coarse mesh that was made before, and the CPU seconds that this took."""
-
-    coarse: Mesh
-    seconds: float
 
 
 class Started(NamedTuple):
@@ -61,7 +51,7 @@ class Started(NamedTuple):
     """(J + 1, n, 2), in the units of the solvers."""
 
 
-Wanted = Mesh | int | Decimated | Started
+Wanted = Mesh | int | Started
 """A coarse mesh, or how many vertices it should have."""
 
 
@@ -91,8 +81,6 @@ class Measurement:
     """Whether the cage strictly contains the fine mesh at home, simple, with its loops."""
     free: bool | None = None
     """Whether the animation is certified free of crossings, its first step included."""
-    megabytes: float = 0.0
-    """What it added to the peak memory of its process, where that was asked for."""
 
     @property
     def success(self) -> bool:
@@ -115,25 +103,14 @@ class Measurement:
         return sum(self.seconds.values())
 
 
-Results = dict[str, dict[str, Measurement]]
-"""Shape -> method -> measurement."""
-
-
-Method = Settings | Callable[[Mesh, Wanted], Measurement]
-"""What is measured: settings, phase by phase, or a function of its own, which can be pickled."""
-
-
-def measure(settings: Method, fine: Mesh, wanted: Wanted, repeats: int = REPEATS, limit: float = LIMIT) -> Measurement:
-    """Run a method on a fine mesh, from a coarse mesh or a vertex count; short runs are repeated for their times."""
-    if not isinstance(settings, Settings):
-        return settings(fine, wanted)
-    best = _once(settings, fine, wanted, limit)
-    for _ in range(repeats - 1):
-        if best.total > SHORT:
-            break
-        again = _once(settings, fine, wanted, limit)
-        best = min(best, again, key=lambda result: result.total)
-    return best
+def measure(
+    settings: Settings, fine: Mesh, wanted: Wanted, repeats: int = REPEATS, limit: float = LIMIT
+) -> Measurement:
+    """Run a method on a fine mesh, from a coarse mesh or a vertex count; of a short run, the repeat of median time."""
+    found = [_once(settings, fine, wanted, limit)]
+    while len(found) < repeats and found[0].total <= SHORT:
+        found.append(_once(settings, fine, wanted, limit))
+    return sorted(found, key=lambda result: result.total)[len(found) // 2]
 
 
 @dataclass(frozen=True)
@@ -192,8 +169,6 @@ def _once(settings: Settings, fine: Mesh, wanted: Wanted, limit: float) -> Measu
         coarse = units.from_input(coarse)
         result.coarse = coarse
         enter("flow")
-        if isinstance(wanted, Decimated):
-            result.seconds["decimation"] = wanted.seconds
         if isinstance(wanted, Started):
             steps = wanted.steps
         else:
@@ -244,9 +219,8 @@ def tightened(result: Measurement) -> Measurement:
     return again
 
 
-def measure_default(fine: Mesh, coarse: Wanted) -> Measurement:
+def measure_default(fine: Mesh, coarse: Mesh) -> Measurement:
     """What ``nested_cages`` does with a coarse mesh and no settings: contacts in turn, at last the outer hull."""
-    assert isinstance(coarse, Mesh)
     result = Measurement(fine)
     units = SolverUnits.of(fine)
     forget()
@@ -254,10 +228,10 @@ def measure_default(fine: Mesh, coarse: Wanted) -> Measurement:
     try:
         (level,) = nested_cages(fine, [coarse]).levels
     except NestedCagesError as error:
-        result.failed, result.problem = DEFAULT, str(error)
+        result.failed, result.problem = "nested_cages", str(error)
         return result
     finally:
-        result.seconds[DEFAULT] = time.process_time() - began
+        result.seconds["nested_cages"] = time.process_time() - began
     result.coarse = units.from_input(level.coarse)
     result.flow_steps = len(level.flow.steps) - 1
     inner, outer = level.reinflation.moving_steps, level.reinflation.cage_steps

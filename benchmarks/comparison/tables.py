@@ -1,15 +1,18 @@
-"""Tables in Markdown, every number from the measurements."""
+"""Tables in Markdown, every number from the file of runs."""
 
 from __future__ import annotations
 
-import csv
-import statistics
-from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from comparison.measure import PHASES, Measurement, Results
+from comparison import methods
+from comparison.conclusions import after_tightening
+from comparison.runs import Run, by_shape, methods_of, of, shared
+from comparison.shapes import FIGURES, GLYPHS, HELD_OUT, RANDOM
+from data import Table1Row
+
+FAMILIES = (RANDOM, GLYPHS, HELD_OUT)
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -23,60 +26,121 @@ def number(value: float | None, form: str = ".2f") -> str:
     return "–" if value is None or not np.isfinite(value) else format(value, form)
 
 
-def matrix(
-    corner: str, columns: Sequence[str], rows: dict[str, dict[str, Measurement]], cell: Callable[[Measurement], str]
-) -> str:
-    """One cell for each run: rows of shapes, columns of methods."""
-    lines = [
-        [name, *(cell(found[column]) if column in found else "–" for column in columns)] for name, found in rows.items()
-    ]
-    return table([corner, *columns], lines)
+def quartiles(values: Iterable[float | None], form: str = ".1f") -> str:
+    """Median, and in brackets both quartiles, of those that are there."""
+    known = [value for value in values if value is not None]
+    if not known:
+        return "–"
+    low, middle, high = np.percentile(known, [25.0, 50.0, 75.0])
+    return f"{middle:{form}} ({low:{form}}–{high:{form}})"
 
 
-def excess_and_time(result: Measurement) -> str:
-    """Excess in per cent and seconds of a run that succeeded; otherwise the phase that failed, and in brackets the
-    excess of the cage that it left, if that encloses the fine mesh."""
-    if result.success:
-        return f"{number(result.excess)} % · {result.total:.2f} s"
-    left = f" ({number(result.excess)} %)" if result.certified else ""
-    return f"✗ {result.failed or 'not certified'}{left}"
+def solved(runs: Sequence[Run], flag: str = "success") -> str:
+    """How many runs succeed, or enclose."""
+    return f"{sum(getattr(run, flag) for run in runs)} of {len(runs)}"
 
 
-def count(results: Results, name: str) -> str:
-    """How many of the runs of a method succeeded, of how many."""
-    tried = [shape[name] for shape in results.values() if name in shape]
-    return f"{sum(run.success for run in tried)} of {len(tried)}"
-
-
-def median(values: Iterable[float | None]) -> float | None:
-    """Of those that are there; None if none is."""
-    there = [value for value in values if value is not None]
-    return statistics.median(there) if there else None
-
-
-CSV_COLUMNS = (
-    "experiment", "shape", "method", "fine_vertices", "coarse_vertices", "success", "failed_in", "excess_percent",
-    "smallest_distance", "short_of_home", "encloses", "crossing_free", "flow_steps", "iterations",
-    "decimation_s", *(f"{phase}_s" for phase in PHASES), "total_s", "problem",
-)  # fmt: skip
-
-
-def write_runs(experiments: dict[str, Results], path: Path) -> int:
-    """Every run as a line of a CSV file; returns their number. Lengths in bounding-box diagonals."""
+def contacts(runs: Sequence[Run]) -> str:
+    """Contacts from the same starts, with their own ranges: per-shape spreads."""
+    own, names = of(runs, "contacts"), list(methods.CONTACTS)
+    rows = after_tightening(runs, FAMILIES)
     lines = []
-    for experiment, results in experiments.items():
-        for shape, found in results.items():
-            for name, run in found.items():
-                coarse = len(run.coarse.vertices) if run.coarse is not None else ""
-                seconds = [f"{run.seconds[p]:.4f}" if p in run.seconds else "" for p in ("decimation", *PHASES)]
-                lines.append([
-                    experiment, shape, name, len(run.fine.vertices), coarse, run.success, run.failed,
-                    number(run.excess, ".4f"), number(run.smallest, ".3e"), number(run.short, ".3e"), run.certified,
-                    "" if run.free is None else run.free, run.flow_steps, run.iterations, *seconds,
-                    f"{run.total:.4f}", run.problem,
-                ])  # fmt: skip
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(CSV_COLUMNS)
-        writer.writerows([["" if cell == "–" else cell for cell in line] for line in lines])
-    return len(lines)
+    for name in names:
+        mine = [row[name] for row in rows]
+        lines.append([
+            name, *(solved([run for run in own if run.method == name and run.family == family]) for family in FAMILIES),
+            quartiles(run.excess for run in mine), quartiles((run.tightened for run in mine), ".2f"),
+            quartiles(1e3 * run.seconds for run in mine if run.seconds is not None),
+            number(float(np.median([run.distance or 0.0 for run in mine])) if mine else None, ".0e"),
+        ])  # fmt: skip
+    return table(["contact", *FAMILIES, "excess %", "tightened %", "ms", "distance left"], lines)
+
+
+def ranges(runs: Sequence[Run]) -> str:
+    """Both barriers at equal ranges."""
+    own = of(runs, "ranges")
+    rows = shared(own, list(methods.AT_RANGES))
+    lines = []
+    for name in methods.AT_RANGES:
+        mine = [row[name] for row in rows]
+        lines.append([
+            name, solved([run for run in own if run.method == name]), quartiles(run.excess for run in mine),
+            quartiles((run.tightened for run in mine), ".2f"), quartiles(1e3 * (run.seconds or 0.0) for run in mine),
+            number(float(np.median([run.distance or 0.0 for run in mine])) if mine else None, ".0e"),
+        ])  # fmt: skip
+    return table(["barrier, d̂", "solved", "excess %", "tightened %", "ms", "distance left"], lines)
+
+
+def whole(runs: Sequence[Run]) -> str:
+    """Whole methods by family."""
+    own = of(runs, "methods")
+    names = methods_of(own)
+    rows = [row for row in by_shape(own).values() if all(name in row and row[name].encloses for name in names)]
+    lines = []
+    for name in names:
+        mine = [run for run in own if run.method == name]
+        lines.append([
+            name, *(solved([run for run in mine if run.family == family]) for family in (FIGURES, *FAMILIES)),
+            solved(mine, "encloses"), quartiles(row[name].excess for row in rows),
+            quartiles((row[name].seconds for row in rows), ".3f"),
+        ])  # fmt: skip
+    return table(["method", FIGURES, *FAMILIES, "cage encloses", "excess %", "s"], lines)
+
+
+def table_1(runs: Sequence[Run], reference: Sequence[Table1Row]) -> str:
+    """Table 1 beside the paper's own and the optimum."""
+    rows = {run.shape: by_shape([r for r in of(runs, "table 1") if r.shape == run.shape]).popitem()[1]
+            for run in of(runs, "table 1")}  # fmt: skip
+    names = methods_of(of(runs, "table 1"))
+    lines = []
+    for known in reference:
+        found = rows.get(str(known.fine_vertices))
+        if found is not None:
+            lines.append([
+                str(known.fine_vertices), number(known.reference_excess, ".1f"),
+                *(number(found[name].excess) for name in names), number(known.optimum_excess),
+                number(known.reference_seconds), number(found[methods.OURS].seconds, ".3f"),
+            ])  # fmt: skip
+    return table(["fine", "C++ %", *(f"{name} %" for name in names), "optimum %", "C++ s", "ours s"], lines)
+
+
+def by_drawing(runs: Sequence[Run], experiment: str, *, family: str = FIGURES) -> str:
+    """Rows of methods, columns of drawings: excess and time, how far F ends from home, or the phase that failed."""
+    own = of(runs, experiment, family)
+    drawings = list(dict.fromkeys(run.shape for run in own))
+    found = {(run.method, run.shape): run for run in own}
+    lines = [[name, *(_cell(found[name, drawing]) for drawing in drawings)] for name in methods_of(own)]
+    return table(["", *drawings], lines)
+
+
+def flows(runs: Sequence[Run]) -> str:
+    """Flows that get inside, and their steps on the shapes that all enter."""
+    own = of(runs, "flows")
+    rows = shared(own, methods_of(own))
+    lines = []
+    for name in methods_of(own):
+        mine = [run for run in own if run.method == name]
+        lines.append([name, *(solved([run for run in mine if run.family == family]) for family in FAMILIES),
+                      quartiles((float(row[name].flow_steps) for row in rows), ".0f")])  # fmt: skip
+    return table(["flow", *FAMILIES, "steps"], lines)
+
+
+def energies(runs: Sequence[Run]) -> str:
+    """Excess and asymmetry of the final cage by energy."""
+    rows = by_shape(of(runs, "energies"))
+    lines = []
+    for name in methods_of(of(runs, "energies")):
+        mine = {row[name].shape: row[name] for row in rows.values() if name in row}
+        mirrored = [number(run.asymmetry, ".0e") for run in mine.values() if run.asymmetry is not None]
+        lines.append([name, *(number(run.excess, ".1f") for run in mine.values()), *mirrored])
+    drawn = [run.shape for run in of(runs, "energies") if run.method == "area"]
+    return table(["energy", *(f"{name} %" for name in drawn), "asymmetry: letter A", "star"], lines)
+
+
+def _cell(run: Run) -> str:
+    left = f"{number(run.excess, '.1f')} %"
+    if run.success:
+        return f"{left} · {number(run.seconds)} s"
+    if run.encloses and run.short:
+        return f"{left}, {run.short:.0e} short"
+    return f"✗ {run.failed or 'not certified'}" + (f" ({left})" if run.encloses else "")

@@ -11,15 +11,16 @@ from typing import Any
 from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
-from ..hierarchy import Found, Mirror, Rotation, level_words, parse_level
+from ..hierarchy import level_words, parse_level
+from ..needs.symmetry import Found, Mirror, Rotation
 from .outputs import WRITTEN
 
 USAGE = "nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]"
 
 DESCRIPTION = """\
 Wraps drawings, maps and sprites in nested cages: coarse outlines that strictly
-enclose them, never cross themselves, and are as tight as their vertex counts
-allow. Each one is certified by exact predicates before it is written."""
+enclose them, never cross themselves, and have an area at a local minimum. Each
+one is certified by exact predicates before it is written."""
 
 MORE = """\
 more: --help shape, drawings, maps, pictures, outlines, files (formats, limits,

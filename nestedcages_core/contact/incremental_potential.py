@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..energies import Blocks, CageEnergy
-from ..energies.choices.restoring import Restoring
 from ..energies.containment_energy import ContainmentEnergy
+from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import PointEdge
 from ..solver import NewtonModel

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..energies import Area, Energy
-from ..energies.choices.restoring import Restoring
+from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..parameters import check_not_negative, check_part, check_positive
 from ..solver import ProjectedNewton, Solver
@@ -20,6 +20,8 @@ from .incremental_potential import IncrementalPotential, PotentialWeights
 from .pair_search import BroadPhase, UniformGrid
 from .pairs import Bodies
 from .step_filter import StepFilter, TimeOfImpact
+
+__all__ = ["IPC"]
 
 logger = logging.getLogger(__name__)
 

@@ -11,6 +11,8 @@ from ..geometry.arrays import FloatArray
 from .ccd import SAFETY, largest_safe_step
 from .pairs import Pairs
 
+__all__ = ["NoFilter", "SmallestDistance", "StepFilter", "TimeOfImpact"]
+
 
 class StepFilter(Protocol):
     """Bounds a motion before the line search."""

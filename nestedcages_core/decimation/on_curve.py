@@ -16,10 +16,9 @@ from ..geometry.mesh import Mesh
 from ..geometry.orbits import Orbits
 from ..geometry.signed_distance import EdgeSearch
 from ..tasks import Stage, drain
+from .asymmetry import SYMMETRY_TOLERANCE, AsymmetricError
 from .base import Count, Start
-from .choices.arc_length import ArcLength
 from .hull.outer_hull import SOURCE, OuterHull
-from .hull.symmetric_hull import SYMMETRY_TOLERANCE, AsymmetricError, orbits_of, padded_alike
 from .outline import Outline
 from .request import Request
 
@@ -43,6 +42,8 @@ class OnCurve:
         start = drain(self.starts(fine, count, clearance=clearance, most=1))[0]
         if start.makeshift_for is not None:
             return start.coarse
+        from .choices.arc_length import ArcLength
+
         return start.on_curve or ArcLength().decimate(fine, count, clearance=clearance)
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
@@ -55,6 +56,8 @@ class OnCurve:
             hulls = yield from self.hull.hulls(request, clearance, most)
         except NestingError as error:
             try:
+                from .choices.arc_length import ArcLength
+
                 coarse = ArcLength().decimate(fine, count, clearance=clearance)
             except NestingError:
                 raise error from None
@@ -98,6 +101,8 @@ def _put_on_curve(hull: Outline, request: Request, symmetry: Symmetry | None) ->
     try:
         if symmetry is None:
             return request.same_roles(request.coarse(snapped))
+        from .hull.symmetric_hull import orbits_of, padded_alike
+
         snapped = hull.moved(orbits_of(hull, symmetry).symmetrised(snapped.vertices))
         return request.same_roles(request.mesh(padded_alike(snapped, request.total, symmetry)))
     except (InvalidMeshError, AsymmetricError):

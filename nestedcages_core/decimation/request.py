@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -39,6 +40,8 @@ class Request:
     loop_order: IntArray
     total: int
     per_loop: IntArray | None
+    side: ClassVar[int] = 1
+    """1 for meshes around the fine one, -1 for meshes inside it."""
 
     @classmethod
     def of(cls, fine: Mesh, count: Count) -> Request:

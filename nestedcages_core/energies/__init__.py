@@ -5,10 +5,6 @@ from __future__ import annotations
 from .area import Area, signed_area
 from .base import CageEnergy, Energy
 from .blocks import Blocks
-from .choices.arap import BoundaryARAP, InteriorARAP
-from .choices.displacement import InitialDisplacement, StepDisplacement
-from .choices.element_energy import ElementEnergy
-from .choices.shape_keeping import ShapeKeeping
 from .inwards import inwards
 from .no_energy import NoEnergy
 from .weighted_sum import BoundSum, WeightedSum
@@ -18,15 +14,9 @@ __all__ = [  # noqa: RUF022 - in the order of explanation
     "CageEnergy",  # base class: a new energy is its value, gradient and Hessian
     "Blocks",  # a Hessian, in 2 x 2 blocks over the vertices
     "Area",  # the paper's: the area of the cage
-    "ShapeKeeping",  # area, and no part of the cage turns
-    "BoundaryARAP",  # as rigid as possible along the curve
-    "InteriorARAP",  # as rigid as possible inside
-    "InitialDisplacement",  # distance from the coarse mesh
-    "StepDisplacement",  # distance from the previous step
     "NoEnergy",  # zero: the cage moves only where it is pushed
     "WeightedSum",  # several of them
     "BoundSum",  # the same for one cage
-    "ElementEnergy",  # any formula per vertex, edge or turn, by automatic differentiation
     "inwards",  # an energy for cages inside the fine mesh
     "signed_area",  # area enclosed by oriented loops
 ]

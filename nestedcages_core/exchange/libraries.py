@@ -8,7 +8,8 @@ from typing import cast
 from ..errors import NestedCagesError
 
 INSTALL = "install it with 'pip install nested-cages[formats]'"
-"""Advice about a missing library; the Blender extension includes all of them."""
+"""Advice about a missing library; the Blender extension includes all but Pillow, since Blender reads
+pictures itself."""
 
 
 def load_shapely(purpose: str) -> ModuleType:
@@ -41,3 +42,14 @@ def load_colours() -> ModuleType:
             f"Reading colours by function or in masks needs tinycss2; {INSTALL}.", code="dependency.missing"
         ) from error
     return cast(ModuleType, tinycss2.color4)
+
+
+def load_pictures() -> ModuleType:
+    """The pictures of Pillow. Raises NestedCagesError where missing."""
+    try:
+        from PIL import Image
+    except ImportError as error:
+        raise NestedCagesError(
+            f"Reading PNG needs Pillow; {INSTALL}.", code="dependency.missing", library="Pillow"
+        ) from error
+    return Image

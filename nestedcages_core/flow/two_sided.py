@@ -23,7 +23,6 @@ from .base import FlowResult, Obstacle, stuck
 from .containment import Containment
 from .energy_flow import Descent, EnergyFlow
 from .erosion import erode
-from .geodesic import retract, solid_graph
 from .loop_matching import Matching, match_loops
 from .penetration import Penetration, PenetrationEnergy
 from .samples import Spacing
@@ -165,6 +164,8 @@ class _Run:
         share: fraction of the margin; whole: with all pieces of the overlap, else with the largest only, if there are
         several.
         """
+        from .geodesic import retract, solid_graph  # the last stage, which few flows reach
+
         settings = self.settings
         if whole:
             self.sampled = self.energy(settings.spacing, share)

@@ -5,23 +5,18 @@ from __future__ import annotations
 from ..geometry.group import Symmetry
 from ..level.report import Hierarchy, Level, NestingReport, Progress
 from ..level.tightest_place import tightest_place
-from ..needs.symmetry.detection import Found
-from ..needs.symmetry.symmetry import Mirror, Rotation
 from ..tolerance.within import Within
 from .levels import Share, level_words, order_of, parse_level, wanted_levels
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
 
 __all__ = [
-    "Found",
     "Hierarchy",
     "InnerCagesRun",
     "Level",
-    "Mirror",
     "NestedCagesRun",
     "NestingReport",
     "Progress",
-    "Rotation",
     "Settings",
     "Share",
     "Symmetry",

@@ -60,7 +60,7 @@ def inner_cages(
     progress: Callable[[Progress], None] | bool | None = None,
     **options: Any,
 ) -> Hierarchy:
-    """Cages inside ``fine``, as large as their vertices allow, each inside the one before; see `nested_cages`.
+    """Cages inside ``fine``, of locally largest area, each inside the one before; see `nested_cages`.
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
     ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. No flow is needed,
@@ -120,7 +120,7 @@ def _hierarchy(
                 Plan.of(inner, needs, side=side), clearances, settings, LevelProgress(index, len(wanted))
             )
             if isinstance(level, Within):
-                from ..tolerance.within import fewest
+                from ..tolerance.fewest import fewest
 
                 made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
             else:

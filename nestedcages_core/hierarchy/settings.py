@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -14,8 +14,10 @@ from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..level.choices import Choices, is_length
-from ..needs.symmetry.detection import Found
 from ..parameters import check_flag, has_method
+
+if TYPE_CHECKING:
+    from ..needs.symmetry import Found
 
 STORED_TYPES = ("float64", "float32", "float16")
 """Types that can hold coordinates."""
@@ -78,7 +80,7 @@ class Settings(Choices):
             raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")
         _check_priorities(self)
         symmetry: object = self.symmetry
-        if not (symmetry is None or isinstance(symmetry, Found) or has_method(symmetry, "image")):
+        if not (symmetry is None or has_method(symmetry, "of") or has_method(symmetry, "image")):
             raise NestedCagesError(
                 f"The symmetry must be an object such as Mirror(point, direction), Rotation(centre, order) or Found(), "
                 f"not {symmetry!r}.",

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contact import IPC, Contact, SequentialQP
+from ..contact import Contact, SequentialQP
 from ..decimation import Count, Decimation, LineCycles, OnCurve, OuterHull, Start
 from ..decimation.hull.inner_hull import InnerHull
+from ..decimation.line_cycles import InnerCycles
 from ..decimation.on_curve import closest_on_curve
 from ..energies import Area
 from ..errors import FlowError, NestingError
@@ -92,8 +93,9 @@ def attempts(
         yield from _attempts_inside(settings, fine, wanted, clearances)
         return
     size = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    flow, contacts = settings.flow, contacts_for(settings)
+    flow = settings.flow
     if isinstance(wanted, Mesh):
+        contacts = contacts_for(settings)
         last = Attempt(wanted, size, 1, flow, contacts, clearances)
     else:
         decimation, starts = settings.decimation, settings.starts
@@ -102,8 +104,8 @@ def attempts(
         if prefers_curve and len(fine.vertices) >= OUTSIDE_FROM:
             decimation, starts = _outside(decimation), 1
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
-        if may_fall_back and settings.contact is None:
-            contacts = (SequentialQP(patience=QUICK_PATIENCE),)
+        quick = may_fall_back and settings.contact is None
+        contacts = (SequentialQP(patience=QUICK_PATIENCE),) if quick else contacts_for(settings)
         if may_fall_back and _prefers_curve(decimation):
             flow = _quick(flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
@@ -124,8 +126,9 @@ def _attempts_inside(
     """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
     chosen = settings.decimation.hull if isinstance(settings.decimation, OnCurve) else settings.decimation
     hull = InnerHull(chosen if isinstance(chosen, OuterHull) else OuterHull())
+    first = InnerCycles() if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh) else hull
     count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
-    last = Attempt(hull, count, settings.starts, settings.flow, (), clearances)
+    last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
     if isinstance(wanted, Mesh):
         yield replace(last, source=wanted, starts=1)
         if settings.fallback is None:
@@ -183,6 +186,8 @@ def contacts_for(settings: Choices) -> tuple[Contact, ...]:
         return tuple(settings.contact)
     if settings.contact is not None:
         return (settings.contact,)
+    from ..contact.ipc import IPC
+
     return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
 
 

@@ -6,6 +6,7 @@ import logging
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,15 +27,17 @@ from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .choices import Choices
+from .counts import with_least
 from .early_stop import EarlyStop
 from .plan import ExactSolver, Plan
 from .progress import LevelProgress
 from .report import Level, NestingReport, Progress
 from .reuse import coarse_meshes, flow_inside
-from .settling import Settling
 from .symmetrised_start import Alike, made_alike
-from .tightest_place import too_narrow
 from .units import SolverUnits
+
+if TYPE_CHECKING:
+    from .settling import Settling
 
 logger = logging.getLogger(__name__)
 
@@ -61,7 +64,11 @@ class LevelBuilder:
         self.symmetry = plan.group
         self.units = SolverUnits.of(self.fine)
         self.unit_fine = self.units.from_input(self.fine)
-        self.settling = None if plan.numbers is None else Settling(plan, settings, progress)
+        self.settling: Settling | None = None
+        if plan.numbers is not None:
+            from .settling import Settling
+
+            self.settling = Settling(plan, settings, progress)
         self.starts: list[Start] = []
         """Starts of the last attempt."""
 
@@ -116,7 +123,9 @@ class LevelBuilder:
                 if attempt.tightened:
                     failures.append(error)
                     started += [error] if self.starts else []
-        raise (started or failures)[-1]
+        if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
+            raise (started or failures)[-1]
+        raise with_least(failures, self.outline, self.clearances[0])
 
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
@@ -436,6 +445,8 @@ def _failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -
                 "for the cage: "
             )
         return Fault(said + " ".join(certificate.problems), "certificate.failed", problems=certificate.problems)
+    from .tightest_place import too_narrow  # only where something failed
+
     return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
         f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
         f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..decimation import EdgeCollapse
+from ..decimation.choices import EdgeCollapse
 from ..energies import Area, NoEnergy
 from ..geometry.quadrature import Midpoint
 from ..hierarchy import Settings

@@ -143,3 +143,19 @@ def test_steps_that_rounding_spoils_count_as_flow(addon, core) -> None:
     cage_steps = np.repeat(circle(8)[None], len(sizes), axis=0).astype(np.float32)
     assert addon.generation.storage._nested_from(cage, fine, cage_steps, fine_steps, 0) == 2
     assert addon.generation.storage._nested_from(cage, fine, cage_steps, fine_steps, 3) == 3
+
+
+def test_the_first_attempt_leaves_room_for_single_precision(addon, core, monkeypatch) -> None:
+    """What is asked of the core is more than what is certified, by all that rounding the coordinates can take."""
+    asked = []
+
+    class Run(core.NestedCagesRun):
+        def __init__(self, fine, levels, settings, **options):
+            asked.append(settings.clearance)
+            super().__init__(fine, levels, settings, **options)
+
+    monkeypatch.setattr(core, "NestedCagesRun", Run)
+    poly_curve("Drawing", [star() + 1000.0])
+    bpy.ops.object.nested_cages_generate(levels="20", clearance=0.001)
+    lost = np.sqrt(2.0) * 1001.0 * np.finfo(np.float32).eps / 2.0
+    assert asked[0] - 0.001 > lost

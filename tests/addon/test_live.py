@@ -214,9 +214,26 @@ def test_undo_is_followed(addon, core, live, tick) -> None:
     obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
     assert not live.current().behind and holds(core, addon, collection, obj)
     bpy.ops.ed.redo()
+    assert addon.following.live._on_undo in bpy.app.handlers.redo_post
+    assert live.current()._dirty
     tick()
     obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
     assert not live.current().behind and holds(core, addon, collection, obj)
+
+
+def test_steps_that_single_precision_breaks_are_not_kept(addon, core, live, tick, monkeypatch) -> None:
+    """A step that leaves a cage as near as float64 allows: stored, it would lie on the drawing."""
+
+    def followed(cage, before, after, *_):
+        return core.Mesh(after.vertices * (1.0 + 1e-12), after.edges)
+
+    obj, collection = switched_on(star_mesh, "12")
+    tick()
+    monkeypatch.setattr(core, "followed", followed)
+    move_points(obj, 1.1)
+    tick()
+    obj, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
+    assert not live.current().problem and holds(core, addon, collection, obj)
 
 
 def test_bound_and_moving_cages_are_refused(live) -> None:
@@ -280,3 +297,11 @@ def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick
         else:
             assert core.Within(excess=0.2).is_met(cages[1], fine) and "20 % more area" in member.need
         assert addon.record.of(collection).settings.levels == levels
+
+
+def test_the_window_of_the_drawing_s_scene_is_worked_in(addon) -> None:
+    """With two windows on two scenes, whichever was opened first."""
+    windows = [SimpleNamespace(scene=SimpleNamespace(name=name)) for name in ("Other", "Scene")]
+    window_of = addon.following.live.window_of
+    assert window_of("Scene", windows) is windows[1] and window_of("Other", windows) is windows[0]
+    assert window_of("Gone", windows) is windows[0] and window_of("Scene", []) is None

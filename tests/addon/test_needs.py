@@ -261,7 +261,7 @@ def test_undo_of_a_failed_run_leaves_inner_cages_as_they_were(addon, monkeypatch
     poly_curve("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="16", inside=True)
     before = np.array([tuple(v.co) for v in made("Drawing Inner Cages")[1].data.vertices])
-    monkeypatch.setattr(addon.animation.timeline, "extend_scene", lambda *_: 1 / 0)
+    monkeypatch.setattr(addon.animation.timeline, "settle", lambda *_: 1 / 0)
     with pytest.raises(RuntimeError, match="division"):
         bpy.ops.object.nested_cages_generate(levels="12", inside=True)
     after = np.array([tuple(v.co) for v in made("Drawing Inner Cages")[1].data.vertices])

@@ -355,7 +355,7 @@ def test_a_fault_while_replacing_brings_all_back(addon, monkeypatch, before, pla
         "first level": (addon.animation.shape_keys, "add_steps", 1),
         "second level": (addon.animation.visibility, "hide_until", 2),
         "second drawing": (addon.animation.shape_keys, "add_steps", 4),
-        "markers": (addon.animation.timeline, "add_markers", 2),
+        "markers": (addon.animation.timeline, "add_markers", 1),
         "thickness": (addon.scene.display, "set_thickness", 4),
         "moving copy": (addon.scene.filled_copy, "make", 2),
     }[place]

@@ -224,7 +224,7 @@ def test_work_is_back_after_a_failure(addon, monkeypatch) -> None:
     def fails(*_) -> None:
         raise RuntimeError("Injected")
 
-    monkeypatch.setattr(addon.generation.output.timeline, "extend_scene", fails)
+    monkeypatch.setattr(addon.generation.output.timeline, "settle", fails)
     activate(source)
     with pytest.raises(RuntimeError, match="Injected"):
         bpy.ops.object.nested_cages_generate(levels="20, 10")

@@ -151,7 +151,7 @@ def test_the_scene_s_range_is_put_back_by_whichever_goes_last(addon) -> None:
     bpy.data.objects["Two"].select_set(False)
     generate(fit_length=True, length=90)
     assert (scene.frame_start, scene.frame_end) == (1, 90)
-    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("Two", 61), ("One", 90)]
+    assert [(marker.name, marker.frame) for marker in scene.timeline_markers] == [("2 Drawings", 61), ("One", 90)]
     bpy.ops.object.nested_cages_remove_animation()
     assert (scene.frame_start, scene.frame_end) == (2, 61)
     bpy.context.view_layer.objects.active = bpy.data.objects["Two"]
@@ -313,6 +313,6 @@ def test_drawings_of_one_run_share_a_collection_within_their_own(addon) -> None:
     run = bpy.data.collections["Cages of 3 Drawings"]
     assert set(face.children) == {run}
     assert sorted(collection.name for collection in run.children) == ["Eye Cages", "Mouth Cages", "Nose Cages"]
-    assert len(scene.timeline_markers) == 3
+    assert [marker.name for marker in scene.timeline_markers] == ["3 Drawings"]
     assert generate(levels="12") == {"FINISHED"}
     assert len(bpy.data.collections) == 6

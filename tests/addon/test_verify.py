@@ -223,3 +223,11 @@ def test_thickness_is_for_renders_only(addon) -> None:
     bpy.ops.object.nested_cages_generate(levels="20, 10", thickness=0.0)
     assert [modifier.name for modifier in cage.modifiers] == ["Nested Cages Automatic Thickness"]
     assert not cage.modifiers[0].show_viewport
+
+
+def test_the_moment_between_two_frames_is_kept(keyed, addon) -> None:
+    scene = bpy.context.scene
+    scene.frame_set(3, subframe=0.25)
+    with addon.generation.checking.same_frame(scene):
+        scene.frame_set(7)
+    assert (scene.frame_current, scene.frame_subframe) == (3, 0.25)

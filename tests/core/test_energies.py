@@ -26,8 +26,8 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.energies import Blocks, CageEnergy, Energy
-from nestedcages_core.energies.choices.restoring import Restoring
 from nestedcages_core.energies.containment_energy import ContainmentEnergy
+from nestedcages_core.energies.restoring import Restoring
 from shapes import annulus, assert_nested, octagon_with_hole, ring, star
 
 STEP = 1e-6  # of central differences; coordinates are of order 1

@@ -11,6 +11,9 @@ import nestedcages_core
 
 ROOT = Path(__file__).resolve().parents[2]
 
+MAX_LINES_LOADED = 14_500
+"""Lines of the core that a default cage imports; a reader of the method has to know no more."""
+
 LOADED = "\nimport sys\nprint(*sorted(sys.modules))"
 FIRST_CAGE = """
 import numpy as np
@@ -50,6 +53,15 @@ def test_the_first_cage_needs_linear_algebra_only() -> None:
     parts_of_scipy = parts(modules_after(FIRST_CAGE), "scipy")
     assert parts_of_scipy.isdisjoint({"spatial", "optimize", "ndimage", "interpolate", "stats", "integrate", "signal"})
     assert "linalg" in parts_of_scipy
+
+
+def test_a_default_cage_loads_a_part_of_the_core() -> None:
+    modules = {name for name in modules_after(FIRST_CAGE) if name.startswith("nestedcages_core")}
+    files = [ROOT / f"{name.replace('.', '/')}{end}" for name in modules for end in (".py", "/__init__.py")]
+    lines = sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files if file.is_file())
+    assert lines <= MAX_LINES_LOADED
+    unused = ("decimation.choices", "energies.choices", "contact.ipc", "geometry.triangulation", "needs.", "published")
+    assert [name for name in modules if name.startswith(tuple(f"nestedcages_core.{room}" for room in unused))] == []
 
 
 def test_names_imported_later_are_those_that_a_type_checker_sees() -> None:

@@ -15,7 +15,7 @@ from nestedcages_core.contact.facing_gaps import facing_gaps
 from nestedcages_core.contact.incremental_potential import IncrementalPotential, PotentialWeights
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
-from nestedcages_core.energies.choices.restoring import Restoring
+from nestedcages_core.energies.restoring import Restoring
 from nestedcages_core.solver import NewtonModel
 from nestedcages_core.solver.newton import STALLED_AFTER
 from nestedcages_core.tasks import drain

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 import shapely
 
-from nestedcages_core import LineCycles, Mesh, NestedCagesError, Settings, nested_cages, verify
+from nestedcages_core import (
+    LineCycles,
+    Mesh,
+    NestedCagesError,
+    OuterHull,
+    Settings,
+    inner_cages,
+    nested_cages,
+    verify,
+)
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
 from nestedcages_core.decimation.line_cycles.loop_search import shares
@@ -150,3 +159,19 @@ def test_parameters_and_impossible_counts_are_told() -> None:
     with pytest.raises(NestedCagesError, match="too small"):
         nested_cages(Mesh.from_loops([ring(60), 0.9 * ring(60), 0.8 * ring(60)]), 9)
     assert Chain(ring(6)).size == 6
+
+
+def test_inner_cages_start_from_cycles_too() -> None:
+    for fine in (letter_a(), star(), annulus(60)):
+        level = inner_cages(fine, 16, Settings(starts=1)).levels[0]
+        hull = inner_cages(fine, 16, Settings(decimation=OuterHull())).levels[0]
+        assert level.report.start == "line cycles" and hull.report.start == "inner hull"
+        assert verify(fine, level.cage) and level.report.excess > 1.02 * hull.report.excess
+
+
+def test_the_least_count_that_is_named_has_a_cage() -> None:
+    with pytest.raises(NestedCagesError, match="ask for at least") as caught:
+        nested_cages(islands(), 15)
+    assert caught.value.code == "count.too_small"
+    least = caught.value.data["least"]
+    assert least > 15 and len(nested_cages(islands(), least).cages[0].vertices) == least

@@ -18,17 +18,10 @@ from nestedcages_core import (
     nested_cages,
     verify_motion,
 )
-from nestedcages_core.contact import (
-    AllPairs,
-    BroadPhase,
-    NoFilter,
-    SmallestDistance,
-    StepFilter,
-    TimeOfImpact,
-    UniformGrid,
-)
+from nestedcages_core.contact import AllPairs, BroadPhase, UniformGrid
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
+from nestedcages_core.contact.step_filter import NoFilter, SmallestDistance, StepFilter, TimeOfImpact
 from nestedcages_core.energies import NoEnergy
 from nestedcages_core.energies.choices.autodiff import points_of
 from nestedcages_core.level.units import SolverUnits

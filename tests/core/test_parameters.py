@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import NestedCagesError, RandomSamples, ShapeKeeping
-from nestedcages_core.energies import ElementEnergy
+from nestedcages_core.energies.choices import ElementEnergy
 from nestedcages_core.published.gurditta_jacobson_2022 import (
     GradientDescent,
     PaperContact,
@@ -71,38 +71,38 @@ def refused(method: type, name: str, value: object, rule: str) -> None:
 
 
 @each(POSITIVE)
-@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf, "1", None, True])
-def test_positive_numbers(method: type, name: str, value: object) -> None:
-    refused(method, name, value, "must be positive and finite")
+def test_positive_numbers(method: type, name: str) -> None:
+    for value in [0.0, -1.0, np.nan, np.inf, "1", None, True]:
+        refused(method, name, value, "must be positive and finite")
     method(**{name: 0.5})
 
 
 @each(NOT_NEGATIVE)
-@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "1", None, True])
-def test_numbers_from_zero(method: type, name: str, value: object) -> None:
-    refused(method, name, value, "must be finite and at least 0")
+def test_numbers_from_zero(method: type, name: str) -> None:
+    for value in [-1.0, np.nan, np.inf, "1", None, True]:
+        refused(method, name, value, "must be finite and at least 0")
     method(**{name: 0})
 
 
 @each(COUNTS)
-@pytest.mark.parametrize("value", [-1, 1.5, "1", None, True])
-def test_counts(method: type, name: str, value: object) -> None:
+def test_counts(method: type, name: str) -> None:
     least = COUNTS[method][name]
-    refused(method, name, value, f"must be a whole number of at least {least}")
+    for value in [-1, 1.5, "1", None, True]:
+        refused(method, name, value, f"must be a whole number of at least {least}")
     method(**{name: np.int64(least)})
 
 
 @each(BELOW_ONE)
-@pytest.mark.parametrize("value", [0.0, 1.0, -0.1, np.nan, None])
-def test_numbers_below_one(method: type, name: str, value: object) -> None:
-    refused(method, name, value, "must be above 0 and below 1")
+def test_numbers_below_one(method: type, name: str) -> None:
+    for value in [0.0, 1.0, -0.1, np.nan, None]:
+        refused(method, name, value, "must be above 0 and below 1")
     method(**{name: 0.3})
 
 
 @each(FLAGS)
-@pytest.mark.parametrize("value", [1, "yes", None])
-def test_flags(method: type, name: str, value: object) -> None:
-    refused(method, name, value, "must be True or False")
+def test_flags(method: type, name: str) -> None:
+    for value in [1, "yes", None]:
+        refused(method, name, value, "must be True or False")
     method(**{name: True})
 
 

@@ -11,7 +11,8 @@ import shapely
 from nestedcages_core import Mesh
 from nestedcages_core.contact.linearisation import measure
 from nestedcages_core.contact.pairs import Bodies, CandidateList, find_pairs
-from nestedcages_core.energies import Area, InitialDisplacement
+from nestedcages_core.energies import Area
+from nestedcages_core.energies.choices import InitialDisplacement
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
 from nestedcages_core.solver.quadratic_program import InteriorPoint

@@ -24,6 +24,8 @@ SOURCE = "inner hull"
 class InnerRequest(Request):
     """A request for a coarse mesh inside the fine one; the loops of the outline are reversed."""
 
+    side = -1
+
     @classmethod
     def of(cls, fine: Mesh, count: Count) -> InnerRequest:
         """The request for a count as in `Decimation.decimate`. Raises NestingError."""

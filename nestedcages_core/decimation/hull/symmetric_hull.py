@@ -12,28 +12,20 @@ from math import inf
 
 import numpy as np
 
-from ...errors import NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry
 from ...geometry.orbits import Orbits
 from ...geometry.vectors import norm
 from ...tasks import Stage
+from ..asymmetry import SYMMETRY_TOLERANCE, AsymmetricError
 from ..outline import Outline
 from .hull_moves import Weights
 from .importance import Importance
 from .move_queue import Place
 from .progressive_hull import MAX_REACH_ROUNDS, PAUSE, REACH_GROWTH, ProgressiveHull
 
-SYMMETRY_TOLERANCE = 1e-3
-"""Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric. Offsets in
-narrow gaps, where rounding decides what touches, may differ by their whole length."""
-
 AXIS_TOLERANCE = 1e-9
 """The same for new vertices of a move that is its own image."""
-
-
-class AsymmetricError(NestingError):
-    """An outline that is not symmetric."""
 
 
 def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:

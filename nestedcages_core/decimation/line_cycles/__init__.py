@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from .method import LineCycles
+from .method import InnerCycles, LineCycles
 
-__all__ = ["LineCycles"]
+__all__ = ["InnerCycles", "LineCycles"]

@@ -19,10 +19,10 @@ class Obstacles:
     """All loops of an outline, in blocks of edges with circles around them. Unit: the outline's diameter."""
 
     def __init__(self, loops: list[FloatArray]) -> None:
-        starts = np.concatenate(loops)
-        ends = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
-        missing = -len(starts) % BLOCK
-        self.starts, self.ends = (np.concatenate((v, np.repeat(v[-1:], missing, axis=0))) for v in (starts, ends))
+        # the last edge of each loop is repeated, so that no block has edges of two loops
+        padded = [np.minimum(np.arange(-(-len(loop) // BLOCK) * BLOCK), len(loop) - 1) for loop in loops]
+        self.starts = np.concatenate([loop[order] for loop, order in zip(loops, padded, strict=True)])
+        self.ends = np.concatenate([loop[(order + 1) % len(loop)] for loop, order in zip(loops, padded, strict=True)])
         blocks = np.stack((self.starts.reshape(-1, BLOCK, 2), self.ends.reshape(-1, BLOCK, 2)), axis=1)
         self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK, 2)
         self.centres: FloatArray = self.blocks.mean(axis=1)
@@ -35,7 +35,12 @@ class Obstacles:
         """
         right, origin = lines.right, lines.point
         level = (right * origin).sum(axis=1)
-        k, block = np.nonzero(np.abs(level[:, None] - right @ self.centres.T) <= self.radii)
+        # the blocks that a ray of any of these lines can reach
+        middle = 0.5 * (origin.min(axis=0) + origin.max(axis=0))
+        around = float(norm(origin - middle).max()) + reach
+        close = np.flatnonzero(norm(self.centres - middle) <= around + self.radii)
+        k, block = np.nonzero(np.abs(level[:, None] - right @ self.centres[close].T) <= self.radii[close])
+        block = close[block]
         near = self.blocks[block]
         heights = level[k, None] - (right[k, 0, None] * near[:, :, 0] + right[k, 1, None] * near[:, :, 1])
         left = heights > 0.0

@@ -11,19 +11,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import InvalidMeshError, NestingError
 from ...geometry.mesh import Mesh
+from ...geometry.vectors import norm
 from ...parameters import check_flag
 from ...tasks import Stage, drain, mapped
 from ..base import LEAST_PER_LOOP, Count, Start
-from ..hull.clearing import CLEARANCE_RESERVE, cleared, without_gaps
+from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
+from ..hull.inner_hull import InnerHull, InnerRequest
 from ..hull.offset import offsetting
-from ..hull.outer_hull import CLOSED_GAP_WIDTH, HULL_OFFSET, OuterHull
 from ..hull.outer_hull import SOURCE as HULL
+from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
 from ..outline import Outline
 from ..request import Request
@@ -42,6 +44,9 @@ SOURCE = "line cycles"
 REACH = 1.5
 """Longest part of an edge on either side of its contact, in diameters."""
 
+LOOP_REACH = 4.0
+"""The same in diameters of the loop that a line belongs to: a vertex farther away would be a needle."""
+
 EXACT_SHIFT = 1e-7
 """Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
 
@@ -59,6 +64,12 @@ FOLLOWING, SPARE_FOLLOWING = 3.0, 8
 
 USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
 """Lines of a loop: likely ones per deserved one; largest number per likely one, and beyond that."""
+
+MOST_OF_ALL = 0.5
+"""Lines per vertex of the outline from which each loop may have any number."""
+
+FEW_LINES = 12
+"""Number of lines of each of several loops that is sought in any case, to know the least."""
 
 BIASES = (1.0, 1e9, 0.3)
 """Ways to decide which of two crossing edges gives way; the best result is kept."""
@@ -97,10 +108,35 @@ class LineCycles:
         A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
         then there may be an outer hull.
         """
-        request = Request.of(fine, count)
-        mesh, source = yield from _found(request, clearance)
+        mesh, source = yield from _found(Request.of(fine, count), clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
         return [Start(mesh, source, closest_on_curve(mesh, fine) if near else None)]
+
+
+@dataclass(frozen=True)
+class InnerCycles:
+    """Meshes strictly inside the fine one: line cycles in what surrounds them, and hulls."""
+
+    hull: InnerHull = field(default_factory=InnerHull)
+    """The search for further starts."""
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """The mesh of the best cycles, or the best hull; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 2) -> Stage[float, list[Start]]:
+        """Up to `most` meshes strictly inside the fine one; see `LineCycles.starts`. Raises NestingError."""
+        starts: list[Start] = []
+        with suppress(NoCyclesError):
+            mesh, source = yield from _found(InnerRequest.of(fine, count), clearance)
+            starts.append(Start(mesh, source))
+        try:
+            if len(starts) < most:
+                starts += yield from self.hull.starts(fine, count, clearance=clearance, most=most - len(starts))
+        except NestingError:
+            if not starts:
+                raise
+        return starts
 
 
 def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
@@ -109,7 +145,7 @@ def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]
     if rounds:
         with suppress(NestingError):
             (hull, _), *_ = yield from OuterHull().hulls(request, clearance, 1)
-            if hull.area < mesh.area:
+            if request.side * hull.area < request.side * mesh.area:
                 return hull, HULL
     return mesh, SOURCE
 
@@ -125,7 +161,10 @@ def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh
         clearance = 0.0  # the tightening may find the room
     try:  # lines next to the outline itself, all moved away by the same distance
         return (yield from _best(request, outline, HULL_OFFSET))
-    except NoCyclesError:  # gaps may be too narrow for that
+    except NoCyclesError as error:
+        if "least" in error.data:
+            raise
+        # gaps may be too narrow for that
         return (yield from _next_to_offset(request, outline, usual, clearance))
 
 
@@ -194,7 +233,11 @@ class _Around:
     def _shares(self, searches: list[LoopSearch]) -> list[int]:
         numbers = shares([search.totals for search in searches], self.request.target)
         if numbers is None:
-            raise NoCyclesError("There are no such cycles.", code="count.too_small")
+            least = [min(search.found, default=0) for search in searches]
+            known = {"least": sum(least)} if all(least) and sum(least) > self.request.target else {}
+            raise NoCyclesError(
+                "There are no such cycles of lines.", code="count.too_small", total=self.request.total, **known
+            )
         return numbers
 
     def _searches(self) -> Iterator[LoopSearch]:
@@ -214,15 +257,12 @@ class _Around:
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
             found.append((lines.shifted(self.shift), expected, deserved_lines))
-        everything = Lines.joined([lines for lines, _, _ in found])
-        free = Obstacles(self.outline.loops).free(everything, REACH) + SLACK
-        usable = (free > SLACK).all(axis=0)
-        begin = 0
+        obstacles = Obstacles(self.outline.loops)
         for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
-            own = slice(begin, begin + len(lines))
-            begin += len(lines)
-            some = usable[own]
-            lines, own_free = lines.take(some), free[:, own][:, some]
+            size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
+            free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
+            usable = (free > SLACK).all(axis=0)
+            lines, own_free = lines.take(usable), free[:, usable]
             count = len(lines)
             if count < 3:
                 raise NoCyclesError("No lines are free.", code="count.too_small")
@@ -238,8 +278,8 @@ class _Around:
         if self.request.per_loop is not None:
             return minimum[loop]
         most = min(lines, target - sum(minimum) + minimum[loop])
-        if len(minimum) > 1:
-            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE))
+        if len(minimum) > 1 and target < MOST_OF_ALL * len(self.outline.vertices):
+            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
         return most
 
     def _mesh(self, choice: Choice) -> tuple[float, Mesh]:

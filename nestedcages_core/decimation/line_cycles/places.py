@@ -37,20 +37,16 @@ def weights(chains: list[Chain], count: int) -> list[FloatArray]:
 
 
 def _density(chain: Chain, scale: float) -> FloatArray:
-    """(S,) the cube root of the curvature at a scale, or at the length of an edge if that is longer.
-
-    A triangle from a scale before the edge's middle to a scale behind it has the area κ scale³.
-    """
-    reach = np.maximum(scale, chain.lengths)
+    """(S,) the cube root of the area of the triangle from a scale before each edge's middle to a scale behind it."""
     along = np.concatenate(([0.0], np.cumsum(np.tile(chain.lengths, 3))))
     ring = np.concatenate((np.tile(chain.vertices, (3, 1)), chain.vertices[:1]))
     middle = along[chain.size : 2 * chain.size] + 0.5 * chain.lengths
 
-    def at(shift: FloatArray) -> FloatArray:
+    def at(shift: float) -> FloatArray:
         return np.stack([np.interp(middle + shift, along, axis) for axis in ring.T], axis=1)
 
-    before = at(-reach)
-    root: FloatArray = np.cbrt(np.abs(cross(at(reach) - before, at(0.0 * reach) - before))) / reach
+    before = at(-scale)
+    root: FloatArray = np.cbrt(np.abs(cross(at(scale) - before, at(0.0) - before)))
     return root
 
 

@@ -94,19 +94,13 @@ def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> t
     seconds: (R,) the second lines to look at, each with the `width` lines before it.
     """
     count = len(lines)
-
-    def own(values: FloatArray) -> SingleArray:
-        return values[seconds].astype(np.float32)[:, None]
-
-    def before(values: FloatArray) -> SingleArray:
-        single = values.astype(np.float32)
-        windows = sliding_window_view(np.concatenate((single[count - width :], single[:-1])), width)
-        return windows if len(seconds) == count else windows[seconds]
-
-    (x, y), (u, v) = lines.point.T, lines.direction.T
-    wx, wy, u_before, v_before = own(x) - before(x), own(y) - before(y), before(u), before(v)
-    sine = u_before * own(v) - v_before * own(u)
-    forth, back = wx * own(v) - wy * own(u), u_before * wy - v_before * wx
+    values = np.stack((*lines.point.T, *lines.direction.T, *free)).astype(np.float32)
+    around = sliding_window_view(np.concatenate((values[:, count - width :], values[:, :-1]), axis=1), width, axis=1)
+    x, y, u, v, _, back_free = values[:, seconds, None]
+    x_before, y_before, u_before, v_before, forth_free, _ = around if len(seconds) == count else around[:, seconds]
+    wx, wy = x - x_before, y - y_before
+    sine = u_before * v - v_before * u
+    forth, back = wx * v - wy * u, u_before * wy - v_before * wx
     np.copysign(np.float32(1.0), sine, out=wx)
     forth *= wx
     back *= wx
@@ -118,8 +112,8 @@ def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> t
     meet &= back >= wx
     forth -= margin
     back -= margin
-    meet &= forth <= np.multiply(before(free[0]), sine, out=wx)
-    meet &= back <= np.multiply(own(free[1]), sine, out=wx)
+    meet &= forth <= np.multiply(forth_free, sine, out=wx)
+    meet &= back <= np.multiply(back_free, sine, out=wx)
     row, k = np.divmod(np.flatnonzero(meet), width)
     second = seconds[row]
     return (second + k - width) % count, second

@@ -1,1 +1,17 @@
 """Energies that a user may choose instead of the area."""
+
+from __future__ import annotations
+
+from .arap import BoundaryARAP, InteriorARAP
+from .displacement import InitialDisplacement, StepDisplacement
+from .element_energy import ElementEnergy
+from .shape_keeping import ShapeKeeping
+
+__all__ = [  # noqa: RUF022 - in the order of explanation
+    "ShapeKeeping",  # area, and no part of the cage turns
+    "BoundaryARAP",  # as rigid as possible along the curve
+    "InteriorARAP",  # as rigid as possible inside
+    "InitialDisplacement",  # distance from the coarse mesh
+    "StepDisplacement",  # distance from the previous step
+    "ElementEnergy",  # any formula per vertex, edge or turn, by automatic differentiation
+]

@@ -1,0 +1,43 @@
+"""A rigged drawing for game engines: bones, cage, triangles and weights at rest, as JSON."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core import core, triangulation
+from ..errors import UserError
+from ..scene import filling, ownership
+from ..scene.plane import Frame, scale_of, world_matrix
+from .bones import bones_of
+
+
+def json_of(collection: bpy.types.Collection, *, flip_y: bool) -> str:
+    """The JSON of a drawing whose coarsest cage follows an armature. Raises: UserError."""
+    fine, cage = ownership.members(collection)[0], ownership.members(collection)[-1]
+    armature = next((each.object for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)), None)
+    if armature is None:
+        raise UserError(f"'{cage.name}' follows no armature: press Rig with Armature first")
+    height = float(filling.points_of(filling.mesh_of(cage))[0, 2])
+    bones = bones_of(armature, Frame(world_matrix(cage), height, scale_of(cage), own=True))
+    weights = np.zeros((len(cage.data.vertices), len(bones)))
+    numbers = {
+        group.index: k for k, bone in enumerate(bones) for group in cage.vertex_groups if group.name == bone.name
+    }
+    for vertex in cage.data.vertices:
+        for element in vertex.groups:
+            if element.group in numbers:
+                weights[vertex.index, numbers[element.group]] = element.weight
+    lost = np.flatnonzero(weights.sum(axis=1) <= 0.0)
+    if len(lost):
+        raise UserError(f"Vertex {lost[0]} of '{cage.name}' follows no bone of '{armature.name}': paint weights there")
+    shape, around = filling.outline(fine), filling.outline(cage)
+    try:
+        found = core.cage_coordinates(shape, around)
+    except core.NestedCagesError as error:
+        raise UserError(f"'{fine.name}': {error}") from error
+    triangles = triangulation.triangulate(shape).triangles
+    weights /= weights.sum(axis=1, keepdims=True)
+    character = core.character.Character(shape, around, bones, weights, found, triangles)
+    text: str = core.exchange.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
+    return text

@@ -1,0 +1,257 @@
+"""Characters: many drawings of many kinds in one cage, and an armature that moves them all."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+
+from drawings import add, at_frame, evaluated, grease_pencil, in_world, poly_curve, text, wire
+
+# Ends and radius of each limb of a figure.
+LIMBS = {
+    "Torso": ((0.0, 0.2), (0.0, 1.0), 0.38),
+    "Neck": ((0.0, 1.2), (0.0, 1.5), 0.12),
+    "Head": ((0.0, 1.62), (0.0, 1.75), 0.3),
+    "Arm.L": ((0.3, 1.15), (0.95, 1.12), 0.12),
+    "Hand.L": ((0.9, 1.12), (1.6, 1.1), 0.1),
+    "Arm.R": ((-0.3, 1.15), (-0.95, 1.12), 0.12),
+    "Hand.R": ((-0.9, 1.12), (-1.6, 1.1), 0.1),
+    "Leg.L": ((0.22, 0.0), (0.28, -1.3), 0.15),
+    "Leg.R": ((-0.22, 0.0), (-0.28, -1.3), 0.15),
+}
+
+
+def capsule(start, end, radius, count=36):
+    """A loop (count, 2) around a segment."""
+    a, b = np.array(start), np.array(end)
+    turn = np.arctan2(*(b - a)[::-1])
+    half = np.linspace(-np.pi / 2.0, np.pi / 2.0, count // 2)
+    return np.concatenate(
+        [c + radius * np.column_stack([np.cos(t), np.sin(t)]) for c, t in ((b, turn + half), (a, turn + np.pi + half))]
+    )
+
+
+def face(name, loop):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(x, y, 0.0) for x, y in loop], [], [list(range(len(loop)))])
+    return add(name, mesh)
+
+
+def figure():
+    """The parts of a figure, of many kinds, in front of each other, all selected."""
+    kinds = [face, lambda name, loop: poly_curve(name, [loop]), lambda name, loop: wire(name, [loop])]
+    if hasattr(bpy.types, "GreasePencilDrawing"):
+        kinds.append(lambda name, loop: grease_pencil(name, [loop]))
+    made = {}
+    for number, (name, limb) in enumerate(LIMBS.items()):
+        made[name] = kinds[number % len(kinds)](name, capsule(*limb))
+    made["Badge"] = text("Badge", "B")
+    made["Badge"].data.size = 0.3
+    made["Badge"].location = (-0.1, 0.5, 0.0)
+    for number, obj in enumerate(made.values()):
+        obj.location.z += 0.001 * number
+    bpy.context.view_layer.update()
+    return made
+
+
+def points(obj):
+    """Displayed points (n, 3) in the world."""
+    shape = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if obj.type == "GREASEPENCIL":
+        strokes = [s for layer in shape.data.layers for s in layer.current_frame().drawing.strokes]
+        found = np.array([point.position for stroke in strokes for point in stroke.points], np.float32)
+        return in_world(shape, found)
+    return in_world(shape, evaluated(obj))
+
+
+def rigged(parts):
+    """The armature and the cage of a figure with suggested bones."""
+    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    armature = bpy.context.object
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    assert bpy.context.object == armature and bpy.context.mode == "POSE"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return armature, next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
+
+
+def bone_at(armature, x, y):
+    """The bone whose middle is nearest to a place."""
+    middles = {bone: armature.matrix_world @ ((bone.head + bone.tail) / 2.0) for bone in armature.pose.bones}
+    return min(middles, key=lambda bone: float(np.hypot(*(np.array(middles[bone])[:2] - (x, y)))))
+
+
+def turn(armature, bone, degrees):
+    """Turns a bone in the plane around its head."""
+    head = Matrix.Translation(bone.head)
+    bone.matrix = head @ Matrix.Rotation(np.deg2rad(degrees), 4, "Z") @ head.inverted() @ bone.matrix
+    bpy.context.view_layer.update()
+
+
+def test_suggested_bones_move_all_parts_of_a_figure(tmp_path) -> None:
+    parts = figure()
+    before = {name: points(obj) for name, obj in parts.items()}
+    kept = {name: ([m.name for m in obj.modifiers], list(obj.keys())) for name, obj in parts.items()}
+    armature, cage = rigged(parts)
+    assert 7 <= len(armature.data.bones) <= 14
+    for name, obj in parts.items():
+        np.testing.assert_allclose(points(obj), before[name], atol=2e-5)
+        assert [m.name for m in obj.modifiers] == [*kept[name][0], "Nested Cages Follow"]
+        assert list(obj.keys()) == kept[name][1]
+    groups = {group.name for group in cage.vertex_groups}
+    assert groups == {bone.name for bone in armature.data.bones}
+    assert any(name.endswith(".L") for name in groups) and any(name.endswith(".R") for name in groups)
+    sums = [sum(element.weight for element in vertex.groups) for vertex in cage.data.vertices]
+    np.testing.assert_allclose(sums, 1.0, atol=1e-3)
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    after = {name: points(obj) for name, obj in parts.items()}
+    moved = {name: np.abs(after[name] - before[name]).max() for name in parts}
+    assert moved["Hand.L"] > 0.3 and max(moved[name] for name in ("Hand.R", "Leg.L", "Leg.R", "Head")) < 0.05
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "figure.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "figure.blend"))
+    for name in LIMBS:
+        np.testing.assert_allclose(points(bpy.data.objects[name]), after[name], atol=1e-6)
+
+
+def test_own_keys_of_a_part_play_before_the_bend_and_the_whole_moves() -> None:
+    parts = figure()
+    armature, _ = rigged(parts)
+    hand = parts["Hand.L"]
+    rest = points(hand)
+    for frame, x in ((1, 0.0), (11, 0.1)):
+        hand.location.x = x
+        hand.keyframe_insert("location", frame=frame)
+    turn(armature, bone_at(armature, 1.3, 1.1), 90.0)
+    at_frame(1)
+    here = points(hand)
+    at_frame(11)
+    way = points(hand) - here
+    # Along the hand, which points up now.
+    assert way[:, 1].mean() > 0.07 and np.abs(way[:, 0]).mean() < 0.05, way.mean(axis=0)
+    assert np.abs(here - rest).max() > 0.3
+
+
+def test_rigging_needs_bones_in_the_plane() -> None:
+    figure()
+    assert not bpy.ops.object.nested_cages_rig.poll()
+    armature = bpy.data.armatures.new("Away")
+    rig = add("Away", armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = armature.edit_bones.new("Up")
+    bone.tail = (0.0, 0.0, 1.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    with pytest.raises(RuntimeError, match="has no bone"):
+        bpy.ops.object.nested_cages_rig()
+    assert rig.select_get() and not [o for o in bpy.data.objects if "Cage" in o.name]
+
+
+def select(*objects):
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[-1]
+
+
+def instance():
+    """An empty that shows a collection of one face, at the left hand."""
+    home = bpy.data.collections.new("Glove")
+    glove = face("Glove Face", capsule((0.0, 0.0), (0.1, 0.0), 0.05))
+    bpy.context.scene.collection.objects.unlink(glove)
+    home.objects.link(glove)
+    home.instance_offset = (0.02, 0.0, 0.0)
+    bpy.ops.object.collection_instance_add(collection="Glove", location=(1.5, 1.1, 0.02))
+    return bpy.context.object
+
+
+def instanced(empty):
+    """Displayed points (n, 3) of what an empty instances, or of the object that shows it."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = [o for o in empty.children if o.type == "MESH"]
+    if shown:
+        return points(shown[0])
+    return np.concatenate(
+        [
+            [o.matrix_world @ v.co for v in o.object.data.vertices]
+            for o in depsgraph.object_instances
+            if o.is_instance and o.parent.original == empty
+        ]
+    )
+
+
+def test_parts_added_later_and_instances_follow_and_are_verified() -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    ring = face("Ring", capsule((1.2, 1.1), (1.25, 1.1), 0.04))
+    empty = instance()
+    rest = {"Ring": points(ring), "Glove": instanced(empty)}
+    select(ring, empty, cage)
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+    np.testing.assert_allclose(instanced(empty), rest["Glove"], atol=1e-5)
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    assert np.abs(points(ring) - rest["Ring"]).max() > 0.1
+    assert np.abs(instanced(empty) - rest["Glove"]).max() > 0.3
+    select(cage)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    ring.location.y += 1.0
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert "does not enclose 'Ring'" in cage["nested_cages_finding"]
+    assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+    assert not ring.modifiers and empty.instance_type == "COLLECTION" and not empty.children
+
+
+def test_an_eye_in_a_head_follows_by_all_in_one_and_by_a_silhouette() -> None:
+    head, eye = face("Head", capsule((0.0, 0.0), (0.0, 0.2), 1.0)), face("Eye", capsule((0.3, 0.2), (0.3, 0.3), 0.1))
+    select(eye, head)
+    for silhouette in (False, True):
+        if silhouette:
+            assert bpy.ops.object.nested_cages_silhouette() == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_generate(levels="8", together=True) == {"FINISHED"}
+        assert bpy.ops.object.nested_cages_bind() == {"FINISHED"}
+        cage = bpy.context.object
+        assert len(cage.data.vertices) == 8  # one loop: the eye is no hole
+        before = points(eye)
+        cage.data.transform(Matrix.Diagonal((1.5, 1.0, 1.0, 1.0)))
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(points(eye), before * (1.5, 1.0, 1.0), atol=1e-5)
+        assert bpy.ops.object.nested_cages_unbind() == {"FINISHED"}
+        select(eye, head)
+
+
+def test_rigging_again_fits_the_cage_to_new_parts() -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    hat = face("Hat", capsule((-0.3, 2.1), (0.3, 2.1), 0.1))
+    select(*parts.values(), hat, armature)
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert cage.name in bpy.data.objects and [m.type for m in cage.modifiers].count("ARMATURE") == 1
+    assert [m.name for m in hat.modifiers] == ["Nested Cages Follow"]
+    assert all([m.name for m in part.modifiers] == ["Nested Cages Follow"] for part in parts.values())
+    select(cage)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+
+
+def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    select(cage)
+    path = tmp_path / "figure.json"
+    assert bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER", flip_y=False) == {"FINISHED"}
+    found = core.character_from_engine_json(path.read_text())
+    assert {bone.name for bone in found.bones} == {bone.name for bone in armature.data.bones}
+    bone = bone_at(armature, 1.3, 1.1)
+    turn(armature, bone, 40.0)
+    shape, around = found.posed({bone.name: 40.0})
+    np.testing.assert_allclose(evaluated(cage)[:, :2], around, atol=1e-4)
+    fine = bpy.data.objects["Torso Fine"]
+    error = np.abs(evaluated(fine)[:, :2] - shape)
+    assert error.max() < 0.02 and np.abs(shape - found.shape.vertices).max() > 0.3, error.max()
+    bpy.ops.object.nested_cages_unbind()
+    cage.modifiers.clear()
+    with pytest.raises(RuntimeError, match="follows no armature"):
+        bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")
