@@ -16,7 +16,6 @@ import argparse
 import io
 import random
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -202,9 +201,9 @@ def judged(path: Path, opacity: float, overlays: Path | None) -> Verdict:
     """What the judge says of one file."""
     start = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
-        document, reason = caged(path, Path(folder) / "out.svg", opacity)
+        document, reason = caged(path, Path(folder) / "out.svg", "--opacity", str(opacity))
     seconds = time.process_time() - start
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    memory = largest_memory()
     if reason:
         try:
             if not painted(without_text(path, Frame()), opacity).any():
@@ -235,10 +234,17 @@ def judged(path: Path, opacity: float, overlays: Path | None) -> Verdict:
     )
 
 
+def largest_memory() -> float:
+    """The largest memory of this process so far, in MB; 0 where the system has no /proc."""
+    status = Path("/proc/self/status")
+    found = re.search(r"VmHWM:\s*(\d+)", status.read_text(encoding="ascii")) if status.exists() else None
+    return int(found[1]) / 1024.0 if found else 0.0
+
+
 PATH = re.compile(r'<path id="([^"]*)"[^>]*?\sd="([^"]*)"')
 
 
-def caged(path: Path, out: Path, opacity: float) -> tuple[str, str]:
+def caged(path: Path, out: Path, *options: str) -> tuple[str, str]:
     """What the command writes, or why it writes nothing."""
     said = io.StringIO()
 
@@ -249,9 +255,8 @@ def caged(path: Path, out: Path, opacity: float) -> tuple[str, str]:
     signal.setitimer(signal.ITIMER_VIRTUAL, GREATEST_SECONDS)
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(said):
-            words = [str(path), "--levels", LEVEL, "--quiet", "-o", str(out), "--opacity", str(opacity)]
-            if command(words) == 0:
-                return out.read_text(), ""
+            if command([str(path), "--levels", LEVEL, "--quiet", "-o", str(out), *options]) == 0:
+                return out.read_text(encoding="utf-8"), ""
     except Exception as error:  # a traceback is what this looks for
         return "", f"{type(error).__name__}: {error}"
     finally:

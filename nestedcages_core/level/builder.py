@@ -12,7 +12,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import Decimation, SeveralStarts, Start
+from ..decimation import Decimation, LineCycles, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import Area, CageEnergy, inwards, signed_area
@@ -93,8 +93,8 @@ class LevelBuilder:
         raise (yield from self.settling.failure(level))
 
     def _solved(self, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
-        """The level on any numbers, of the first attempt that succeeds. Raises the error of the last one that had a
-        start."""
+        """The level on any numbers, of the first attempt that succeeds. Raises the error of line cycles that led
+        nowhere, since others need as many vertices, or of the last attempt."""
         if self.plan.exact is not None:
             return (yield from self._exact(self.plan.exact, wanted, clearances))
         started: list[NestedCagesError] = []
@@ -122,7 +122,7 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-                    started += [error] if self.starts else []
+                    started += [error] if self.starts and isinstance(attempt.source, LineCycles) else []
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
             raise (started or failures)[-1]
         raise with_least(failures, self.outline, self.clearances[0])

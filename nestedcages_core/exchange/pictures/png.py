@@ -50,12 +50,12 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     if len(data) >= SIZE.stop:  # before Pillow allocates memory
         width, height = struct.unpack(">II", data[SIZE])
         limits.check("pixels", width * height)
-    pillow = load_pictures()
+    picture = load_pictures().open
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            pillow.open(io.BytesIO(data), formats=["PNG"]).verify()
-            with pillow.open(io.BytesIO(data), formats=["PNG"]) as image:
+            picture(io.BytesIO(data), formats=["PNG"]).verify()
+            with picture(io.BytesIO(data), formats=["PNG"]) as image:
                 return _rgba(image)
     except Exception as error:  # Pillow raises what it meets: OSError, SyntaxError, ValueError, zlib.error …
         raise NestedCagesError(f"The PNG is damaged ({error}); save it again.", code="file.invalid") from error
