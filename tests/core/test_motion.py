@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, Settings, nested_cages, verify_motion
-from nestedcages_core.checker import touches
+from nestedcages_core.checker import touches, whole_numbers
 from nestedcages_core.contact.pairs import Pairs
 from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs
 from nestedcages_core.verification.linear_motion import never_meet
@@ -44,13 +44,18 @@ def test_every_instant_of_a_result_is_safe(fine: Mesh, level: int | Mesh, settin
         assert ((successor[one] == other) | (successor[other] == one)).all()
 
 
-def test_pairs_are_certified_where_exact_arithmetic_finds_no_contact_and_only_there() -> None:
-    """Points and edges that move between points of a small lattice, where contacts are common; the checker decides."""
-    before, after = np.random.default_rng(1).integers(-4, 5, (2, 3, 2, 4000))
+@pytest.mark.parametrize(("scale", "shift"), [(1.0, 0.0), (0.1, 100.1), (2.0**-538, 0.0)])
+def test_pairs_are_certified_only_where_exact_arithmetic_finds_no_contact(scale: float, shift: float) -> None:
+    """Points and edges that move between points of a small lattice, where contacts are common: as they are, rounded,
+    and so small that products leave the range of normal numbers."""
+    lattice = scale * np.random.default_rng(1).integers(-4, 5, (2, 3, 2, 4000)) + shift
+    before, after = whole_numbers(lattice)[0]
     meets = np.array([exactly_meet(before[:, :, k], after[:, :, k]) for k in range(before.shape[2])])
-    free = never_meet(before.astype(float), after.astype(float))
+    free = never_meet(*lattice)
     assert 400 < meets.sum() < 3600
-    assert np.array_equal(free, ~meets)
+    assert not (free & meets).any()
+    if scale == 1.0:
+        assert np.array_equal(free, ~meets)
 
 
 def exactly_meet(before: np.ndarray, after: np.ndarray) -> bool:
