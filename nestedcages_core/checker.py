@@ -201,8 +201,10 @@ class Loops:
                 found.append(f"{names[k]} lies {'outside of the cage' if fine[k] else 'inside of the fine mesh'}")
         if found or not alike:
             return found
-        parent = [max(np.flatnonzero(row), key=lambda k: (turns[k] != 0).sum(), default=-1) for row in turns]
-        for k in np.flatnonzero(fine != hole):  # the inner one of two partners is the only child of the outer one
+        parent = [max(np.flatnonzero(row).tolist(), key=lambda k: (turns[k] != 0).sum(), default=-1) for row in turns]
+        for k in np.flatnonzero(
+            fine != hole
+        ).tolist():  # the inner one of two partners is the only child of the outer one
             p = parent[k]
             if p < 0 or parent.count(p) > 1 or fine[p] == fine[k] or hole[p] != hole[k]:
                 found.append(f"{names[k]} has no partner of its own")

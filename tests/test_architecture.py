@@ -72,7 +72,12 @@ DOOR = "core.py"
 
 THIRD_PARTY = {"numpy", "scipy"}
 # Optional libraries, each in its room alone, imported when needed: formats, plots, progress bars.
-OPTIONAL = {"exchange": {"shapely", "tinycss2", "cssselect2", "PIL"}, "geometry": {"matplotlib"}, "tasks": {"tqdm"}}
+OPTIONAL = {
+    "needs": {"shapely"},
+    "exchange": {"shapely", "tinycss2", "cssselect2", "PIL"},
+    "geometry": {"matplotlib"},
+    "tasks": {"tqdm"},
+}
 BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "gpu_extras", "blf", "aud", "addon_utils", "bl_ui"}
 BLENDER_PLACES = (
     "addon/",

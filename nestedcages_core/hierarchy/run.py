@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import NestedCagesError, NestingError
+from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
 from ..level.attempts import clearances_for
 from ..level.builder import LevelBuilder
@@ -24,6 +24,9 @@ from .needs import needs_of
 from .settings import Settings
 
 logger = logging.getLogger(__name__)
+
+LOOSE = 0.5
+"""Excess above which a note says what fewer loops would give."""
 
 Wanted: TypeAlias = int | MeshLike | Within
 """A level as asked for: a vertex count, a coarse mesh, or the fewest vertices within a distance or an excess."""
@@ -108,9 +111,15 @@ def _hierarchy(
     side: int,
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
-    fine, wanted = _checked(fine, levels, convex=settings.convex)
+    fine, wanted = _checked(fine, levels, convex=settings.convex or settings.merge is not None)
     about = _about(settings, fine, inside=side < 0)
     settings, needs, remarks = needs_of(settings, about)
+    if settings.merge is not None:
+        if side < 0:
+            raise NestingError("Inner cages keep all loops; leave out merge.", code="setting.conflict")
+        from ..needs.merging import Merging
+
+        settings = replace(settings, decimation=Merging(settings.merge))
     finished: list[Level] = []
     for index, level in enumerate(wanted):
         inner = finished[-1].cage if finished else fine
@@ -126,8 +135,13 @@ def _hierarchy(
             else:
                 made = builder.build(level)
             done = yield from made
-            report = replace(done.report, notes=(*remarks, *done.report.notes))
-            finished.append(replace(done, report=report) if remarks else done)
+            advised: tuple[Fault, ...] = ()
+            if done.report.excess > LOOSE and not (needs or isinstance(level, Mesh)):
+                from ..needs.merging import advice
+
+                advised = advice(inner, done.cage)
+            report = replace(done.report, notes=(*remarks, *done.report.notes, *advised))
+            finished.append(replace(done, report=report) if remarks or advised else done)
         except NestedCagesError as error:
             error.partial = Hierarchy(fine, tuple(finished))
             raise

@@ -33,6 +33,9 @@ class Settings(Choices):
     stored: DTypeLike | None = None
     """The type that will hold the coordinates, such as np.float32: the cage is certified on its numbers. None: doubles.
     """
+    merge: float | None = None
+    """Parts closer than this length share a loop of the cage, and holes of less than its square are filled, as far as
+    that makes the cage tighter; needs shapely. None: a loop for each loop of the fine mesh."""
     convex: bool = False
     """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
@@ -66,6 +69,19 @@ class Settings(Choices):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.merge is not None and not (is_length(self.merge) and self.merge > 0.0):
+            raise NestedCagesError(
+                f"merge must be a finite length above 0, not {self.merge!r}; leave it out to keep all loops.",
+                code="setting.invalid",
+                name="merge",
+                value=self.merge,
+            )
+        if self.merge is not None and (self.convex or self.symmetry is not None or self.has_priorities):
+            raise NestedCagesError(
+                "merge does not go with convex, symmetry, weights, pins, joints or limits; leave out one of them.",
+                code="setting.conflict",
+                names=("merge",),
+            )
         if self.grid is not None and not (is_length(self.grid) and self.grid > 0.0):
             raise NestedCagesError(
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none.",

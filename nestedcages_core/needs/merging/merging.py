@@ -1,0 +1,123 @@
+"""Merging: starts around a shape whose close parts are joined and whose small holes are filled. Needs shapely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...decimation import Count, Decimation, LineCycles, Start
+from ...decimation.base import LEAST_PER_LOOP
+from ...errors import Fault, InvalidMeshError, NestedCagesError, NestingError
+from ...geometry.mesh import Mesh
+from ...parameters import check_part, check_positive
+from ...tasks import Stage, drain
+
+PARTS = (0.0, 0.5, 1.0)
+"""Parts of the distance that are tried: none is best for all shapes."""
+
+WORTHWHILE = 0.5
+"""Part of the excess below which merging is named in a note."""
+
+NOTED_DISTANCE = 0.06
+"""Distance that a note names, in diagonals: of the tried 0.01 to 0.06 the one that merges most."""
+
+ARC = 4
+"""Vertices of a quarter of the circles that close gaps."""
+
+
+@dataclass(frozen=True)
+class Merging:
+    """Starts around the shape with its parts merged, for the distance up to the given one that adds the least area."""
+
+    distance: float
+    """In the input's units: gaps narrower than this are closed, holes of less than its square are filled."""
+    decimation: Decimation = field(default_factory=lambda: LineCycles(on_curve=False))
+    """Makes the mesh around the merged shape."""
+
+    def __post_init__(self) -> None:
+        check_positive(self, "distance")
+        check_part(self, "decimation", "decimate", "LineCycles()")
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """The mesh of least area; see `starts`."""
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+        """One mesh that encloses the shape, with fewer loops where parts are merged. Raises NestingError."""
+        total = int(np.sum(count))
+        best: Mesh | None = None
+        failure: NestedCagesError | None = None
+        tried: set[int] = set()
+        for number, part in enumerate(PARTS):
+            yield number / len(PARTS)
+            try:
+                shape = merged(fine, part * self.distance)
+                if len(shape.loops) in tried:
+                    continue
+                tried.add(len(shape.loops))
+                wanted = max(min(total, len(shape.vertices)), LEAST_PER_LOOP * len(shape.loops))
+                mesh = self.decimation.decimate(shape, wanted, clearance=clearance) if wanted <= total else None
+            except (NestingError, InvalidMeshError) as error:
+                failure = error
+                continue
+            if mesh is not None and (best is None or mesh.area < best.area):
+                best = mesh
+        if best is None:
+            raise NestingError(
+                f"{total} vertices are too few for this shape even with parts closer than {self.distance:.6g} merged; "
+                "ask for more vertices, or merge over a larger distance.",
+                code="count.too_small",
+                total=total,
+            ) from failure
+        return [Start(best, "merged parts")]
+
+
+def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
+    """A note where keeping all loops costs a lot of area, and merging them much less."""
+    excess, distance = cage.area / fine.area - 1.0, NOTED_DISTANCE * fine.diagonal
+    if len(fine.loops) == 1 or len(cage.loops) < len(fine.loops):
+        return ()
+    try:
+        mesh = Merging(distance).decimate(fine, len(cage.vertices))
+    except NestedCagesError:  # also without shapely
+        return ()
+    fewer = mesh.area / fine.area - 1.0
+    if fewer > WORTHWHILE * excess:
+        return ()
+    said = (
+        f"Keeping all {len(fine.loops)} loops makes the cage {100.0 * excess:.0f} % larger than the shape; "
+        f"merge={distance:.3g} would make it about {100.0 * fewer:.0f} % larger, with {len(mesh.loops)}."
+    )
+    return (Fault(said, "note.loops"),)
+
+
+def merged(fine: Mesh, distance: float) -> Mesh:
+    """The shape with gaps narrower than a distance closed and holes of less than its square filled; contains the shape.
+
+    Raises NestedCagesError where shapely is missing.
+    """
+    if distance == 0.0:
+        return fine
+    try:
+        import shapely
+        from shapely.geometry import Polygon
+    except ImportError as error:
+        raise NestedCagesError(
+            "Merging parts needs shapely; install it with 'pip install shapely'.", code="dependency.missing"
+        ) from error
+    solid = Polygon()
+    for loop in fine.loops:
+        solid = solid.symmetric_difference(Polygon(fine.vertices[loop]))
+    closed = solid.buffer(0.5 * distance, quad_segs=ARC).buffer(-0.5 * distance, quad_segs=ARC).union(solid)
+    filled = [
+        Polygon(part.exterior, [hole for hole in part.interiors if Polygon(hole).area >= distance**2])
+        for part in getattr(closed, "geoms", [closed])
+    ]
+    whole = shapely.union_all([*filled, solid])
+    rings = [
+        np.array(ring.coords)[:-1]
+        for part in getattr(whole, "geoms", [whole])
+        for ring in (part.exterior, *part.interiors)
+    ]
+    return Mesh.from_loops([ring[(ring != np.roll(ring, 1, axis=0)).any(axis=1)] for ring in rings])

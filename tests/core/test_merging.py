@@ -1,0 +1,57 @@
+"""Merged parts: one loop around a shape with specks, what it contains, and what notes say about it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nestedcages_core import Mesh, NestedCagesError, Settings, inner_cages, nested_cages, verify
+from nestedcages_core.needs.merging import Merging, merged
+from shapes import islands, polygon, ring
+
+
+def sprite() -> Mesh:
+    """A disc with a small hole and eight specks around it."""
+    at = 1.15 * np.stack([np.cos(0.7 * np.arange(8)), np.sin(0.7 * np.arange(8))], axis=1)
+    return Mesh.from_loops([ring(60), 0.05 * ring(12) + 0.3, *(ring(5, 0.02) + place for place in at)])
+
+
+def test_a_sprite_with_specks_gets_one_outline() -> None:
+    fine = sprite()
+    level = nested_cages(fine, 16, merge=0.3).levels[0]
+    assert (len(level.cage.loops), len(level.cage.vertices)) == (1, 16)
+    assert verify(level.cage, fine, level.report.clearance, same_loops=False) and level.report.excess < 0.15
+    assert (level.reinflation.fine_steps[-1] == fine.vertices).all()
+    assert any("1 outer loop and no holes" in note for note in level.report.notes)
+    with pytest.raises(NestedCagesError, match="at least 30"):
+        nested_cages(fine, 16)
+
+
+@pytest.mark.parametrize("distance", [1e-3, 0.05, 0.3, 3.0])
+def test_merged_shapes_contain_the_shape_and_have_no_more_loops(distance: float) -> None:
+    for fine in (sprite(), islands()):
+        whole = merged(fine, distance)
+        assert polygon(whole).buffer(1e-9).contains(polygon(fine)) and len(whole.loops) <= len(fine.loops)
+    assert merged(fine, 0.0) is fine
+
+
+def test_the_distance_of_least_area_is_used() -> None:
+    fine = islands()
+    assert Merging(3.0).decimate(fine, 24).area <= 1.01 * min(
+        Merging(part).decimate(fine, 24).area for part in (0.01, 1.5, 3.0)
+    )
+
+
+def test_a_note_says_what_merging_would_give() -> None:
+    fine = Mesh.from_loops([ring(24) + np.array([x, y]) for x in (0.0, 2.1) for y in (0.0, 2.1)])
+    apart, together = (nested_cages(fine, 12, **more).levels[0].report for more in ({}, {"merge": 0.3}))
+    assert any("Keeping all 4 loops" in note and "merge=" in note for note in apart.notes)
+    assert together.excess < 0.5 * apart.excess and not any("merge=" in note for note in together.notes)
+
+
+def test_what_does_not_go_together_is_told() -> None:
+    for options in ({"merge": 0.0}, {"merge": 1.0, "convex": True}, {"merge": 1.0, "pins": [0]}):
+        with pytest.raises(NestedCagesError, match="merge"):
+            Settings(**options)  # type: ignore[arg-type]
+    with pytest.raises(NestedCagesError, match="Inner cages keep all loops"):
+        inner_cages(sprite(), 30, merge=1.0)
