@@ -4,7 +4,7 @@ registers and reports what is missing.
 
 from __future__ import annotations
 
-from operator import attrgetter
+from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -35,7 +35,9 @@ else:
                     "Nested Cages needs scipy, which is not bundled with this copy of the extension: "
                     "install the zip for your operating system and Blender version"
                 ) from error
-            return attrgetter(f"{self.__name__}.{name}".removeprefix("core."))(nestedcages_core)
+            room = nestedcages_core.__name__
+            found = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
+            return getattr(found, name)
 
     core = _LazyModule("core")
     memory = _LazyModule("cache")

@@ -51,7 +51,7 @@ class Frame:
 
     def from_world(self, world_points: Array) -> tuple[Array, Array]:
         """Points (n, 3) of the world in the plane, (n, 2), and their signed world distance from it, (n,)."""
-        local = transform(np.linalg.inv(self.matrix), world_points)
+        local = transform(np.asarray(np.linalg.inv(self.matrix), np.float64), world_points)
         return local[:, :2], (local[:, 2] - self.height) * self.scale
 
 

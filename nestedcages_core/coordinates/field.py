@@ -28,21 +28,9 @@ class Field:
     vertices: FloatArray
     """(N, 2), first those of the cage."""
     triangles: IntArray
-    """(T, 3); those inside the cage come first."""
+    """(T, 3) corners, counter-clockwise; they cover the cage, its holes and its surroundings once."""
     weights: FloatArray
     """(N, m): weights @ cage.vertices = vertices. Not negative inside the cage."""
-    inside: int
-    """Number of triangles inside the cage."""
-
-    def posed(self, cage: FloatArray) -> FloatArray:
-        """(N, d) vertices under a pose (m, d) of the cage."""
-        return np.asarray(self.weights @ cage)
-
-    def folded(self, cage: FloatArray) -> IntArray:
-        """The triangles (K,) inside the cage that a pose (m, 2) turns over: there the drawing is folded."""
-        a, b, c = (self.posed(cage)[self.triangles[: self.inside, k]] for k in range(3))
-        (x, y), (u, v) = (b - a).T, (c - a).T
-        return np.flatnonzero(x * v - y * u <= 0.0)
 
 
 def field_of(cage: Mesh, sampling: Sampling | None = INSIDE) -> Field:
@@ -71,7 +59,6 @@ def field_of(cage: Mesh, sampling: Sampling | None = INSIDE) -> Field:
         np.concatenate((cage.vertices, vertices[count:])),
         np.concatenate((inside.triangles, number[outside.triangles])),
         np.concatenate((within, around[count:])),
-        len(inside.triangles),
     )
 
 

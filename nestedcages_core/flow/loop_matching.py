@@ -119,7 +119,7 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
     else:
         outside, overlapping = _fit(fine, coarse)
         component = np.where(overlapping, outside, np.inf).argmin(axis=1)
-        overlaps = overlapping.any(axis=1)
+        overlaps = np.asarray(overlapping.any(axis=1))
     lost = np.nonzero(~overlaps)[0]
     if len(lost):
         x, y = fine.vertices[fine.loops[fine_outers[lost[0]]]].mean(axis=0).tolist()
@@ -140,7 +140,7 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
         return
     candidates = np.nonzero((fine.loop_signs < 0) & (component[fine.component_of_loop] == k))[0]
     if len(holes) > len(candidates) or np.count_nonzero(component == k) > 1:
-        holes = holes[[not _is_free(fine, coarse, hole) for hole in holes]]
+        holes = holes[[not _is_free(fine, coarse, hole) for hole in holes.tolist()]]
     if len(holes) > len(candidates):
         x, y = coarse.vertices[coarse.loops[holes[-1]]].mean(axis=0).tolist()
         cause = f"Loop {holes[-1]} of the coarse mesh is a hole, but the fine mesh has no hole for it"

@@ -84,4 +84,4 @@ def local_margins(coarse: Mesh, margin: float) -> FloatArray:
     share = MARGIN_PER_GAP * point_edge(starts[point], starts[edge], ends[edge]).distance
     for place in (edge, point, predecessor[point]):
         np.minimum.at(result, place, share)
-    return result  # type: ignore[no-any-return]
+    return np.asarray(result, np.float64)

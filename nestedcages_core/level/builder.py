@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,23 +14,24 @@ from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import Decimation, LineCycles, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
-from ..energies import Area, CageEnergy, inwards, signed_area
+from ..energies import Area, inwards, signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
-from ..verification import Certificate, verify
+from ..verification import verify
 from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
+from .assembly import Assembly, CageInProgress, failed, is_only_too_close
 from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
 from .choices import Choices
 from .counts import with_least
 from .early_stop import EarlyStop
-from .plan import ExactSolver, Plan
+from .plan import Plan
 from .progress import LevelProgress
-from .report import Level, NestingReport, Progress
+from .report import Level, Progress
 from .reuse import coarse_meshes, flow_inside
 from .symmetrised_start import Alike, made_alike
 from .units import SolverUnits
@@ -64,6 +64,7 @@ class LevelBuilder:
         self.symmetry = plan.group
         self.units = SolverUnits.of(self.fine)
         self.unit_fine = self.units.from_input(self.fine)
+        self.assembly = Assembly(plan, progress, self.units)
         self.settling: Settling | None = None
         if plan.numbers is not None:
             from .settling import Settling
@@ -96,7 +97,7 @@ class LevelBuilder:
         """The level on any numbers, of the first attempt that succeeds. Raises the error of line cycles that led
         nowhere, since others need as many vertices, or of the last attempt."""
         if self.plan.exact is not None:
-            return (yield from self._exact(self.plan.exact, wanted, clearances))
+            return (yield from self.assembly.exact(self.plan.exact, wanted, clearances))
         started: list[NestedCagesError] = []
         failures: list[NestedCagesError] = []
         clamping = self.plan.remarks
@@ -130,7 +131,7 @@ class LevelBuilder:
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
-        cages: list[_Cage] = []
+        cages: list[CageInProgress] = []
         turn = in_turn(self.starts, self.outline, attempt, self.symmetry)
         start: Start | None = next(turn)
         tried: list[str] = []
@@ -187,7 +188,7 @@ class LevelBuilder:
             return (yield from self.progress.follow(search, lambda done: (done, "decimation")))
         return [Start(source.decimate(self.outline, attempt.count, clearance=clearance), in_words(source))]
 
-    def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, _Cage]:
+    def _reinflated(self, attempt: Attempt, start: Start) -> Stage[Progress, CageInProgress]:
         """Flow and reinflation from a coarse mesh."""
         alike = None if self.symmetry is None else self._alike(start, self.symmetry)
         start = start if alike is None else alike.start
@@ -195,7 +196,7 @@ class LevelBuilder:
         if self.plan.inside:  # it rests inside the fine mesh: nothing flows
             flow = FlowResult(self.unit_fine.vertices[None], 0, "inside")
             resting = Reinflation(self.unit_fine.vertices[None], unit_coarse.vertices[None], 0)
-            return self._bound(attempt, _Cage(start, unit_coarse, flow, resting, alike))
+            return self._bound(attempt, CageInProgress(start, unit_coarse, flow, resting, alike))
         yield from self.progress.begin("flow")
         try:
             if self.outline is not self.fine and Nesting(start.coarse, self.fine).encloses():
@@ -222,9 +223,9 @@ class LevelBuilder:
             tie=None if alike is None else alike.tie,
         )
         reinflation = yield from self.progress.follow(expansion, lambda done: (done, "reinflation"))
-        return self._bound(attempt, _Cage(start, unit_coarse, flow, reinflation, alike))
+        return self._bound(attempt, CageInProgress(start, unit_coarse, flow, reinflation, alike))
 
-    def _bound(self, attempt: Attempt, cage: _Cage) -> _Cage:
+    def _bound(self, attempt: Attempt, cage: CageInProgress) -> CageInProgress:
         """The cage with its energy."""
         energy = self.settings.energy.at(cage.unit_coarse)
         energy = inwards(energy, self.unit_fine.area) if self.plan.inside else energy
@@ -235,7 +236,9 @@ class LevelBuilder:
     def _alike(self, start: Start, group: Symmetry) -> Alike:
         return made_alike(start, group, inside=self.plan.inside)
 
-    def _tightened(self, cage: _Cage, clearance: float, best: float = np.inf) -> Stage[Progress, _Cage]:
+    def _tightened(
+        self, cage: CageInProgress, clearance: float, best: float = np.inf
+    ) -> Stage[Progress, CageInProgress]:
         """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
         yield from self.progress.begin("tightening")
         start = cage.untightened.cage_steps[-1]
@@ -266,12 +269,12 @@ class LevelBuilder:
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
 
-    def _bodies(self, cage: _Cage) -> Bodies:
+    def _bodies(self, cage: CageInProgress) -> Bodies:
         """Cage and fine mesh, as the solvers see them."""
         tie = None if cage.alike is None else cage.alike.tie
         return Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side)
 
-    def _rank(self, cage: _Cage, vertices: FloatArray) -> float:
+    def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
         """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
         successor = cage.unit_coarse.predecessor if self.plan.inside else cage.unit_coarse.successor
         if cage.is_measure and cage.energy is not None:
@@ -279,7 +282,7 @@ class LevelBuilder:
         excess = self.plan.side * (abs(signed_area(vertices, successor)) / self.unit_fine.area - 1.0)
         return excess if self.plan.inside or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
-    def _certified(self, attempt: Attempt, cage: _Cage, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+    def _certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of a cage, at the largest clearance of the attempt that can be certified."""
         coarse, wanted = cage.start.coarse, attempt.clearances[0]
         # a user's own coarse mesh may wrap several parts in one loop or cover holes
@@ -288,13 +291,13 @@ class LevelBuilder:
             if clearance < wanted:
                 cage = yield from self._tightened(cage, clearance)
             yield from self.progress.begin("verification")
-            flow, reinflation = self._in_input_units(cage)
+            flow, reinflation = self.assembly.in_input_units(cage)
             result = coarse.moved(reinflation.cage_steps[-1])
             certificate = self.plan.verify(result, clearance, same_loops=same_loops)
-            if not _is_only_too_close(certificate, clearance):
+            if not is_only_too_close(certificate, clearance):
                 break
         if not certificate.holds:
-            raise NestingError(_failed(certificate, self.plan, clearance, wanted))
+            raise NestingError(failed(certificate, self.plan, clearance, wanted))
         motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
         motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
@@ -318,7 +321,7 @@ class LevelBuilder:
             notes = (*notes, Fault(said, "note.energy"))
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
-        return self._level(coarse, result, (flow, reinflation), certificate, clearance, start, counts, notes)
+        return self.assembly.level(coarse, result, (flow, reinflation), certificate, clearance, start, counts, notes)
 
     def _untightened(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The level of the first coarse mesh that already is a cage.
@@ -338,119 +341,12 @@ class LevelBuilder:
                     "note.untightened",
                 )
                 counts = {"flow": 0, "reinflation": 0}
-                resting = self._resting(start.coarse.vertices[None])
+                resting = self.assembly.resting(start.coarse.vertices[None])
                 mesh, every = start.coarse, (note, *notes)
-                return self._level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
+                return self.assembly.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
         raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
-
-    def _exact(self, solver: ExactSolver, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
-        """The level of a solver of its own."""
-        found = yield from solver(self.fine, wanted, clearances, self.progress)
-        counts = {"flow": 0, "reinflation": 0, "tightening": len(found.steps) - 1}
-        coarse, way = found.cage.moved(found.steps[0]).validated(), self._resting(found.steps)
-        notes = (*self.plan.remarks, *found.notes)
-        return self._level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
-
-    def _resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
-        """The way of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
-        rest = self.fine.vertices[None]
-        return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
-
-    def _level(
-        self,
-        coarse: Mesh,
-        cage: Mesh,
-        way: tuple[FlowResult, Reinflation],
-        certificate: Certificate,
-        clearance: float,
-        start: str,
-        iterations: Mapping[str, int],
-        notes: tuple[Fault, ...],
-    ) -> Level:
-        """The level with its report: what is certified, and how long it took."""
-        self.progress.stop_clock()
-        report = NestingReport(
-            strict=certificate.strict,
-            simple=certificate.simple,
-            clearance=certificate.clearance,
-            wanted_clearance=clearance,
-            excess=cage.area / self.fine.area - 1.0,
-            start=start,
-            iterations=iterations,
-            seconds=dict(self.progress.seconds),
-            notes=notes,
-        )
-        return Level(self.fine, coarse, cage, *way, report, inside=self.plan.inside)
-
-    def _in_input_units(self, cage: _Cage) -> tuple[FlowResult, Reinflation]:
-        """Flow and reinflation in input units; input coordinates are restored exactly."""
-        units, reinflation = self.units, cage.reinflation
-        flow_steps = units.to_input(cage.flow.steps)
-        flow_steps[0] = self.fine.vertices
-        moving_steps = units.to_input(reinflation.moving_steps)
-        moving_steps[0] = flow_steps[-1]
-        moving_steps[-1] = self.fine.vertices
-        cage_steps = units.to_input(reinflation.cage_steps)
-        if cage.alike is not None:
-            cage_steps = cage.alike.symmetrised(cage_steps)
-        cage_steps[0] = cage.start.coarse.vertices
-        flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
-        return flow, Reinflation(moving_steps, cage_steps, reinflation.iterations)
-
-
-@dataclass(frozen=True, eq=False)
-class _Cage:
-    """A cage in progress, in the units of the solvers."""
-
-    start: Start
-    """With its coarse mesh in input units."""
-    unit_coarse: Mesh
-    flow: FlowResult
-    untightened: Reinflation
-    alike: Alike | None = None
-    """Its exact symmetry."""
-    tightened: Reinflation | None = None
-    """Followed by the tightening."""
-    energy: CageEnergy | None = None
-    is_measure: bool = False
-    """Whether the energy, not the excess, ranks cages."""
-    rank: float = np.inf
-    """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
-    counts: Mapping[str, int] = field(default_factory=dict)
-
-    @property
-    def reinflation(self) -> Reinflation:
-        """All steps so far."""
-        return self.tightened or self.untightened
 
 
 def in_words(decimation: Decimation) -> str:
     """The name of a decimation in words: "level set" for ``LevelSet()``."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()
-
-
-def _is_only_too_close(certificate: Certificate, clearance: float) -> bool:
-    """Whether a cage lacks nothing but the clearance."""
-    sound = certificate.strict and certificate.simple and len(certificate.problems) == 1
-    return sound and certificate.clearance < clearance
-
-
-def _failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -> Fault:
-    """Why a cage was rejected; tried: the last clearance asked for."""
-    if not _is_only_too_close(certificate, tried):
-        said = "The cage could not be certified: "
-        if plan.inside:
-            said = (
-                "The inner cage could not be certified; in the words of verify(fine, cage), which takes the fine mesh "
-                "for the cage: "
-            )
-        return Fault(said + " ".join(certificate.problems), "certificate.failed", problems=certificate.problems)
-    from .tightest_place import too_narrow  # only where something failed
-
-    return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
-        f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
-        f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
-        "clearance.no_room",
-        wanted=wanted,
-        largest=certificate.clearance,
-    )

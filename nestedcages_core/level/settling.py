@@ -196,6 +196,6 @@ def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | N
             return path.with_tightening(steps[1:])
     for number in range(len(path.cage_steps) - 2, path.tightening_start - 1, -1):
         if certify_motion(bodies, [path.cage_steps[number], vertices], [level.fine.vertices] * 2):
-            steps = np.concatenate([path.cage_steps[: number + 1], vertices[None]])
-            return Reinflation(path.moving_steps, steps, path.iterations)
+            kept = np.concatenate([path.cage_steps[: number + 1], vertices[None]])
+            return Reinflation(path.moving_steps, kept, path.iterations)
     return None

@@ -39,7 +39,7 @@ class Rows:
     @property
     def count(self) -> int:
         """Number of rows."""
-        return self.vertex.shape[1]
+        return int(self.vertex.shape[1])
 
     @property
     def directions(self) -> FloatArray:
@@ -112,14 +112,21 @@ class BandedSystem:
         # entries of A, and products of the entries of each row for Aᵀ diag(h) A
         rows = [group for group in rows if group.count]
         count = sum(group.count for group in rows)
-        unknown, ones = np.arange(size), np.ones(size)
-        bounds = np.arange(count, count + 2 * size)
-        entries = [(bounds[:size], unknown, ones), (bounds[size:], unknown, -ones)]
+        unknown: IntArray = np.arange(size)
+        bounds: IntArray = np.arange(count, count + 2 * size)
+        ones = np.ones(size)
+        entries: list[tuple[IntArray, IntArray, FloatArray]] = [
+            (bounds[:size], unknown, ones),
+            (bounds[size:], unknown, -ones),
+        ]
         diagonal = _place(unknown, unknown, height)
-        products = [(bounds[:size], diagonal, ones), (bounds[size:], diagonal, ones)]
+        products: list[tuple[IntArray, IntArray, FloatArray]] = [
+            (bounds[:size], diagonal, ones),
+            (bounds[size:], diagonal, ones),
+        ]
         first = 0
         for group in rows:
-            number = np.arange(first, first + group.count)[None]
+            number: IntArray = np.arange(first, first + group.count)[None]
             first += group.count
             axis = self._axes.take(group.vertex, axis=2)
             entry = group.weight * (axis[:, 0] * group.direction[..., 0, :] + axis[:, 1] * group.direction[..., 1, :])

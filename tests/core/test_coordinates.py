@@ -20,6 +20,7 @@ from nestedcages_core import (
     grids,
     nested_cages,
 )
+from nestedcages_core.coordinates import field
 from nestedcages_core.geometry.triangulation import triangulate
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
@@ -274,3 +275,18 @@ def test_prolongation_refuses_levels_that_are_not_there() -> None:
             grids(hierarchy, spacing)
     with pytest.raises(NestedCagesError, match="3 spacings were given for 2 grids"):
         grids(hierarchy, [1.0, 2.0, 3.0])
+
+
+def test_a_field_covers_the_plane_around_a_cage_and_keeps_affine_motions() -> None:
+    bend = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
+    cage = Mesh.from_loops([bend, [(0.3, 0.3), (0.7, 0.3), (0.5, 0.7)]])
+    turn = np.array([[0.8, 0.5], [-0.2, 0.7]])
+    for sampling in (field.INSIDE, None):
+        found = field.field_of(cage, sampling)
+        moved = found.weights @ (cage.vertices @ turn + 3.0)
+        np.testing.assert_allclose(moved, found.vertices @ turn + 3.0, atol=1e-12)
+        corners = found.vertices[found.triangles]
+        on_corners = found.weights[: len(cage.vertices)]
+        np.testing.assert_allclose(on_corners, np.eye(len(cage.vertices)), atol=1e-12)
+        (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
+        assert np.isclose(0.5 * (ax * by - ay * bx).sum(), np.ptp(found.vertices, axis=0).prod(), rtol=1e-12)

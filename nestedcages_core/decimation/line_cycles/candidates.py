@@ -76,10 +76,9 @@ def _along_edges(chain: Chain, count: int) -> list[Lines]:
         edge if len(edge) <= 2 * count else np.argsort(-np.round(chain.lengths, DECIMALS), kind="stable")[: 2 * count]
     )
     convex = cross(np.roll(chain.edges, 1, axis=0), chain.edges) > 0.0
-    direction = chain.edges[edge] / chain.lengths[edge, None]
-    lines = [
-        Lines.of(chain.vertices[edge] + part * chain.edges[edge], edge + part, direction) for part in (0.0, 0.5, 1.0)
-    ]
+    start, ahead = chain.vertices[edge], chain.edges[edge]
+    direction = ahead / chain.lengths[edge, None]
+    lines = [Lines.of(start + part * ahead, np.asarray(edge + part, np.float64), direction) for part in (0.0, 0.5, 1.0)]
     return [lines[1], lines[0].take(convex[edge]), lines[2].take(convex[(edge + 1) % chain.size])]
 
 
@@ -97,7 +96,8 @@ def _over_pockets(chain: Chain, at: IntArray) -> list[Lines]:
     area = cross(own[i], own[j]) - (swept[j] - swept[i] + np.where(j < i, chain.swept[-1], 0.0))
     i, j, area = i[area > 0.0], j[area > 0.0], area[area > 0.0]
     least = np.argsort(np.round(area, DECIMALS), kind="stable")
-    supports = (cross(step[i, j][:, None], here[None] - here[i][:, None]) >= slack).all(axis=1)[least]
+    beyond = cross(step[i, j][:, None], here[None] - here[i][:, None]) >= slack
+    supports = np.asarray(beyond.all(axis=1))[least]
     least = np.concatenate((least[:count], least[count:][supports[count:]]))  # those of the convex hull in any case
     i, j = i[least], j[least]
     direction: FloatArray = step[i, j] / norm(step[i, j])[:, None]

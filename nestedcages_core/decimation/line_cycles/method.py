@@ -261,7 +261,7 @@ class _Around:
         for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
             size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
             free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
-            usable = (free > SLACK).all(axis=0)
+            usable = np.asarray((free > SLACK).all(axis=0))
             lines, own_free = lines.take(usable), free[:, usable]
             count = len(lines)
             if count < 3:

@@ -15,10 +15,10 @@ class Paths:
         """first: (K + 1,) the first turn onto each line. most: the largest number of lines of a cycle."""
         self.start, self.count = start, len(first) - 1
         # lines by their positions after the start, so that paths only go on
-        self.source, self.target, self.areas = (
-            np.concatenate((values[first[start] :], values[: first[start]]))
-            for values in (turns.source, turns.target, areas)
-        )
+        cut = int(first[start])
+        self.source: IntArray = np.concatenate((turns.source[cut:], turns.source[:cut]))
+        self.target: IntArray = np.concatenate((turns.target[cut:], turns.target[:cut]))
+        self.areas: SingleArray = np.concatenate((areas[cut:], areas[:cut]))
         self.first = np.concatenate((first[start:-1], first[: start + 1] + first[-1])) - first[start]
         self.source, self.target = self.source - start, self.target - start
         self.source[self.source < 0] += self.count

@@ -154,7 +154,7 @@ class Areas:
         if clip.of_box:
             if np.linalg.det(clip.matrix[:2, :2]) == 0.0:
                 return []
-            low, high = _box(self._outline(group, np.linalg.inv(clip.matrix)))
+            low, high = _box(self._outline(group, np.asarray(np.linalg.inv(clip.matrix), np.float64)))
             matrix = matrix @ translation(*low) @ scaling(*(high - low))
         low, high = bounds_of(areas)
         inside = self._masked(clip.content, matrix) if clip.is_mask else self.of(clip.content, matrix)

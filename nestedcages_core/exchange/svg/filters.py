@@ -95,7 +95,7 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
     """The area that a filter paints in the document; matrix: from the units of the filtered group to it."""
     if np.linalg.det(matrix[:2, :2]) == 0.0 or source.region.is_empty:
         return source.region
-    inverse = np.linalg.inv(matrix)
+    inverse = np.asarray(np.linalg.inv(matrix), np.float64)
     region = shapely.transform(source.region, lambda xy: moved(xy, inverse))
     x0, y0, x1, y1 = shapely.bounds(region)
     whole = shapely.box(*_region(by, (x0, y0, x1 - x0, y1 - y0)))

@@ -36,7 +36,7 @@ def visible(
     if gradient.repeats or not abs(np.linalg.det(to_document[:2, :2])) > 0.0:
         return everywhere
     corners = shapely.get_coordinates(everywhere)
-    here = moved(corners, np.linalg.inv(to_document))
+    here = moved(corners, np.asarray(np.linalg.inv(to_document), np.float64))
     parts = []
     for start, end in intervals_above(gradient.stops, alphas, faintest):
         part = (_disc_between if gradient.radial else _strip)(shapely, gradient.numbers, start, end, here)

@@ -52,7 +52,7 @@ def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
             doubtful = np.nonzero(sign == 0)
             corners = [ax, ay, bx, by, cx, cy]
             if not ax.shape == bx.shape == cx.shape:
-                corners = np.broadcast_arrays(*corners)
+                corners = list(np.broadcast_arrays(*corners))
             sign[doubtful] = _sign_by_signs(np.array([x[doubtful] for x in corners]))
     return sign
 

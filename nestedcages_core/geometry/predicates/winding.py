@@ -171,7 +171,7 @@ class _Rays:
         x, y = self.points[p].T
         beside = (x <= high_x) & (low_y <= y) & (y <= high_y)
         inside = beside & (low_x <= x)
-        tally[level] += np.count_nonzero(inside)
+        tally[level] += int(np.count_nonzero(inside))
         if level > 0 and tally[level] > CROWDED * len(self.points):
             held = np.flatnonzero(inside)
             inside[held] = tree.oriented(level).may_hold(node[held], self.points[p[held]])

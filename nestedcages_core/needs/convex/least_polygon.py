@@ -271,7 +271,7 @@ def _in_windows(costs: FloatArray, bounds: IntArray) -> IntArray | None:
 def _middles(cycle: IntArray, size: int) -> IntArray:
     """(k,) half-way from each tangent of a cycle to the one before."""
     before = np.roll(cycle, 1)
-    return np.mod(before + np.mod(cycle - before, size) // 2, size)
+    return np.asarray(np.mod(before + np.mod(cycle - before, size) // 2, size), np.int64)
 
 
 def _turned(hull: Hull, tangents: Tangents) -> Tangents:

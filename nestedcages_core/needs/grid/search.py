@@ -223,8 +223,8 @@ class _Search:
     def _clear_of_corners(self, p: FloatArray, q: FloatArray, corners: IntArray) -> BoolArray:
         """(K,) whether segments p-q (K, 2) keep their distance from fine vertices."""
         x = self.fine.vertices[corners]
-        kept: BoolArray = (point_edge(x[None], p[:, None], q[:, None]).distance >= self.clearance).all(axis=1)
-        return kept
+        distance = point_edge(x[None], p[:, None], q[:, None]).distance
+        return np.asarray((distance >= self.clearance).all(axis=1))
 
     def _clear_of_edges(self, p: FloatArray, q: FloatArray, edges: IntArray) -> BoolArray:
         """(K,) whether segments p-q (K, 2) do not cross fine edges."""
@@ -232,8 +232,7 @@ class _Search:
         p, q = p[:, None], q[:, None]
         beside = cross(q - p, a - p) * cross(q - p, b - p) > 0.0
         beside |= cross(b - a, p - a) * cross(b - a, q - a) > 0.0
-        kept: BoolArray = beside.all(axis=1)
-        return kept
+        return np.asarray(beside.all(axis=1))
 
     def _passed(self, corners: IntArray) -> IntArray:
         """Fine loops that lie as a whole next to an edge: it could pass them by, from one side to the other."""

@@ -51,7 +51,7 @@ def _smallest_around(larger: Mesh, sign: int, smaller: Mesh, loops: IntArray) ->
     """(K,) the smallest loop of a given sign in one mesh around each of some loops of another; -1 if there is none."""
     points = smaller.vertices[[smaller.loops[k][0] for k in loops]].reshape(-1, 2)
     best, least = np.full(len(points), -1), np.full(len(points), np.inf)
-    for k in np.flatnonzero(larger.loop_signs == sign):
+    for k in np.flatnonzero(larger.loop_signs == sign).tolist():
         area = abs(float(larger.loop_areas[k]))
         chosen = (_winding(points, larger, k) == sign) & (area < least)
         best[chosen], least[chosen] = k, area

@@ -1,0 +1,137 @@
+"""What a level is assembled from: a cage in progress, steps in input units, the level with its report, and errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..contact.reinflation import Reinflation
+from ..decimation import Start
+from ..energies import CageEnergy
+from ..errors import Fault
+from ..flow import FlowResult
+from ..geometry.arrays import FloatArray
+from ..geometry.mesh import Mesh
+from ..tasks import Stage
+from ..verification import Certificate
+from .plan import ExactSolver, Plan
+from .progress import LevelProgress
+from .report import Level, NestingReport, Progress
+from .symmetrised_start import Alike
+from .units import SolverUnits
+
+
+@dataclass(frozen=True, eq=False)
+class CageInProgress:
+    """A cage in progress, in the units of the solvers."""
+
+    start: Start
+    """With its coarse mesh in input units."""
+    unit_coarse: Mesh
+    flow: FlowResult
+    untightened: Reinflation
+    alike: Alike | None = None
+    """Its exact symmetry."""
+    tightened: Reinflation | None = None
+    """Followed by the tightening."""
+    energy: CageEnergy | None = None
+    is_measure: bool = False
+    """Whether the energy, not the excess, ranks cages."""
+    rank: float = np.inf
+    """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def reinflation(self) -> Reinflation:
+        """All steps so far."""
+        return self.tightened or self.untightened
+
+
+class Assembly:
+    """Assembles the levels of one plan."""
+
+    def __init__(self, plan: Plan, progress: LevelProgress, units: SolverUnits) -> None:
+        self.plan, self.progress, self.units, self.fine = plan, progress, units, plan.fine
+
+    def exact(self, solver: ExactSolver, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
+        """The level of a solver of its own."""
+        found = yield from solver(self.fine, wanted, clearances, self.progress)
+        counts = {"flow": 0, "reinflation": 0, "tightening": len(found.steps) - 1}
+        coarse, way = found.cage.moved(found.steps[0]).validated(), self.resting(found.steps)
+        notes = (*self.plan.remarks, *found.notes)
+        return self.level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
+
+    def resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
+        """The way of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
+        rest = self.fine.vertices[None]
+        return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
+
+    def level(
+        self,
+        coarse: Mesh,
+        cage: Mesh,
+        way: tuple[FlowResult, Reinflation],
+        certificate: Certificate,
+        clearance: float,
+        start: str,
+        iterations: Mapping[str, int],
+        notes: tuple[Fault, ...],
+    ) -> Level:
+        """The level with its report: what is certified, and how long it took."""
+        self.progress.stop_clock()
+        report = NestingReport(
+            strict=certificate.strict,
+            simple=certificate.simple,
+            clearance=certificate.clearance,
+            wanted_clearance=clearance,
+            excess=cage.area / self.fine.area - 1.0,
+            start=start,
+            iterations=iterations,
+            seconds=dict(self.progress.seconds),
+            notes=notes,
+        )
+        return Level(self.fine, coarse, cage, *way, report, inside=self.plan.inside)
+
+    def in_input_units(self, cage: CageInProgress) -> tuple[FlowResult, Reinflation]:
+        """Flow and reinflation in input units; input coordinates are restored exactly."""
+        units, reinflation = self.units, cage.reinflation
+        flow_steps = units.to_input(cage.flow.steps)
+        flow_steps[0] = self.fine.vertices
+        moving_steps = units.to_input(reinflation.moving_steps)
+        moving_steps[0] = flow_steps[-1]
+        moving_steps[-1] = self.fine.vertices
+        cage_steps = units.to_input(reinflation.cage_steps)
+        if cage.alike is not None:
+            cage_steps = cage.alike.symmetrised(cage_steps)
+        cage_steps[0] = cage.start.coarse.vertices
+        flow = FlowResult(flow_steps, cage.flow.iterations, cage.flow.stage)
+        return flow, Reinflation(moving_steps, cage_steps, reinflation.iterations)
+
+
+def is_only_too_close(certificate: Certificate, clearance: float) -> bool:
+    """Whether a cage lacks nothing but the clearance."""
+    sound = certificate.strict and certificate.simple and len(certificate.problems) == 1
+    return sound and certificate.clearance < clearance
+
+
+def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) -> Fault:
+    """Why a cage was rejected; tried: the last clearance asked for."""
+    if not is_only_too_close(certificate, tried):
+        said = "The cage could not be certified: "
+        if plan.inside:
+            said = (
+                "The inner cage could not be certified; in the words of verify(fine, cage), which takes the fine mesh "
+                "for the cage: "
+            )
+        return Fault(said + " ".join(certificate.problems), "certificate.failed", problems=certificate.problems)
+    from .tightest_place import too_narrow  # only where something failed
+
+    return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
+        f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
+        f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+        "clearance.no_room",
+        wanted=wanted,
+        largest=certificate.clearance,
+    )
