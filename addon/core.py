@@ -35,8 +35,9 @@ else:
                     "Nested Cages needs scipy, which is not bundled with this copy of the extension: "
                     "install the zip for your operating system and Blender version"
                 ) from error
-            room = "" if self.__name__ == "core" else f".{self.__name__}"
-            return getattr(import_module(nestedcages_core.__name__ + room), name)
+            room = nestedcages_core.__name__
+            found = nestedcages_core if self.__name__ == "core" else import_module(f"{room}.{self.__name__}")
+            return getattr(found, name)
 
     core = _LazyModule("core")
     memory = _LazyModule("cache")

@@ -70,6 +70,7 @@ def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: s
         return (yield from _connect(context, collection, levels, method))
     except BaseException:
         unbind(collection)
+        node_groups.remove_unused()
         raise
 
 

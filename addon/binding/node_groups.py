@@ -30,6 +30,12 @@ def group(name: str) -> Tree:
     return tree
 
 
+def remove_unused() -> None:
+    """Removes our node groups that nothing uses."""
+    while found := [tree for tree in bpy.data.node_groups if tree.name in BUILDERS and not tree.users]:
+        bpy.data.batch_remove(found)
+
+
 def add(obj: bpy.types.Object, name: str, **inputs: object) -> bpy.types.NodesModifier:
     """Adds the modifier with the node group of that name and its inputs."""
     modifier = display.add_nodes_modifier(obj, name, group(name))

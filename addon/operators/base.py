@@ -93,7 +93,11 @@ class JobOperator(Reporting):
         except UserError as error:
             return self.fail(error)
 
+    def prepare(self, context: bpy.types.Context) -> None:
+        """Sets what was not given when a user invokes the operator, not a script."""
+
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+        self.prepare(context)
         return self.execute(context) if bpy.app.background or context.window is None else self.start(context)
 
     def start(self, context: bpy.types.Context) -> Outcome:
@@ -161,17 +165,18 @@ class JobOperator(Reporting):
 
 class OutputOperator(JobOperator):
     """Works on the outputs of all selected drawings, one after the other. `purpose`: what inner cages cannot be used
-    for, if they cannot. `modes`: where it works.
+    for, if they cannot. `modes`: where it works. `both`: on cages around a drawing and on those inside.
     """
 
     purpose = ""
+    both = False
     modes: tuple[str, ...] = ("OBJECT",)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
         if context.mode not in cls.modes:
             return "Switch to Object Mode"
-        found = outputs_of_chosen(context)
+        found = outputs_of_chosen(context, both=cls.both)
         if not found:
             copies = any(waiting(obj) for obj in chosen(context))
             return "" if copies else NOTHING
@@ -191,7 +196,7 @@ class OutputOperator(JobOperator):
 
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         adopt(scene_of(context), chosen(context))
-        found = outputs_of_chosen(context)
+        found = outputs_of_chosen(context, both=self.both)
         suitable = [collection for collection in found if not self._why_not(collection)]
         if not suitable:
             raise UserError(self._why_not(found[0]) if found else NOTHING)

@@ -35,7 +35,8 @@ class BindingOperator(OutputOperator):
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
-        if ownership.is_bound(collection) == cls.needs_bound:
+        bound = ownership.is_bound(collection)
+        if bound == cls.needs_bound or (bound and binding.newcomers(bpy.context, collection)):
             return ""
         return "Nothing is bound to these cages" if cls.needs_bound else "These cages are already bound"
 
@@ -57,6 +58,8 @@ class LinkOperator(BindingOperator):
             space.overlay.wireframe_threshold = OUTLINES
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
+        if not self.needs_bound and ownership.is_bound(collection):
+            return binding.take_in(context, collection)
         return (binding.rebind if self.needs_bound else binding.bind)(context, collection, self.method)
 
     def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, binding.Binding]]) -> None:
@@ -81,18 +84,6 @@ class OBJECT_OT_nested_cages_bind(LinkOperator, bpy.types.Operator):
         "The file works without the add-on"
     )
     needs_bound = False
-
-    @classmethod
-    def unsuitable(cls, collection: bpy.types.Collection) -> str:
-        bound = ownership.is_bound(collection)
-        return "" if bound and binding.newcomers(bpy.context, collection) else super().unsuitable(collection)
-
-    def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
-        return (
-            binding.take_in(context, collection)
-            if ownership.is_bound(collection)
-            else super().each(context, collection)
-        )
 
 
 class OBJECT_OT_nested_cages_rebind(LinkOperator, bpy.types.Operator):

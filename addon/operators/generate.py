@@ -47,9 +47,8 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
             return "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
         return "" if sources(context) else why_nothing(context)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+    def prepare(self, context: bpy.types.Context) -> None:
         self.take_from_panel(context)
-        return super().invoke(context, event)
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout

@@ -23,6 +23,7 @@ class OBJECT_OT_nested_cages_report(OutputOperator, bpy.types.Operator):
     bl_description = "Write a text with all facts about these cages: certificates, binding errors, times, notes"
     bl_options = {"REGISTER", "UNDO"}
     modes = ("OBJECT", "POSE")
+    both = True
 
     def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[list[str]]:
         yield from ()

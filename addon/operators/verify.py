@@ -172,7 +172,8 @@ def _nested(context: bpy.types.Context, hidden: bool = False) -> list[list[bpy.t
     outputs = outputs_of_chosen(context)
     mine = [obj for obj in selected if ownership.level_of(obj) is not None]
     plain = len(selected) > len(mine) and not any(ownership.outputs_of(scene_of(context), obj) for obj in selected)
-    if len(selected) > 1 and (not outputs or (len(outputs) == 1 and (plain or len(mine) > 1))):
+    drawings = {ownership.source_of(output) for output in outputs}
+    if len(selected) > 1 and (not outputs or (len(drawings) == 1 and (plain or len(mine) > 1))):
         return [sorted(selected, key=lambda obj: (ownership.depth_of(obj), obj.dimensions.length))]
     found = [
         sorted((obj for obj in ownership.members(output) if hidden or not obj.hide_viewport), key=ownership.depth_of)

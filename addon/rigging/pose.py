@@ -122,7 +122,7 @@ def unshaped(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 @contextmanager
 def unmoved(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Temporarily disables the artist's constraints, and the animation of objects."""
+    """Temporarily disables the artist's constraints and the animation of objects that were just put in their places."""
     with ExitStack() as stack:
         for obj in objects:
             for constraint in (each for each in obj.constraints if each != placement.constraint_of(obj)):
@@ -132,9 +132,11 @@ def unmoved(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
                 continue
             _set(stack, animation, "use_nla", False)
             curves = shape_keys.curves_of(obj) if animation.action is not None else ()
-            for curve in (*curves, *animation.drivers):
-                if curve.data_path in placement.TRANSFORM:
-                    _set(stack, curve, "mute", True)
+            moving = [each for each in (*curves, *animation.drivers) if each.data_path in placement.TRANSFORM]
+            for curve in moving:
+                _set(stack, curve, "mute", True)
+            if moving:
+                obj.matrix_basis = Matrix()  # the animation has moved it on the frame of the result
         yield
 
 

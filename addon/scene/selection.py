@@ -31,10 +31,12 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     return list(dict.fromkeys((*((active,) if active is not None else ()), *context.selected_objects)))
 
 
-def outputs_of_chosen(context: bpy.types.Context) -> list[bpy.types.Collection]:
-    """The outputs of all these."""
+def outputs_of_chosen(context: bpy.types.Context, *, both: bool = True) -> list[bpy.types.Collection]:
+    """The outputs of all these; of a drawing with cages around it and inside `both`, or the former."""
     found = [ownership.outputs_about(scene_of(context), obj) for obj in chosen(context)]
-    return list(dict.fromkeys(output for outputs in found for output in outputs))
+    moved = [obj.type in {"ARMATURE", "EMPTY"} for obj in chosen(context)]
+    few = [outputs if both or many else outputs[:1] for outputs, many in zip(found, moved, strict=True)]
+    return list(dict.fromkeys(output for outputs in few for output in outputs))
 
 
 def select(context: bpy.types.Context, *objects: bpy.types.Object) -> None:

@@ -17,6 +17,10 @@ MARGIN = 1e-3
 """Depth, in widths, below which a difference from the offset region is the rounding of the offsets."""
 
 
+GRID = 1e-6
+"""Spacing, in widths, of the grid that overlays are rounded to where they need one."""
+
+
 class Hairlines(NamedTuple):
     """A region without its hairlines, and their numbers."""
 
@@ -58,14 +62,32 @@ def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0
 
     All other vertices keep their coordinates. A narrow part that joins others, or is a part of its own, stays.
     """
-    fills, spikes = _fills(shapely, region, gap) if gap > 0.0 else [], []
-    if fills:
-        region = shapely.union_all([region, *fills])
-    if spike > 0.0:
-        spikes = _spikes(shapely, region, spike)
-    if spikes:
-        region = shapely.difference(region, shapely.union_all(spikes))
+    whole, fills, spikes = region, [], []
+    try:
+        fills = _fills(shapely, region, gap) if gap > 0.0 else []
+        if fills:
+            region = _overlaid(shapely, "union", region, _united(shapely, fills, gap), gap)
+        spikes = _spikes(shapely, region, spike) if spike > 0.0 else []
+        if spikes:
+            region = _overlaid(shapely, "difference", region, _united(shapely, spikes, spike), spike)
+    except shapely.errors.GEOSException:  # hairlines cost vertices, but no drawing
+        return Hairlines(whole, 0, 0)
     return Hairlines(region, len(fills), len(spikes))
+
+
+def _overlaid(shapely: Any, operation: str, one: Any, other: Any, width: float) -> Any:
+    """An operation of GEOS, rounded to a fine grid where boundaries are too close together to do without."""
+    try:
+        return getattr(shapely, operation)(one, other)
+    except shapely.errors.GEOSException:  # offsets may be invalid
+        return getattr(shapely, operation)(*map(shapely.make_valid, (one, other)), grid_size=GRID * width)
+
+
+def _united(shapely: Any, parts: list[Any], width: float) -> Any:
+    try:
+        return shapely.union_all(parts)
+    except shapely.errors.GEOSException:
+        return shapely.union_all(parts, grid_size=GRID * width)
 
 
 def without_short_edges(ring: FloatArray, width: float) -> FloatArray:
@@ -83,23 +105,24 @@ def _fills(shapely: Any, region: Any, width: float) -> list[Any]:
     """What has to be added to a region so that no gap in it is narrower."""
     reach, margin = 0.5 * width, MARGIN * width
     wider = _offset(shapely, region, reach)
-    found = shapely.difference(_offset(shapely, wider, -reach - margin), region)
+    found = _overlaid(shapely, "difference", _offset(shapely, wider, -reach - margin), region, width)
     if found.is_empty:
         return []
-    return _parts_at(shapely, shapely.difference(_offset(shapely, wider, -reach), region), found)
+    closed = _offset(shapely, wider, -reach)
+    return _parts_at(shapely, _overlaid(shapely, "difference", closed, region, width), found)
 
 
 def _spikes(shapely: Any, region: Any, width: float) -> list[Any]:
     """The ends of a region narrower than a width; neither its necks, handles nor parts, except for specks."""
     reach, margin = 0.5 * width, MARGIN * width
     core = _offset(shapely, region, -reach)
-    found = shapely.difference(region, _offset(shapely, core, reach + margin))
+    found = _overlaid(shapely, "difference", region, _offset(shapely, core, reach + margin), width)
     if found.is_empty:
         return []
     body = _offset(shapely, core, reach)
     spikes = []
-    for part in _parts_at(shapely, shapely.difference(region, body), found):
-        contacts = shapely.intersection(shapely.buffer(part, margin), body)
+    for part in _parts_at(shapely, _overlaid(shapely, "difference", region, body, width), found):
+        contacts = _overlaid(shapely, "intersection", shapely.buffer(part, margin), body, width)
         speck = contacts.is_empty and not core.is_empty and max(np.ptp(np.reshape(part.bounds, (2, 2)), axis=0)) < width
         if speck or (not contacts.is_empty and shapely.get_num_geometries(contacts) == 1):
             spikes.append(part)

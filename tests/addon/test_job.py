@@ -152,7 +152,9 @@ def modal(addon, monkeypatch):
     def operator(name, **values):
         kind = next(cls for cls in addon.operators.CLASSES if cls.bl_idname == f"object.nested_cages_{name}")
         bases = tuple(base for base in kind.__bases__ if base.__module__.startswith(addon.__name__))
-        made = type("StandIn", bases, {key: value for key, value in vars(kind).items() if callable(value)})()
+        own = {key: value for key, value in vars(kind).items() if callable(value) or key == "needs_bound"}
+        made = type("StandIn", bases, own)()
+        made.properties = SimpleNamespace(is_property_set=lambda _name: True)
         made.exclusive = kind.exclusive
         made.report = lambda level, words: log.append((*level, words))
         for key, value in values.items():

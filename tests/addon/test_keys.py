@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from conftest import ROOT
-from drawings import poly_curve, star
+from drawings import of_before, poly_curve, star
 
 KEYS = re.findall(r'^[A-Z_]+ = "(nested_cages_\w*[a-z])"$', (ROOT / "addon" / "keys.py").read_text(), re.MULTILINE)
 # Each is of a wrong type for nearly all of them.
@@ -57,6 +57,7 @@ def test_no_operator_or_panel_fails_on_a_property_of_the_wrong_type(addon, key, 
         if bound:
             bpy.ops.object.nested_cages_bind()
             bpy.context.view_layer.objects.active = source
+        of_before(addon, collection)  # what the add-on publishes now, it does not read
         value = bpy.data.objects.new("Camera", None) if kind == "object" else VALUES[kind]
         for owner in (collection, source, *collection.objects):
             owner[key] = value

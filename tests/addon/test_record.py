@@ -259,6 +259,23 @@ def test_generate_after_bind_makes_the_drawings_cages_again(addon) -> None:
     assert len(bpy.data.collections) == 1 and addon.scene.ownership.is_bound(collection)
 
 
+@pytest.mark.parametrize("how", ["driven", "keyed"])
+def test_a_pose_by_animation_is_there_after_generate(addon, how) -> None:
+    source, collection = caged(bind=True)
+    rest, cage = evaluated(source).copy(), addon.scene.ownership.members(collection)[-1]
+    if how == "driven":
+        cage.driver_add("location", 0).driver.expression = "1.0"
+    else:
+        cage.location.x = 1.0
+        cage.keyframe_insert("location", index=0)
+    choose(source)
+    assert bpy.ops.object.nested_cages_generate(levels="20, 10") == {"FINISHED"}
+    bpy.context.scene.frame_set(2)
+    bpy.context.view_layer.update()
+    assert addon.scene.ownership.is_bound(collection)
+    np.testing.assert_allclose(evaluated(source) - rest, np.tile((1.0, 0.0, 0.0), (len(rest), 1)), atol=1e-5)
+
+
 def test_a_shortcut_uses_the_values_of_the_panel(addon) -> None:
     """Nothing is remembered from the last time; what a shortcut gives itself counts."""
     names, settings = addon.properties.settings.NAMES, bpy.context.scene.nested_cages
