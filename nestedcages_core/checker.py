@@ -66,9 +66,7 @@ def check(
             alike = loops[0] == loops[1] if same_loops is None else same_loops
         found = faults_of_cage(*((within, cage) if inner else (cage, within)), wanted, alike is not False)
         if not found:
-            found += faults_of_needs(
-                cage, getattr(report, "grid", None) if grid is None else grid, symmetry, getattr(report, "stored", None)
-            )
+            found += faults_of_needs(cage, grid, symmetry, report)
             both = Loops(*((fine, cage) if inner else (cage, fine)))
             found += farther_than(distance, both.x, both.after, both.is_fine, float(TOLERANCE)) if distance else []
             found += faults_of_steps(within, level, wanted, alike, motions) if hasattr(level, "cage") else []
@@ -236,17 +234,14 @@ def faults_of_cage(cage: Any, fine: Any, clearance: float = 0.0, alike: bool = T
     return both.contacts() or both.misplaced(alike) + (both.too_near(clearance) if clearance > 0 else [])
 
 
-def faults_of_needs(cage: Any, grid: float | None, symmetry: Any, stored: str | None = None) -> list[str]:
+def faults_of_needs(cage: Any, grid: float | None, symmetry: Any, report: Any) -> list[str]:
     """Coordinates off a grid, and edges without an image under a mirror (point, direction) or rotation (centre, order).
 
-    A spacing is the decimal that reads as it, and a coordinate on the grid the float64 next to a multiple of that, as
-    the type ``stored`` holds it.
+    A spacing is the decimal that reads as it; a coordinate on the grid, the float next to a multiple, as it is stored.
     """
-    loops, found = Loops(cage), []
-    held = np.dtype(stored or "float64").type
-    if stored is not None and not np.array_equal(loops.x.astype(stored), loops.x):
-        found.append(f"some coordinates are not numbers of type {stored}")
-    if grid is not None:
+    loops, held = Loops(cage), np.dtype(getattr(report, "stored", None) or "float64").type
+    found = [] if (held(loops.x) == loops.x).all() else [f"some coordinates are not numbers of type {held.__name__}"]
+    if (grid := getattr(report, "grid", None) if grid is None else grid) is not None:
         step = min(Fraction(repr(float(grid))), Fraction(grid), key=lambda ratio: ratio.numerator)
         off = [x for x in loops.x.ravel().tolist() if float(held(float(round(Fraction(x) / step) * step))) != x]
         found += [f"{len(off)} coordinates are not multiples of {grid:.9g}, such as {off[0]!r}"] if off else []
