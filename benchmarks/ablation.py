@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 
 import clone  # noqa: F401
+from comparison.drawings import drawings
 from growth import KINDS as GROWING
 from mechanisms import MECHANISMS, Around, Mechanism
 from nestedcages_core import ArcLength, Mesh, NestedCagesError, nested_cages, verify
@@ -109,7 +110,7 @@ class Made:
 
 def cases(count: int, sizes: Sequence[int]) -> list[Case]:
     """Random shapes, as many of each kind, at two counts, with a wide clearance and with a coarse mesh of their own;
-    then shapes of growing size."""
+    then symmetric drawings with coarse meshes, and shapes of growing size."""
     found: list[Case] = []
     of_kind: Counter[str] = Counter()
     seed = FIRST_SEED
@@ -127,6 +128,7 @@ def cases(count: int, sizes: Sequence[int]) -> list[Case]:
         with suppress(NestedCagesError):
             coarse = ArcLength().decimate(fine, min(most, max(OWN_COUNT, 6 * len(fine.loops))))
             found.append(Case(f"{name} and a coarse mesh", fine, coarse))
+    found += [Case(f"{name}, drawn", fine, coarse) for name, (fine, coarse) in drawings().items()]
     for size in sizes:
         found += [Case(f"{kind} of {size}", make(size), min(size // 10, 256)) for kind, make in GROWING.items()]
     return found

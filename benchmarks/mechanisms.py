@@ -188,6 +188,7 @@ MECHANISMS: dict[str, Mechanism] = {
         patches={"contact.contact_response:not_implied": all_kept, "tightening.quadratic_model:not_implied": all_kept},
     ),
     # tightening
+    "escapes from saddles": Mechanism("tightening", patches={"tightening.tightening:MAX_ESCAPES": 0}),
     "widening in small steps": Mechanism(
         "tightening",
         patches={"tightening.reach_clearance:MAX_STEPS": 0},

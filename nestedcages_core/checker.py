@@ -202,9 +202,7 @@ class Loops:
         if found or not alike:
             return found
         parent = [max(np.flatnonzero(row).tolist(), key=lambda k: (turns[k] != 0).sum(), default=-1) for row in turns]
-        for k in np.flatnonzero(
-            fine != hole
-        ).tolist():  # the inner one of two partners is the only child of the outer one
+        for k in np.flatnonzero(fine != hole).tolist():  # the inner one of two is the only child of its partner
             p = parent[k]
             if p < 0 or parent.count(p) > 1 or fine[p] == fine[k] or hole[p] != hole[k]:
                 found.append(f"{names[k]} has no partner of its own")

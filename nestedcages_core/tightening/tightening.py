@@ -23,7 +23,8 @@ from ..contact.wanted_distances import WantedDistances
 from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
 from ..parameters import check_count, check_not_negative, check_part, check_positive
-from ..solver.quadratic_program import InteriorPoint
+from ..solver.negative_curvature import negative_curvature
+from ..solver.quadratic_program import InteriorPoint, QPSolution
 from ..tasks import Stage, mapped
 from .curvature import EdgeLoads
 from .quadratic_model import QuadraticModel, model_at
@@ -47,6 +48,15 @@ THINNEST_SKIN = 0.75
 
 COMPLEMENTARITY = 0.1
 """Complementarity at which a quadratic program is solved, as a fraction of the smallest decrease that counts."""
+
+ACTIVE_MULTIPLIER = 1e-3
+"""Multipliers above this fraction of the largest mark constraints that are active at a saddle."""
+
+ESCAPE_LENGTH = 0.5
+"""Length of the step off a saddle, in first radii."""
+
+MAX_ESCAPES = 8
+"""Maximum number of steps off saddles (docs/ablation.md: escapes from saddles)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,14 +140,14 @@ class _Run:
         settings, energy, successor = self.settings, self.energy, self.bodies.cage_successor
         unit = self.bodies.cage_edge_length
         first = settings.first_radius * unit
-        region = TrustRegion(first, settings.largest_radius * unit, unit, self.m)
+        region = TrustRegion(first, first, settings.largest_radius * unit, unit, self.m)
         value = first_value = energy.value(self.x[: self.m], successor)
         negligible = settings.tolerance * abs(signed_area(self.x[: self.m], successor))
         slope = float(np.abs(energy.gradient(self.x[: self.m], successor)).sum())
         if slope * region.largest <= negligible:
             return self._outcome(0, True, "The cage is at a minimum of its energy.")
         loads = EdgeLoads.none(self.m)
-        quiet = 0
+        quiet = escapes = 0
         previous = 0.0
         for iteration in range(1, settings.iterations + 1):
             threshold = max(negligible, settings.share * (first_value - value))
@@ -159,8 +169,14 @@ class _Run:
             region.update(solution, trial, value)
             value = yield from self._accept(trial)
             if still or quiet >= settings.patience:
-                return self._outcome(iteration, True, "The model predicts no further decrease of the energy.")
-            if region.collapsed:
+                escape = self._escape(model, solution, value) if escapes < MAX_ESCAPES else None
+                if escape is None or value - escape.value < negligible:
+                    return self._outcome(iteration, True, "The model predicts no further decrease of the energy.")
+                logger.debug("tightening %d: off a saddle, actual %.2e", iteration, value - escape.value)
+                value = yield from self._accept(escape)
+                region.reset()
+                quiet, escapes = 0, escapes + 1
+            elif region.collapsed:
                 return self._outcome(iteration, False, "No step, however short, lowers the energy.")
         return self._outcome(settings.iterations, False, f"Stopped after {settings.iterations} iterations.")
 
@@ -175,6 +191,26 @@ class _Run:
             self.x = trial.x
             yield self.x[: self.m].copy()
         return trial.value
+
+    def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
+        """A step off a saddle that lowers the energy; None at a local minimum.
+
+        The model is that of the step before, which was short; its contacts are measured anew.
+        """
+        multipliers = solution.multipliers
+        active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)
+        tie = self.bodies.tie
+        program = model.program if tie is None else tie.program(model.program)
+        softest = negative_curvature(program, self.order, active)
+        if softest is None:
+            return None
+        direction = softest.direction if tie is None else tie.motion(softest.direction)
+        length = ESCAPE_LENGTH * self.settings.first_radius * self.bodies.cage_edge_length
+        decrease = -0.5 * softest.curvature * length**2
+        model = model.measured_at(self.x)
+        trials = [self._try(model, sign * length * direction, value, decrease) for sign in (1.0, -1.0)]
+        best = min(trials, key=lambda trial: trial.value)
+        return best if best.accepted else None
 
     def _name(self, vertex: int) -> str:
         return f"cage vertex {vertex}" if vertex < self.m else f"fine vertex {vertex - self.m}"

@@ -27,6 +27,8 @@ class TrustRegion:
 
     largest_step: float
     """Δ."""
+    first: float
+    """First Δ."""
     largest: float
     """Largest Δ allowed."""
     unit: float
@@ -38,6 +40,10 @@ class TrustRegion:
     def radius(self) -> FloatArray:
         """(m,) Δ of each vertex."""
         return np.full(self.m, self.largest_step)
+
+    def reset(self) -> None:
+        """Raise the radius to the first one at least."""
+        self.largest_step = max(self.largest_step, self.first)
 
     @property
     def collapsed(self) -> bool:

@@ -12,6 +12,7 @@ from nestedcages_core import NestedCagesError
 from nestedcages_core.energies import Blocks
 from nestedcages_core.solver.banded import BandedSystem, BandOrder, Rows
 from nestedcages_core.solver.definite import WIDEST_BAND, factorised
+from nestedcages_core.solver.negative_curvature import negative_curvature
 from nestedcages_core.solver.quadratic_program import InteriorPoint, QuadraticProgram
 
 EXACT = InteriorPoint(iterations=80, complementarity=1e-10, primal=1e-10, dual=1e-10)
@@ -237,12 +238,35 @@ def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
     assert system.factorise(5.0)
 
 
+def test_the_softest_motion_keeps_what_is_active_and_has_negative_curvature() -> None:
+    m = 6
+    ring = np.arange(m)
+    saddle = np.broadcast_to(np.diag([1.0, -0.5]), (m, 2, 2))
+    couplings = np.broadcast_to(0.05 * np.eye(2), (m, 2, 2))
+    hessian = Blocks.sum([(1.0, Blocks(ring, ring, saddle)), (1.0, Blocks(ring, np.roll(ring, -1), couplings))])
+    upwards = np.broadcast_to(np.array([[0.0], [1.0]]), (2, m))
+    held = Rows(ring[None], np.ones((1, m)), upwards)
+    program = QuadraticProgram(np.zeros((m, 2)), hessian, [held], np.zeros(m), np.ones(m), upright(m))
+    order = BandOrder.of(m, ring, np.roll(ring, -1))
+    some = ring < 4
+    softest = negative_curvature(program, order, some)
+    assert softest is not None
+    d = softest.direction.ravel()
+    assert np.abs(softest.direction[some, 1]).max() < 1e-4
+    assert np.hypot(*softest.direction.T).max() == pytest.approx(1.0)
+    assert d @ hessian.dense(m) @ d == pytest.approx(softest.curvature, rel=1e-3)
+    assert softest.curvature < -0.3
+    assert negative_curvature(program, order, np.ones(m, bool)) is None
+
+
 def test_matrices_that_no_damping_makes_definite_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """As some libraries answer entries that are no numbers."""
     program = random_program(1)
     monkeypatch.setattr(BandedSystem, "factorise", lambda self, shift: False)
     with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
         InteriorPoint().solve(program)
+    with pytest.raises(NestedCagesError, match="derivatives that are not finite"):
+        negative_curvature(program, BandOrder.of(7, np.arange(7), np.arange(7)), np.zeros(20, bool))
 
 
 @pytest.mark.parametrize("height", [1, 2, 5, WIDEST_BAND, WIDEST_BAND + 1, 150])

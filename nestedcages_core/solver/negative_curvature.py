@@ -1,0 +1,74 @@
+"""Directions of negative curvature, to leave a saddle.
+
+Where the gradient vanishes along the active constraints, the energy still falls along a direction of negative
+curvature: the eigenvector of the smallest eigenvalue of W, with the active constraints held by stiff springs. It is
+found by inverse iteration (Golub & Van Loan, Matrix Computations, section 8.2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import NestedCagesError
+from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.vectors import inner
+from .banded import BandedSystem, BandOrder
+from .quadratic_program import MAX_DAMPINGS, NOT_FINITE, QuadraticProgram, block_scale
+
+SPRING_STIFFNESS = 1e6
+"""Stiffness of the springs, relative to the largest block of W: constraints hold to six digits."""
+
+INVERSE_ITERATIONS = 12
+"""Inverse iterations: few, since any direction of negative curvature will do."""
+
+FIRST_SPECTRAL_SHIFT, SPECTRAL_SHIFT_GROWTH = 0.03, 3.0
+"""First shift that may make the matrix positive definite, relative to the largest block of W; factor to the next."""
+
+SMALLEST_CURVATURE = 1e-6
+"""Negative curvature below this fraction of the largest block of W counts as zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class NegativeCurvature:
+    """A direction of negative curvature."""
+
+    direction: FloatArray
+    """(m, 2), its longest row of length 1."""
+    curvature: float
+    """Second derivative of the energy along it; negative."""
+
+
+def negative_curvature(program: QuadraticProgram, order: BandOrder, active: BoolArray) -> NegativeCurvature | None:
+    """A direction of negative curvature along the active rows (K,) of the program; None at a minimum."""
+    hessian, rows = program.hessian, program.rows
+    size = 2 * len(program.radius)
+    scale = block_scale(hessian)
+    order = order.including(hessian, rows)
+    system = BandedSystem(order, hessian, rows, program.axes)
+    h = np.zeros(len(active) + 2 * size)
+    h[: len(active)] = np.where(active, SPRING_STIFFNESS * scale, 0.0)
+    system.set_matrix(h)
+    if scale == 0.0 or system.factorise(0.0):
+        return None
+    shift = FIRST_SPECTRAL_SHIFT * scale
+    for _ in range(MAX_DAMPINGS):
+        if system.factorise(shift):
+            break
+        shift *= SPECTRAL_SHIFT_GROWTH
+    else:
+        raise NestedCagesError(NOT_FINITE, code="solver.not_finite")
+    v = np.cos(np.arange(size) ** 2)  # generic: not orthogonal to the eigenvectors of symmetric shapes
+    growth = 1.0
+    for _ in range(INVERSE_ITERATIONS):
+        v /= np.sqrt(inner(v, v))
+        w = system.solve(v)
+        growth = inner(v, w)
+        v = w
+    curvature = 1.0 / growth - shift
+    if curvature > -SMALLEST_CURVATURE * scale:
+        return None
+    motion = system.of_vertices(v)
+    longest = np.sqrt((motion**2).sum(axis=1).max())
+    return NegativeCurvature(motion / longest, curvature * inner(v, v) / float(longest) ** 2)
