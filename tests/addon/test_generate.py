@@ -62,7 +62,7 @@ def test_percentages_are_of_the_drawing_and_leave_enough_vertices_per_loop(addon
     ("levels", "counts", "note"),
     [
         ("61", [60], "61 vertices were asked for, but the mesh inside has 60"),
-        ("20, 21", [20, 20], "21 vertices were asked for, but the mesh inside has 20"),
+        ("20, 21", [20, 20], "level 2 asks for 21 vertices, more than the 20 of the cage in it"),
         ("5", [6], "A level of 5 is too small: its 2 loops need 6 vertices"),
         ("1%", [8], "1 % of 60 vertices is too few: its 2 loops need 8 for a close fit"),
     ],
