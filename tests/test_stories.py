@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 STORIES = (
     "bend",
     "butterfly",
+    "character",
     "coast",
     "five_levels",
     "glyphs",
@@ -38,7 +39,7 @@ STORIES = (
     "walk",
     "waving",
 )
-NEED_BLENDER = ("waving",)
+NEED_BLENDER = ("character", "waving")
 
 
 @pytest.mark.slow
@@ -89,5 +90,5 @@ def _check_files(story: str, folder: Path) -> None:
         frames = frames_from_engine_json((folder / "walk_body.json").read_text())
         assert len(frames) >= 9
         assert {len(outline.vertices) for _, outline in frames} == {8}
-    elif story == "waving":
-        assert (folder / "waving.blend").stat().st_size > 0
+    elif story in NEED_BLENDER:
+        assert (folder / f"{story}.blend").stat().st_size > 0
