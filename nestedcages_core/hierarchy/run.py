@@ -17,6 +17,7 @@ from ..level.builder import LevelBuilder
 from ..level.plan import Plan
 from ..level.progress import LevelProgress
 from ..level.report import Hierarchy, Level, Progress
+from ..level.reuse import whole_level
 from ..tasks import Run, Stage, listened
 from ..tolerance.within import Within
 from ..verification import verify
@@ -134,7 +135,8 @@ def _hierarchy(
                 made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
             else:
                 made = builder.build(level)
-            done = yield from made
+            asked = replace(settings, about=None), about, inner, level, clearances, side
+            done = yield from whole_level(made, *asked)
             advised: tuple[Fault, ...] = ()
             if done.report.excess > LOOSE and not (needs or isinstance(level, Mesh)):
                 from ..needs.merging import advice

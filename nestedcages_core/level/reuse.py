@@ -1,4 +1,4 @@
-"""The steps of a level that are remembered: another energy or clearance needs the same ones."""
+"""What is remembered of levels: the whole, and the steps that another energy or clearance needs too."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from ..cache import Memory, key_of
 from ..decimation import Count, SeveralStarts, Start
 from ..flow import FlowMethod, FlowResult
+from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
+from .report import Level, Progress
 
 CAPACITY = 16_000_000
 """Bytes of all coarse meshes that are remembered, and of all flows."""
@@ -16,8 +18,30 @@ CAPACITY = 16_000_000
 BYTES_PER_VERTEX = 300
 """Of a mesh with its trees."""
 
+LEVEL_CAPACITY = 64_000_000
+"""Bytes of all levels that are remembered, with their steps."""
+
+_levels: Memory[Level] = Memory(LEVEL_CAPACITY)
 _starts: Memory[list[Start]] = Memory(CAPACITY)
 _flows: Memory[FlowResult] = Memory(CAPACITY)
+
+
+def whole_level(work: Stage[Progress, Level], *asked: object) -> Stage[Progress, Level]:
+    """A level that depends only on what was asked for; its steps are read-only, since the next run may share them."""
+    level = yield from _levels.stage(key_of(*asked), work, _level_size)
+    for steps in _steps(level):
+        steps.flags.writeable = False
+    return level
+
+
+def _steps(level: Level) -> list[FloatArray]:
+    return [level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps]
+
+
+def _level_size(level: Level) -> int:
+    """Bytes of the steps and meshes of a level."""
+    vertices = sum(len(mesh.vertices) for mesh in (level.fine, level.coarse, level.cage))
+    return sum(steps.nbytes for steps in _steps(level)) + BYTES_PER_VERTEX * vertices
 
 
 def coarse_meshes(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
-from nestedcages_core import Mesh, OuterHull, Settings, Within, nested_cages
+from nestedcages_core import Found, InteriorARAP, Mesh, OuterHull, Settings, Within, nested_cages
 from nestedcages_core.cache import forget
 from nestedcages_core.decimation.hull import remembered
 from nestedcages_core.decimation.hull.hull_search import EVEN_WEIGHTS, RESTART_WEIGHTS, middle_size, stage_size
@@ -13,6 +15,7 @@ from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.hull.remembered import RememberedHull, remembered_hull
 from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.request import canonical_order
+from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.tasks import drain
 from shapes import islands, letter_a, star
 
@@ -139,3 +142,20 @@ def test_what_is_asked_for_is_told_apart() -> None:
         remembered_hull(Outline(start.vertices, start.sizes, start.spans[::-1]), EVEN_WEIGHTS, [3]),
     ]
     assert all(other is not run for other in others)
+
+
+@pytest.mark.parametrize("options", [{}, {"grid": 0.01}, {"symmetry": Found()}, {"energy": InteriorARAP()}])
+def test_the_very_same_request_is_answered_at_once(options: dict[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
+    fine = star()
+    forget()
+    first = nested_cages(fine, [24, 12], **options)
+
+    def computed(*_: object) -> Iterator[None]:
+        pytest.fail("computed again")
+        yield
+
+    monkeypatch.setattr(LevelBuilder, "build", computed)
+    again = nested_cages(Mesh(fine.vertices, fine.edges), [24, 12], **options)
+    assert again.cages == first.cages
+    assert again[0].report == first[0].report
+    assert not again[0].flow.steps.flags.writeable

@@ -113,11 +113,13 @@ def merged(fine: Mesh, distance: float) -> Mesh:
     filled = [
         Polygon(part.exterior, [hole for hole in part.interiors if Polygon(hole).area >= distance**2])
         for part in getattr(closed, "geoms", [closed])
+        if isinstance(part, Polygon)  # unions of nearly touching outlines may leave lines
     ]
     whole = shapely.union_all([*filled, solid])
     rings = [
         np.array(ring.coords)[:-1]
         for part in getattr(whole, "geoms", [whole])
+        if isinstance(part, Polygon)
         for ring in (part.exterior, *part.interiors)
     ]
     return Mesh.from_loops([ring[(ring != np.roll(ring, 1, axis=0)).any(axis=1)] for ring in rings])
