@@ -36,8 +36,7 @@ def without_encoding(tree: ast.AST) -> Iterator[int]:
         binary = any(isinstance(mode, ast.Constant) and "b" in str(mode.value) for mode in modes)
         of = ast.unparse(node.func.value) if isinstance(node.func, ast.Attribute) else ""
         is_open = name == "open" and not binary and of not in ("Image", "os", "tarfile")
-        is_method = isinstance(node.func, ast.Attribute) and name in TEXT_CALLS
-        if (is_method or is_open) and "encoding" not in named:
+        if (name in TEXT_CALLS or is_open) and "encoding" not in named:
             yield node.lineno
 
 
