@@ -557,7 +557,7 @@ def test_symmetric_cages_and_limits(drawing: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--grid", "1"], ["--min-angle", "70"],
+    "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--convex"], ["--min-angle", "70"],
               ["--convex", "--min-edge", "1"]]
 )  # fmt: skip
 def test_symmetries_and_limits_that_cannot_be_had(wrong: list[str], drawing: Path) -> None:
