@@ -22,7 +22,7 @@ SVG, MAPS = (".svg",), (".geojson", ".json")
 # Metres per unit: of drawings, whose unit is a pixel, and of files exported from Blender, which keep their size.
 PIXEL, EXPORTED = 0.01, 1.0
 # Whether an SVG becomes an outline of each shape, by the choices of the operator.
-EACH = {"ONE": False, "SEVERAL": True, "AUTO": None}
+EACH = {"ONE": False, "SEVERAL": True, "PARTS": True, "AUTO": None}
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,8 @@ def place(
         unit = scale or shape.scale
         points = shape.mesh.vertices * (unit, -unit if turned else unit)
         middle = (0.5 * (points.min(axis=0) + points.max(axis=0))).astype(np.float32).astype(np.float64)
-        stored = _stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops])
-        made.append((shape.name, stored, middle))
+        kept = stored(shape.name, [points[loop] - middle for loop in shape.mesh.loops])
+        made.append((shape.name, kept, middle))
     return [_object(context, *parts) for parts in made]
 
 
@@ -105,7 +105,7 @@ def _object(context: bpy.types.Context, name: str, mesh: core.Mesh, middle: NDAr
     return obj
 
 
-def _stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
+def stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
     """The core's ``Mesh`` of loops (k, 2) in float32 precision. Raises: UserError.
 
     Points that coincide in float32 are merged, and loops that touch because of it are joined.

@@ -11,7 +11,7 @@ from bpy_extras.io_utils import ImportHelper
 
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
-from ..io import importers
+from ..io import importers, layered
 from ..scene.filling import mesh_of
 from ..scene.selection import select
 from .base import DialogJobOperator, Outcome
@@ -25,6 +25,7 @@ OUTLINE_ITEMS = (
     ("AUTO", "Automatic", "Several outlines from exported cages, one from other files"),
     ("ONE", "One Outline", "The filled area of everything, with overlaps united"),
     ("SEVERAL", "Several Outlines", "An outline of each shape"),
+    ("PARTS", "Parts of a Character", "A filled part of each shape with its colours and strokes, one above the other"),
 )
 Y_DOWN = {"AUTO": None, "DOWN": True, "UP": False}
 EXTENSIONS = (*importers.SVG, *importers.MAPS)
@@ -91,13 +92,20 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         if not paths:
             raise UserError("Choose a file to read")
         shapes: list[importers.Shape] = []
+        layered_files: list[tuple[str, Any]] = []
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
-            shapes += importers.shapes_in(path, self.outlines)
+            if self.outlines == "PARTS" and path.suffix.lower() in importers.SVG:
+                layered_files.append((path.stem, layered.read(path)))
+            else:
+                shapes += importers.shapes_in(path, self.outlines)
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)
+        for title, parts in layered_files:
+            made += yield from layered.place(context, title, parts, y_down=self.y != "UP", scale=self.scale)
         select(context, *made)
         count = sum(len(mesh_of(obj).vertices) for obj in made)
-        self.report({"INFO"}, f"{counted(len(made), 'outline')}, {count} vertices")
+        word = "part" if layered_files and not shapes else "outline"
+        self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
         return {"FINISHED"}
 
 

@@ -191,9 +191,11 @@ def _thickness_nodes() -> bpy.types.NodeTree:
 def _material(shade: Sequence[float]) -> bpy.types.Material:
     """A material that emits a colour, so that lines look the same in any light; one per file."""
     name = "Nested Cages #" + "".join(f"{round(255.0 * part):02X}" for part in shade[:3])
-    material = bpy.data.materials.get(name)
-    if material is not None:
-        return material
+    return bpy.data.materials.get(name) or flat_material(name, shade)
+
+
+def flat_material(name: str, shade: Sequence[float]) -> bpy.types.Material:
+    """A new material that emits a colour (4,), scene linear, and is as opaque as its last number."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = tuple(shade)
     if material.node_tree is None:  # always there since Blender 5.0
@@ -202,6 +204,13 @@ def _material(shade: Sequence[float]) -> bpy.types.Material:
     tree.nodes.clear()
     glow, end = new_node(tree, "ShaderNodeEmission"), new_node(tree, "ShaderNodeOutputMaterial")
     glow.inputs["Color"].default_value = tuple(shade)
-    tree.links.new(glow.outputs["Emission"], end.inputs["Surface"])
-    end.location = (200.0, 0.0)
+    end.location = (400.0, 0.0)
+    if shade[3] < 1.0:
+        clear, mix = new_node(tree, "ShaderNodeBsdfTransparent"), new_node(tree, "ShaderNodeMixShader")
+        clear.location, mix.location = (0.0, -150.0), (200.0, 0.0)
+        mix.inputs[0].default_value = shade[3]
+        tree.links.new(clear.outputs[0], mix.inputs[1])
+        tree.links.new(glow.outputs[0], mix.inputs[2])
+        glow = mix
+    tree.links.new(glow.outputs[0], end.inputs["Surface"])
     return material

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix
+from mathutils import Color, Matrix
 
 from drawings import add, at_frame, evaluated, grease_pencil, in_world, poly_curve, text, wire
 
@@ -257,20 +257,72 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
         bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")
 
 
-def test_a_layered_svg_waves_after_four_actions(tmp_path) -> None:
-    paths = [
-        f'<path id="{name}" fill="#c84" d="M{" L".join(f"{100 * x:.2f},{-100 * y:.2f}" for x, y in capsule(*limb))}Z"/>'
-        for name, limb in LIMBS.items()
-    ]
+# Fill and stroke of each part of a layered drawing, as a style sheet names them, and the width of its stroke.
+PAINTS = {"skin": ("#cc8844", "#221100", 3.0), "cloth": ("teal", "none", 0.0), "ink": ("rgb(20 30 40)", "#fff", 1.5)}
+LAYERS = {
+    "Body": {"Torso": "cloth", "Neck": "skin", "Head": "skin", "Badge": "ink"},
+    "Left": {"Arm.L": "cloth", "Hand.L": "skin", "Leg.L": "cloth", "Shoe.L": "ink"},
+    "Right": {"Arm.R": "cloth", "Hand.R": "skin", "Leg.R": "cloth", "Shoe.R": "ink"},
+}
+MORE = {
+    "Badge": ((-0.05, 0.7), (0.05, 0.7), 0.08),
+    "Shoe.L": ((0.28, -1.35), (0.45, -1.38), 0.1),
+    "Shoe.R": ((-0.28, -1.35), (-0.45, -1.38), 0.1),
+}
+
+
+def layered_svg():
+    def path(name, kind):
+        loop = capsule(*{**LIMBS, **MORE}[name])
+        return f'<path id="{name}" class="{kind}" d="M{" L".join(f"{100 * x:.2f},{-100 * y:.2f}" for x, y in loop)}Z"/>'
+
+    styles = "".join(f".{k}{{fill:{f};stroke:{s};stroke-width:{w}px}}" for k, (f, s, w) in PAINTS.items())
+    layers = "".join(
+        f'<g id="{group}">{"".join(path(name, kind) for name, kind in parts.items())}</g>'
+        for group, parts in LAYERS.items()
+    )
+    head = 'xmlns="http://www.w3.org/2000/svg" viewBox="-200 -250 400 450"'
+    return f"<svg {head}><style>{styles}</style>{layers}</svg>"
+
+
+def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> None:
     file = tmp_path / "figure.svg"
-    file.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-200 -250 400 450">{"".join(paths)}</svg>')
-    assert bpy.ops.object.nested_cages_import(filepath=str(file), outlines="SEVERAL") == {"FINISHED"}
+    file.write_text(layered_svg())
+    actions = [lambda: bpy.ops.object.nested_cages_import(filepath=str(file), outlines="PARTS")]
+    assert actions[0]() == {"FINISHED"}
     parts = {obj.name: obj for obj in bpy.context.selected_objects}
-    assert list(LIMBS) == [name for name in LIMBS if name in parts] and len(parts) == len(LIMBS)
+    wanted = {name: (group, kind) for group, layer in LAYERS.items() for name, kind in layer.items()}
+    assert sorted(parts, key=lambda name: parts[name].location.z) == list(wanted) and len(parts) == 12
+    codes = {"teal": "008080", "rgb(20 30 40)": "141E28", "#fff": "FFFFFF"}
+    for name, (group, kind) in wanted.items():
+        obj = parts[name]
+        assert [home.name for home in obj.users_collection] == [group]
+        paints = [paint for paint in PAINTS[kind][:2] if paint != "none"]
+        code = [codes.get(paint, paint.lstrip("#").upper()) for paint in paints]
+        words = [f"{word} #{each}" for word, each in zip(("Fill", "Stroke"), code, strict=False)]
+        assert [material.name for material in obj.data.materials] == words
+        linear = Color([int(code[0][k : k + 2], 16) / 255.0 for k in (0, 2, 4)]).from_srgb_to_scene_linear()
+        np.testing.assert_allclose(obj.data.materials[0].diffuse_color, (*linear, 1.0), atol=1e-6)
+        # The stroke is centred on the outline: its area is that of its width along it.
+        loop = np.array(capsule(*{**LIMBS, **MORE}[name]))
+        length = np.linalg.norm(loop - np.roll(loop, -1, axis=0), axis=1).sum()
+        areas = np.zeros(2)
+        for face in obj.data.polygons:
+            areas[face.material_index] += face.area
+        assert areas[1] == pytest.approx(0.01 * PAINTS[kind][2] * length, rel=0.02)
+    assert bpy.data.collections["figure"].children.keys() == list(LAYERS)
     before = {name: points(obj) for name, obj in parts.items()}
-    armature, _ = rigged(parts)
-    height = max(obj.dimensions.y for obj in parts.values())
+    actions += [bpy.ops.object.nested_cages_suggest_bones, bpy.ops.object.nested_cages_rig]
+    for action in actions[1:]:
+        assert action() == {"FINISHED"}
+    armature, cage = bpy.context.object, next(obj for obj in bpy.data.objects if obj.get("nested_cages_level") == 1)
     hand = before["Hand.L"].mean(axis=0)
-    turn(armature, bone_at(armature, hand[0], hand[1]), 40.0)
+    actions.append(lambda: turn(armature, bone_at(armature, hand[0], hand[1]), 40.0))
+    actions[-1]()
+    assert len(actions) <= 5
     moved = {name: np.abs(points(obj) - before[name]).max() for name, obj in parts.items()}
-    assert moved["Hand.L"] > 0.2 * height > 4.0 * max(moved[name] for name in ("Hand.R", "Leg.L", "Leg.R"))
+    assert moved["Hand.L"] > 0.3 > 6.0 * max(moved[name] for name in ("Hand.R", "Leg.L", "Shoe.R", "Badge"))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    select(cage)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]

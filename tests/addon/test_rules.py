@@ -120,10 +120,19 @@ def test_rotations_and_mirrors_of_a_drawing_away_from_the_origin() -> None:
 
 def test_rules_that_exclude_each_other_are_refused() -> None:
     poly_curve("Drawing", [star()])
-    for rules in ({"symmetry": "FOUND", "grid": 0.1}, {"symmetry": "FOUND", "convex": True}):
+    for rules in ({"symmetry": "ROTATION", "symmetry_order": 5, "grid": 0.1}, {"symmetry": "FOUND", "convex": True}):
         with pytest.raises(RuntimeError, match="symmetr"):
             bpy.ops.object.nested_cages_generate(levels="16", **rules)
     assert "Drawing Cages" not in bpy.data.collections
+
+
+def test_a_symmetry_and_a_grid_go_together() -> None:
+    poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="16", symmetry="MIRROR_Y", grid=0.1)
+    assert_nested()
+    found = np.round(points(cages()[0]) / 0.1, 4)
+    assert np.array_equal(found, np.round(found))
+    assert {tuple(point) for point in found.tolist()} == {(x, -y) for x, y in found.tolist()}
 
 
 def test_painted_weights_draw_vertices(runs) -> None:

@@ -23,6 +23,7 @@ from nestedcages_core.exchange import (
     read_svg_drawing,
     solid,
     svg_drawing,
+    svg_parts,
     svg_shapes,
     to_svg,
     write_svg,
@@ -320,6 +321,32 @@ def test_shapes_one_by_one_keep_their_clips_and_copies() -> None:
     again = svg_shapes(to_svg({"one": whole.shapes[0][1], "two": letter_a()}))
     assert again.written
     assert [name for name, _ in again.shapes] == ["two", "one"]
+
+
+def test_parts_have_names_groups_and_paints_from_the_style_sheet() -> None:
+    body = """<style>.a{fill:teal;stroke:rgb(255,0,0);stroke-width:2}</style>
+        <linearGradient id="fade"><stop stop-color="#000"/><stop offset="1" stop-color="#fff"/></linearGradient>
+        <g id="body"><g id="arm"><rect class="a" x="10" y="10" width="20" height="30"/>
+        <path id="open" d="M50 50h20v20" fill="#00f8" stroke="black" stroke-width="3" transform="scale(2)"/></g></g>
+        <circle id="eye" r="5" fill="url(#fade)" opacity="0.5"/><g id="none"/>"""
+    parts, notes = svg_parts(svg(body))
+    assert not notes
+    assert [(part.name, part.groups) for part in parts] == [
+        ("arm 1", ("body", "arm")),
+        ("open", ("body", "arm")),
+        ("eye", ()),
+    ]
+    rect, opened, eye = parts
+    assert (rect.fill_colour, rect.stroke_colour, rect.stroke_width) == ((0, 128 / 255, 128 / 255, 1), (1, 0, 0, 1), 2)
+    assert rect.fill is not None and rect.stroke is not None and opened.fill is not None and opened.stroke is not None
+    assert (rect.fill.area, rect.stroke.area) == pytest.approx((18 * 28, 22 * 32 - 18 * 28))
+    assert opened.fill_colour == (0, 0, 1, 136 / 255)
+    # The fill under an open line is cut by it, and both have the same points along the cut.
+    assert (opened.fill.area, opened.stroke.area) == pytest.approx((4 * 144.5, 4 * 120))
+    assert set(map(tuple, opened.fill.vertices)) <= set(map(tuple, opened.stroke.vertices))
+    assert eye.fill_colour == (0.5, 0.5, 0.5, 0.5) and eye.stroke is None and eye.stroke_width == 0
+    with pytest.raises(InvalidMeshError):
+        svg_parts(svg('<path d="M0 0h1z"/>'))
 
 
 def test_a_switch_draws_its_first_usable_child() -> None:

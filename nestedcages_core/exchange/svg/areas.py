@@ -32,6 +32,9 @@ THIN, MAX_FINER = 0.02, 8.0
 """Default tolerance of thin shapes over their thickness, and its largest ratio to that of other shapes."""
 
 
+AreasOf = Callable[[Shape, FloatArray], list[Area]]
+
+
 class Areas:
     """Turns the shapes of a scene into areas.
 
@@ -51,13 +54,18 @@ class Areas:
             return self._of_shape(node, outer)
         return self._kept([area for child in node.children for area in self.of(child, outer)], node, outer)
 
-    def parts(self, node: Group | Shape, outer: FloatArray) -> Iterator[tuple[Shape, list[Area]]]:
-        """Each shape of a node with the areas that it paints, those that paint none left out."""
+    def parts(
+        self, node: Group | Shape, outer: FloatArray, painted: AreasOf | None = None
+    ) -> Iterator[tuple[Shape, list[Area]]]:
+        """Each shape of a node with the areas that it paints, those that paint none left out.
+
+        painted: `fill_of` or `stroke_of` for these alone.
+        """
         if isinstance(node, Shape):
-            yield node, self._of_shape(node, outer)
+            yield node, (painted or self._of_shape)(node, outer)
             return
         for child in node.children:
-            for shape, areas in self.parts(child, outer):
+            for shape, areas in self.parts(child, outer, painted):
                 kept = self._kept(areas, node, outer)
                 if kept:
                     yield shape, kept
@@ -73,13 +81,20 @@ class Areas:
         return areas
 
     def _of_shape(self, shape: Shape, outer: FloatArray) -> list[Area]:
-        matrix = outer @ shape.matrix
-        found: list[Area] = []
-        if shape.fill is not None:
-            found += self._painted(shape, shape.fill, [self._filled(shape, matrix)], outer)
-        if shape.stroke is not None and shape.stroke_paint is not None and self.options.strokes:
-            found += self._painted(shape, shape.stroke_paint, self._stroked(shape, shape.stroke, matrix), outer)
-        return found
+        return [*self.fill_of(shape, outer), *self.stroke_of(shape, outer)]
+
+    def fill_of(self, shape: Shape, outer: FloatArray) -> list[Area]:
+        """The area that the fill of a shape paints."""
+        if shape.fill is None:
+            return []
+        return self._painted(shape, shape.fill, [self._filled(shape, outer @ shape.matrix)], outer)
+
+    def stroke_of(self, shape: Shape, outer: FloatArray) -> list[Area]:
+        """The area that the stroke of a shape paints."""
+        if shape.stroke is None or shape.stroke_paint is None or not self.options.strokes:
+            return []
+        areas = self._stroked(shape, shape.stroke, outer @ shape.matrix)
+        return self._painted(shape, shape.stroke_paint, areas, outer)
 
     def _filled(self, shape: Shape, matrix: FloatArray) -> Painted:
         """The inside of a shape; curves of thin shapes have finer chords, unless the tolerance is given."""

@@ -34,6 +34,8 @@ class Shape:
     scales: bool = True
     """Whether the width of its stroke follows its transforms."""
     id: str = ""
+    groups: tuple[str, ...] = ()
+    """Names of the groups around it, the outermost first."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
 from ...geometry.arrays import FloatArray
@@ -26,10 +26,11 @@ MAX_LINKS = 16
 
 @dataclass(frozen=True)
 class Colour:
-    """Opacity and luminance of a colour, from 0 to 1."""
+    """Opacity, luminance and sRGB of a colour, from 0 to 1."""
 
     alpha: float = 1.0
     luminance: float = 0.0
+    rgb: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,14 @@ class Paint:
         stops = self.gradient.stops if self.gradient else ()
         return any(not self.opacity * stop.colour.alpha > faintest for stop in stops)
 
+    @property
+    def rgba(self) -> tuple[float, float, float, float]:
+        """Its sRGB and opacity; of a gradient, the mean of its stops."""
+        stops = [stop.colour for stop in self.gradient.stops] if self.gradient else [self.colour]
+        red, green, blue = (sum(stop.rgb[k] for stop in stops) / len(stops) for k in range(3))
+        alpha = sum(stop.alpha for stop in stops) / len(stops) if self.gradient else 1.0
+        return red, green, blue, self.opacity * alpha
+
 
 def link_in(value: str) -> tuple[str, str]:
     """The `#id` in a value such as "url(#id) none", and what comes after it; empty if there is none."""
@@ -73,7 +82,7 @@ def link_in(value: str) -> tuple[str, str]:
 
 
 def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
-    """A colour; None for none. bright: whether its luminance matters."""
+    """A colour; None for none. bright: whether more than its opacity matters."""
     text = text.strip()
     lower = text.lower()
     if lower == "currentcolor":
@@ -87,13 +96,14 @@ def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
     if found:
         digits = found[1] if len(found[1]) > 4 else "".join(2 * digit for digit in found[1])
         red, green, blue, alpha = (int((digits + "ff")[k : k + 2], 16) / 255.0 for k in (0, 2, 4, 6))
-        return Colour(alpha, _luminance(red, green, blue))
+        return Colour(alpha, _luminance(red, green, blue), (red, green, blue))
     if lower in ("white", "black") or (lower.isalpha() and not bright):
-        return Colour(1.0, float(lower == "white"))
+        return Colour(1.0, float(lower == "white"), 3 * (1.0,) if lower == "white" else 3 * (0.0,))
     parsed = load_colours().parse_color(text)
     if parsed is None or parsed == "currentcolor":
         return Colour()
-    return Colour(float(parsed.alpha), _luminance(*parsed.to("srgb").coordinates))
+    red, green, blue = (min(max(float(part), 0.0), 1.0) for part in parsed.to("srgb").coordinates)
+    return Colour(float(parsed.alpha), _luminance(red, green, blue), (red, green, blue))
 
 
 def _luminance(red: float, green: float, blue: float) -> float:
@@ -109,7 +119,7 @@ class Paints:
         self.gradients: dict[tuple[ET.Element, bool], Gradient | None] = {}
 
     def paint(self, text: str, opacity: float, style: Style, *, bright: bool) -> Paint | None:
-        """A visible paint; None for none. bright: whether luminance matters, as in masks."""
+        """A visible paint; None for none. bright: whether colours matter, as in masks."""
         link, instead = link_in(text)
         if not link:
             colour = colour_of(text, style, bright=bright)
@@ -179,7 +189,7 @@ class Paints:
             colour = colour_of(own.get("stop-color", "black"), own, bright=bright) or Colour(0.0)
             alpha = colour.alpha * share(own.get("stop-opacity"))
             before = stops[-1].offset if stops else 0.0
-            stops.append(Stop(max(share(child.get("offset"), 0.0), before), Colour(alpha, colour.luminance)))
+            stops.append(Stop(max(share(child.get("offset"), 0.0), before), replace(colour, alpha=alpha)))
         return stops
 
 

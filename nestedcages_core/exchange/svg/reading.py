@@ -83,7 +83,7 @@ def read_svg_drawing(path: str | os.PathLike[str], **options: Any) -> SvgDrawing
 
 def svg_drawing(text: str | bytes, **options: Any) -> SvgDrawing:
     """`from_svg`, with the document's frame and notes on omissions."""
-    reading = _Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options))
+    reading = Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options))
     mesh = reading.made(reading.whole)
     return SvgDrawing(mesh, reading.document.frame, reading.said())
 
@@ -95,17 +95,18 @@ def svg_shapes(text: str | bytes, *, each: bool | None = None, **options: Any) -
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
     document = Document(text, SvgOptions(**options).limits)
-    reading = _Reading(document, SvgOptions(**options))
+    reading = Reading(document, SvgOptions(**options))
     written = not document.strokes_count
     named = reading.made(reading.each) if each or (each is None and written) else [("", reading.made(reading.whole))]
     return SvgShapes(tuple(named), written, reading.said())
 
 
-class _Reading:
+class Reading:
     """What both have in common: the tree of what counts, its areas, and the notes."""
 
-    def __init__(self, document: Document, options: SvgOptions) -> None:
+    def __init__(self, document: Document, options: SvgOptions, *, colours: bool = False) -> None:
         self.document = document
+        self.colours = colours
         self.options = options if document.strokes_count else replace(options, strokes=False)
         self.notes: list[str] = []
 
@@ -115,7 +116,7 @@ class _Reading:
     @np.errstate(all="ignore")  # extreme numbers become infinite or nan, which is a fault
     def made(self, work: Callable[[Group, Areas, Box | None], Any]) -> Any:
         """What is made of the tree and its areas on the page. Raises NestedCagesError with the notes."""
-        root = _what_counts(Scene(self.document, self.options), self.notes)
+        root = _what_counts(Scene(self.document, self.options, colours=self.colours), self.notes)
         page = self.document.frame.page
         if not self.options.crop or self.document.root.get("overflow") == "visible":
             page = None
@@ -138,7 +139,7 @@ class _Reading:
 
     def whole(self, root: Group, reading: Areas, page: Box | None) -> Mesh:
         """Everything as one."""
-        return self._solid(reading.of(root, np.eye(3)), reading, page)
+        return self.solid(reading.of(root, np.eye(3)), reading, page)
 
     def each(self, root: Group, reading: Areas, page: Box | None) -> list[tuple[str, Mesh]]:
         """Every shape that has an inside on the page, by its id or its number. Raises InvalidMeshError for none."""
@@ -146,16 +147,15 @@ class _Reading:
         failed = InvalidMeshError("The shapes have no inside.", code="mesh.empty")
         for number, (shape, areas) in enumerate(reading.parts(root, np.eye(3)), 1):
             try:
-                found.append(
-                    (shape.id or f"{shape.name.partition(' ')[0]} {number}", self._solid(areas, reading, page))
-                )
+                found.append((shape.id or f"{shape.name.partition(' ')[0]} {number}", self.solid(areas, reading, page)))
             except InvalidMeshError as error:
                 failed = error
         if not found:
             raise failed
         return found
 
-    def _solid(self, areas: list[Area], reading: Areas, page: Box | None) -> Mesh:
+    def solid(self, areas: list[Area], reading: Areas, page: Box | None) -> Mesh:
+        """Areas on the page as a mesh. Raises InvalidMeshError where nothing is inside."""
         cut_off: list[str] = []
         narrow: list[str] = []
         if page is not None:

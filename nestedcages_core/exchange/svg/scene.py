@@ -66,14 +66,17 @@ class _Context:
     users: tuple[ET.Element, ...] = ()
     """References that are being followed."""
     depth: int = 0
+    groups: tuple[str, ...] = ()
 
 
 class Scene:
     """Walks through a document; `root` is the resulting tree."""
 
-    def __init__(self, document: Document, options: SvgOptions) -> None:
+    def __init__(self, document: Document, options: SvgOptions, *, colours: bool = False) -> None:
+        """colours: whether colours matter, not only what is visible."""
         self.document = document
         self.options = options
+        self.colours = colours
         self.styles = Styles(document)
         self.paints = Paints(document, self.styles)
         self.left_out: Counter[str] = Counter()
@@ -129,6 +132,7 @@ class Scene:
             in_element=around.in_element or item.get("id") == self.options.element,
             in_layer=around.in_layer or (around.depth == 1 and bool({*_layer_names(item)} & {*self.options.layers})),
             depth=around.depth + 1,
+            groups=(*around.groups, *_layer_names(item)[:1]) if name == "g" else around.groups,
         )
         font = self.styles.own(item).get("font-size")
         if font:
@@ -233,7 +237,8 @@ class Scene:
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
-                item.get("id") or "",
+                next(iter(_layer_names(item)), ""),
+                context.groups,
             )
         )
         marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)
@@ -249,7 +254,9 @@ class Scene:
     def _paint(self, key: str, default: str, context: _Context) -> Paint | None:
         style = context.style
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
-        return self.paints.paint(style.get(key, default), opacity, style, bright=context.purpose == MASK)
+        return self.paints.paint(
+            style.get(key, default), opacity, style, bright=self.colours or context.purpose == MASK
+        )
 
     def _add_marker(self, vertex: Vertex, width: float, context: _Context, group: Group) -> None:
         """Add the marker at a vertex of a path (SVG 1.1, section 11.6)."""

@@ -1,0 +1,98 @@
+"""The parts of a layered SVG: each shape with its paints, its groups and its place in the stack."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...errors import InvalidMeshError
+from ...geometry.mesh import Mesh
+from ..fill import Area, union_of
+from ..libraries import load_shapely
+from .areas import Areas
+from .document import Box, Document
+from .nodes import Group, Shape
+from .options import SvgOptions
+from .reading import Reading
+
+Colour = tuple[float, float, float, float]
+"""sRGB and opacity, from 0 to 1."""
+
+
+@dataclass(frozen=True)
+class SvgPart:
+    """What one shape paints, in user units, y pointing down."""
+
+    name: str
+    """Its label or id; else that of the innermost group that has one, or its kind, and its number."""
+    groups: tuple[str, ...]
+    """Names of the groups around it, the outermost first."""
+    fill: Mesh | None
+    """What is seen of the fill: without the stroke, which lies on it. Along it both have the same points."""
+    fill_colour: Colour
+    """The mean of its stops for a gradient."""
+    stroke: Mesh | None
+    stroke_colour: Colour
+    stroke_width: float
+    """Before transforms; 0 without a stroke."""
+
+
+def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], tuple[str, ...]]:
+    """The shapes of a document with their paints, the lowest first, and notes on omissions.
+
+    options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
+    """
+    reading = Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options), colours=True)
+
+    def work(root: Group, areas: Areas, page: Box | None) -> tuple[SvgPart, ...]:
+        fills = dict(areas.parts(root, np.eye(3), areas.fill_of))
+        strokes = dict(areas.parts(root, np.eye(3), areas.stroke_of))
+        found: list[SvgPart] = []
+        for number, shape in enumerate(root.shapes(), 1):
+            fill, stroke = _apart(fills.get(shape, []), strokes.get(shape, []), areas)
+            made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
+            if made != [None, None]:
+                found.append(_part(shape, number, *made))
+        if not found:
+            raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
+        return tuple(found)
+
+    parts: tuple[SvgPart, ...] = reading.made(work)
+    return parts, reading.said()
+
+
+def _part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:
+    kind = shape.groups[-1] if shape.groups else shape.name.partition(" ")[0]
+    return SvgPart(
+        shape.id or f"{kind} {number}",
+        shape.groups,
+        fill,
+        shape.fill.rgba if shape.fill else (0.0, 0.0, 0.0, 0.0),
+        stroke,
+        shape.stroke_paint.rgba if shape.stroke_paint else (0.0, 0.0, 0.0, 0.0),
+        shape.stroke.width if shape.stroke and shape.stroke_paint else 0.0,
+    )
+
+
+def _mesh(found: list[Area], reading: Reading, areas: Areas, page: Box | None) -> Mesh | None:
+    """Areas as a mesh, None where nothing is inside."""
+    try:
+        return reading.solid(found, areas, page) if found else None
+    except InvalidMeshError:
+        return None
+
+
+def _apart(fill: list[Area], stroke: list[Area], areas: Areas) -> tuple[list[Area], list[Area]]:
+    """Fill and stroke without overlap, with the same points along their common border."""
+    if not fill or not stroke:
+        return fill, stroke
+    shapely = load_shapely("strokes")
+    inner, outer = (union_of(shapely, each, areas.budget) for each in (fill, stroke))
+    lines = shapely.union_all([shapely.boundary(each) for each in (inner, outer)])
+    faces = shapely.get_parts(shapely.polygonize([lines]))
+    middles = shapely.point_on_surface(faces)
+    of_stroke = shapely.contains(outer, middles)
+    of_fill = shapely.contains(inner, middles) & ~of_stroke
+    return [shapely.union_all(faces[of_fill])] if of_fill.any() else [], [shapely.union_all(faces[of_stroke])]
