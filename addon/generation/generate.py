@@ -134,14 +134,15 @@ class Generation:
         if not own and not options.levels:
             raise UserError("Give a vertex count for at least one level, such as 64")
         scale, convex = request.fine.frame.scale, options.rules.convex
-        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
+        merges = options.rules.merge > 0.0
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, merges=merges)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         plan = Plan(request, fine, wanted, settings, self._clearances(fine, scale))
         if (
             len(plan.clearances) == 1
             and not own
             and not options.inside
-            and not convex
+            and not (convex or merges)
             and options.methods.keeps_loops()
         ):
             check_room(fine, plan.clearances[0], len(wanted), request.fine)

@@ -32,7 +32,7 @@ from .sources import Shape, Source
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
 
-SETTINGS = ("clearance", "grid", "convex", "symmetry", "min_edge", "min_angle")
+SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min_angle")
 """Options that are settings of the same name."""
 
 
@@ -69,8 +69,9 @@ class Result:
 
 def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
     """The levels of a shape; counts rise to the least that the shape can have, unless `strict`."""
+    levels = wanted_levels(given.levels, mesh, merges=given.merge is not None)
     kind = int if given.strict else Rising
-    return [kind(level) if isinstance(level, int) else level for level in wanted_levels(given.levels, mesh)]
+    return [kind(level) if isinstance(level, int) else level for level in levels]
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:

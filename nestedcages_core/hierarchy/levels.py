@@ -129,8 +129,10 @@ def order_of(levels: Sequence[int | Share | Within]) -> str:
     return ""
 
 
-def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:
+def wanted_levels(
+    levels: Sequence[int | Share | Within], mesh: Mesh, *, merges: bool = False
+) -> list[int | Mesh | Within]:
     """The levels around a mesh as arguments of `nested_cages`, which clamps counts that are too high and raises
-    percentages that are too low."""
-    sizes = [len(loop) for loop in mesh.loops]
+    percentages that are too low. merges: whether loops may share one."""
+    sizes = [len(mesh.vertices)] if merges else [len(loop) for loop in mesh.loops]
     return [Rising(level.of(sizes)) if isinstance(level, Share) else level for level in levels]

@@ -21,7 +21,7 @@ from ..level.reuse import whole_level
 from ..tasks import Run, Stage, listened
 from ..tolerance.within import Within
 from ..verification import verify
-from .levels import Rising, Share
+from .levels import Rising, Share, wanted_levels
 from .needs import needs_of
 from .settings import Settings
 
@@ -114,7 +114,7 @@ def _hierarchy(
     side: int,
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
-    fine, wanted = _checked(fine, levels, convex=settings.convex or settings.merge is not None)
+    fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
     about = _about(settings, fine, inside=side < 0)
     settings, needs, remarks = needs_of(settings, about)
     if settings.merge is not None:
@@ -188,7 +188,9 @@ def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
     return list(levels)
 
 
-def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple[Mesh, list[int | Mesh | Within]]:
+def _checked(
+    fine: MeshLike, levels: Sequence[Wanted], *, convex: bool, merges: bool
+) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
@@ -197,9 +199,9 @@ def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
-    loops = 1 if convex else len(fine.loops)  # convex cages have so many vertices around each part
+    loops = 1 if convex or merges else len(fine.loops)  # convex cages have so many vertices around each part
     for number, asked in enumerate(levels, start=1):
-        level = Rising(asked.of([len(loop) for loop in fine.loops])) if isinstance(asked, Share) else asked
+        (level,) = wanted_levels([asked], fine, merges=merges) if isinstance(asked, Share) else [asked]
         if isinstance(level, Within):
             checked.append(level)
         elif is_mesh_like(level):

@@ -556,9 +556,18 @@ def test_symmetric_cages_and_limits(drawing: Path, tmp_path: Path) -> None:
             assert np.array_equal(x, -x[::-1])
 
 
+@pytest.mark.parametrize(("merge", "loops"), [([], 3), (["--merge", "all"], 1), (["--merge", "0.2"], 2)])
+def test_parts_that_share_a_loop(merge: list[str], loops: int, tmp_path: Path) -> None:
+    parts = [ring(24), *(ring(24) + np.array([x, 0.0]) for x in (2.1, 6.0))]
+    (tmp_path / "parts.svg").write_text(to_svg(Mesh.from_loops(parts)))
+    out = tmp_path / "out.geojson"
+    assert main([str(tmp_path / "parts.svg"), "--levels", "8", "--quiet", "-o", str(out), *merge]) == 0
+    assert len(read_geojson(out).loops) == loops
+
+
 @pytest.mark.parametrize(
-    "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--grid", "1"], ["--min-angle", "70"],
-              ["--convex", "--min-edge", "1"]]
+    "wrong", [["--symmetry", "z"], ["--symmetry", "1"], ["--symmetry", "x", "--borders"], ["--min-angle", "70"],
+              ["--convex", "--min-edge", "1"], ["--merge", "0"], ["--merge", "all", "--symmetry", "x"]]
 )  # fmt: skip
 def test_symmetries_and_limits_that_cannot_be_had(wrong: list[str], drawing: Path) -> None:
     with pytest.raises(SystemExit) as end:
