@@ -37,12 +37,6 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     )
 
 
-def smallest_found(error: core.NestedCagesError) -> int | None:
-    """The smallest possible number of vertices according to an error of the core."""
-    least: int | None = error.data.get("least")
-    return least
-
-
 def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[str, ...]:
     """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
     excess, count = cage.area / fine.area - 1.0, len(cage.vertices)

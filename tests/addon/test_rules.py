@@ -190,6 +190,15 @@ def test_short_edges_and_sharp_angles_are_avoided() -> None:
     assert np.linalg.norm(np.diff(corners, axis=0), axis=1).min() > 0.2 * (1 - 1e-5)
 
 
+def test_close_parts_are_merged() -> None:
+    poly_curve("Drawing", [circle(40), circle(40) + np.array([2.1, 0.0])])
+    bpy.ops.object.nested_cages_generate(levels="5", merge=0.5)
+    assert len(points(cages()[0])) == 5
+    assert "1 outer loop and no holes" in cages()[0]["nested_cages_notes"]
+    with pytest.raises(RuntimeError, match="merge does not go with"):
+        bpy.ops.object.nested_cages_generate(levels="12", merge=0.5, symmetry="FOUND")
+
+
 def test_a_group_that_is_not_there_is_named() -> None:
     mesh_object("Drawing", [star()])
     bpy.ops.object.nested_cages_generate(levels="16", weight_group="Nothing")
