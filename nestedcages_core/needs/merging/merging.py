@@ -94,7 +94,8 @@ def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
     if len(fine.loops) == 1 or len(cage.loops) < len(fine.loops):
         return ()
     try:
-        mesh = Merging(distance).decimate(fine, len(cage.vertices))
+        with np.errstate(all="ignore"):  # of GEOS, at coordinates near the limits
+            mesh = Merging(distance).decimate(fine, len(cage.vertices))
     except NestedCagesError:  # also without shapely
         return ()
     fewer = mesh.area / fine.area - 1.0
