@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
     from nestedcages_core import tolerance
+    from nestedcages_core.exchange import pictures
     from nestedcages_core.geometry import predicates, triangulation
 else:
 
@@ -41,8 +42,9 @@ else:
 
     core = _LazyModule("core")
     memory = _LazyModule("cache")
+    pictures = _LazyModule("exchange.pictures")
     predicates = _LazyModule("geometry.predicates")
     tolerance = _LazyModule("tolerance")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "memory", "predicates", "tolerance", "triangulation"]
+__all__ = ["core", "memory", "pictures", "predicates", "tolerance", "triangulation"]

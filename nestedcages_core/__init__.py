@@ -135,7 +135,7 @@ if TYPE_CHECKING:
     from .published.settings import SIMPLE_2022 as SIMPLE_2022
     from .solver import ProjectedNewton as ProjectedNewton
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [  # noqa: RUF022 - in the order in which one would explain it
     # the input

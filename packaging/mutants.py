@@ -211,6 +211,8 @@ def main() -> int:
     options.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
     options.add_argument("--by-hand", action="store_true", help="put in the faults of by_hand.py instead")
     given = options.parse_args()
+    if not hasattr(os, "fork"):
+        options.exit(2, "Mutants need fork: run this on Linux or macOS.\n")
     os.chdir(ROOT)
     import hypothesis
     import pytest

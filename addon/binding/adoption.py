@@ -17,12 +17,12 @@ from ..scene import display, filling, ownership, placement
 from . import field
 
 
-def waiting(obj: bpy.types.Object | None) -> list[bpy.types.Object]:
-    """The objects without a set whose drawing an object is, or has in common with them."""
-    if obj is None:
+def waiting(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
+    """The objects without a set whose drawing one of some objects is, or has in common with them."""
+    drawings = {record.described(obj).of or obj for obj in objects}
+    if not drawings:
         return []
-    drawing = record.described(obj).of or obj
-    found = [each for each in bpy.data.objects if record.described(each).of == drawing]
+    found = [each for each in bpy.data.objects if record.described(each).of in drawings]
     return [each for each in found if _is_waiting(each)]
 
 
@@ -34,7 +34,7 @@ def _is_waiting(obj: bpy.types.Object) -> bool:
 def adopt(scene: bpy.types.Scene, objects: Iterable[bpy.types.Object]) -> list[bpy.types.Collection]:
     """Makes sets of what waits for it with some objects; returns their collections."""
     found: dict[tuple[bpy.types.Object, bool], dict[int, bpy.types.Object]] = {}
-    for copy in dict.fromkeys(each for obj in objects for each in waiting(obj)):
+    for copy in waiting(objects):
         own = record.described(copy)
         found.setdefault((own.of, own.kept.inside), {}).setdefault(own.level, copy)
     return [_adopted(scene, drawing, copies) for (drawing, _), copies in found.items()]

@@ -11,7 +11,8 @@ from .memory import remembered
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
-# Excess from which on it is said in times, and the part of it that a clearance takes alone, to be called its cause.
+# Excess from which on it is said in times, and the part of it that a clearance takes alone, to be called its cause;
+# one that is loose by itself always is, since no number of vertices helps.
 MANY_TIMES, CLEARANCE_PART = 10.0, 0.25
 # Factor from one tested vertex count to the next; drawings with more vertices than this are not tested.
 COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
@@ -36,19 +37,13 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     )
 
 
-def smallest_found(error: core.NestedCagesError) -> int | None:
-    """The smallest possible number of vertices according to an error of the core."""
-    least: int | None = error.data.get("least")
-    return least
-
-
 def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[str, ...]:
     """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
     excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
     if excess <= LOOSE or not isinstance(wanted, int):
         return ()
     around = clearance * (float(fine.edge_lengths.sum()) + pi * clearance) / fine.area
-    if around > CLEARANCE_PART * excess:
+    if around > min(CLEARANCE_PART * excess, LOOSE):
         size = 100.0 * clearance / fine.diagonal
         return (f"{_larger(excess)} than the drawing, since the clearance is {size:.3g} % of its size: ask for less.",)
     loops = len(fine.loops)

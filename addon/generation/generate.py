@@ -12,7 +12,7 @@ from ..core import core, memory
 from ..errors import UserError
 from ..scene.convert import Drawing
 from . import needs
-from .advice import check_room, excess_note, smallest_found
+from .advice import check_room, excess_note
 from .job import Progress
 from .levels import Level, Wanted, are_counts, wanted_levels
 from .memory import known, remembered
@@ -134,14 +134,15 @@ class Generation:
         if not own and not options.levels:
             raise UserError("Give a vertex count for at least one level, such as 64")
         scale, convex = request.fine.frame.scale, options.rules.convex
-        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex)
+        merges = options.rules.merge > 0.0
+        wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, merges=merges)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
         plan = Plan(request, fine, wanted, settings, self._clearances(fine, scale))
         if (
             len(plan.clearances) == 1
             and not own
             and not options.inside
-            and not convex
+            and not (convex or merges)
             and options.methods.keeps_loops()
         ):
             check_room(fine, plan.clearances[0], len(wanted), request.fine)
@@ -230,29 +231,24 @@ class Generation:
         for clearance in plan.clearances:
             for margins, slack in zip(MARGINS, SLACKS, strict=True):
                 asked = replace(plan.settings, clearance=clearance + margins * margin)
-                run = cages_run(fine, [needs.stricter(wanted, plan.fine, slack * margin)], asked)
+                level = core.hierarchy.Rising(wanted) if isinstance(wanted, int) else wanted
+                run = cages_run(fine, [needs.stricter(level, plan.fine, slack * margin)], asked)
                 try:
                     yield from run
                     made = run.hierarchy.levels[0]
-                    level = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
+                    found = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
                 except core.NestedCagesError as error:
-                    least = smallest_found(error)
-                    if isinstance(wanted, int) and least is not None and wanted < least <= len(fine.vertices):
-                        note = f"{wanted} vertices are too few for loops in each other's way: the cage has {least}."
-                        for step in self._level(plan, name, fine, least):
-                            yield _noted(step, note) if isinstance(step, CageLevel) else step
-                        return
                     problem = problem or str(error)
                     break
                 finally:
                     run.close()
-                missed = needs.missed(wanted, plan.fine, level)
-                if level.certificate.holds and not missed:
-                    yield needs.told(level, wanted, plan.fine, clearance, plan.request.fine.frame.scale)
+                missed = needs.missed(wanted, plan.fine, found)
+                if found.certificate.holds and not missed:
+                    yield needs.told(found, wanted, plan.fine, clearance, plan.request.fine.frame.scale)
                     return
                 problem = missed or (
                     "the cage does not hold in Blender's single precision "
-                    f"({'; '.join(level.certificate.problems)}); move the drawing closer to its object's origin, or "
+                    f"({'; '.join(found.certificate.problems)}); move the drawing closer to its object's origin, or "
                     "ask for more clearance"
                 )
         raise UserError(f"'{name}': {problem}")
@@ -270,8 +266,3 @@ def _advice(plan: Plan, cage: core.Mesh, wanted: int | core.Mesh | core.Within) 
         wanted,
         clearance,
     )
-
-
-def _noted(level: CageLevel, note: str) -> CageLevel:
-    """The level with an additional note."""
-    return replace(level, report=replace(level.report, notes=(core.Fault(note, "note.text"), *level.report.notes)))

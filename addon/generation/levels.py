@@ -61,6 +61,7 @@ def wanted_levels(
     scale: float = 1.0,
     *,
     convex: bool = False,
+    merges: bool = False,
 ) -> tuple[Wanted, ...]:
     """What is to be made for each level of a drawing; scale: the scene's length of its unit. Raises: UserError."""
     if not levels:
@@ -74,6 +75,8 @@ def wanted_levels(
     sizes = [len(loop) for loop in fine.loops]
     if convex:  # so many vertices around each part
         sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
+    elif merges:  # loops may share one
+        sizes = [sum(sizes)]
     meshes, found = iter(own), []
     for level in levels:
         if isinstance(level, str):

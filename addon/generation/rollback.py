@@ -159,11 +159,16 @@ def _action(owner: Any) -> bpy.types.Action | None:
 
 def _properties(owner: bpy.types.ID) -> dict[str, Any]:
     """Our custom properties of a data-block."""
-    return {key: _plain(owner[key]) for key in keys.ours(owner)}
+    return {key: _plain(owner[key]) for key in _custom(owner)}
+
+
+def _custom(owner: bpy.types.ID) -> list[str]:
+    """Our custom properties without registered groups, which Blender before 5.0 lists among them."""
+    return [key for key in keys.ours(owner) if key not in owner.bl_rna.properties]
 
 
 def _set_properties(owner: bpy.types.ID, properties: dict[str, Any]) -> None:
-    keys.remove(owner, [key for key in keys.ours(owner) if key not in properties])
+    keys.remove(owner, [key for key in _custom(owner) if key not in properties])
     keys.store(owner, properties)
 
 

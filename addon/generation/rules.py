@@ -49,6 +49,7 @@ class Rules:
 
     convex: bool = False
     grid: float = 0.0
+    merge: float = 0.0
     symmetry: str = NONE
     symmetry_order: int = 2
     min_edge: float = 0.0
@@ -65,6 +66,7 @@ class Rules:
                 about=fine,
                 convex=self.convex,
                 grid=self.grid / scale or None,
+                merge=self.merge / scale or None,
                 symmetry=self._symmetry(fine),
                 weights=places.weights or None,
                 pins=places.pins,
@@ -78,6 +80,7 @@ class Rules:
     def kinds(self, places: Places | None = None) -> list[str]:
         """What cages are by these rules, in words."""
         names = {"convex": self.convex, "on a grid": self.grid > 0.0, "symmetric": self.symmetry != NONE}
+        names |= {"merged": self.merge > 0.0}
         if places is not None:
             names |= {"weighted": bool(places.weights), "pinned": bool(places.pins or places.joints)}
         names |= {"limited in edges or angles": self.min_edge > 0.0 or self.min_angle > 0.0}

@@ -183,11 +183,11 @@ def write(path: Path, kind: str, shapes: dict[str, core.Mesh], *, flip_y: bool, 
         text, count = WRITERS[kind](shapes, flip_y, extras)
     except core.NestedCagesError as error:
         raise UserError(f"'{path.name}' cannot be written: {told(error)}") from error
-    write_text(path, text)
+    write_file(path, text)
     return count
 
 
-def write_text(path: Path, text: str) -> None:
+def write_file(path: Path, text: str) -> None:
     """Writes a whole file or none. Raises: UserError."""
     try:
         core.exchange.write_whole(path, text)

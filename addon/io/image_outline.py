@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core, memory
+from ..core import core, memory, pictures
 from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
@@ -57,7 +57,7 @@ class Picture:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
         try:
-            steps = core.exchange.pictures.picture_cages_run(self.alpha, [vertices], **options)
+            steps = pictures.picture_cages_run(self.alpha, [vertices], **options)
             while True:
                 try:
                     step = next(steps)

@@ -23,7 +23,7 @@ class OBJECT_OT_nested_cages_adopt(Reporting, bpy.types.Operator):
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if any(waiting(obj) for obj in chosen(context)):
+        if waiting(chosen(context)):
             return ""
         return "Select a drawing whose cages were copied with it, or have lost their collection"
 

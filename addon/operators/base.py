@@ -178,8 +178,7 @@ class OutputOperator(JobOperator):
             return "Switch to Object Mode"
         found = outputs_of_chosen(context, both=cls.both)
         if not found:
-            copies = any(waiting(obj) for obj in chosen(context))
-            return "" if copies else NOTHING
+            return "" if waiting(chosen(context)) else NOTHING
         reasons = [cls._why_not(collection) for collection in found]
         return "" if "" in reasons else reasons[0]
 

@@ -172,7 +172,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         found = outputs_of_chosen(context)
         if len(found) != 1:
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
-        exporters.write_text(path, engine.json_of(found[0], flip_y=self.flip_y))
+        exporters.write_file(path, engine.json_of(found[0], flip_y=self.flip_y))
         self.report({"INFO"}, f"'{found[0].name}' written to {path.name}")
         return {"FINISHED"}
 

@@ -47,7 +47,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     def unavailable(cls, context: bpy.types.Context) -> str:
         if context.mode not in {"OBJECT", "POSE"}:
             return "Switch to Object Mode"
-        if not _nested(context) and not any(waiting(obj) for obj in chosen(context)):
+        if not _nested(context) and not waiting(chosen(context)):
             return "Select a drawing with its cages, or at least two objects of which one encloses the other"
         return ""
 

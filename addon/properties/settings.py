@@ -90,6 +90,17 @@ class GenerationProperties:
         subtype="DISTANCE",
         unit="LENGTH",
     )
+    merge: FloatProperty(
+        name="Merge",
+        description="Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
     symmetry: EnumProperty(
         name="Symmetry", description="What makes both sides of a cage alike", items=SYMMETRIES, default=NO_SYMMETRY
     )

@@ -19,7 +19,7 @@ from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership, units
 from ..scene.counting import loop_sizes
-from ..scene.selection import collection_of_active, outputs_of_active, scene_of
+from ..scene.selection import chosen, collection_of_active, outputs_of_active, scene_of
 from . import motion, result
 
 CATEGORY = "Nested Cages"
@@ -254,7 +254,7 @@ def _draw_binding(layout: bpy.types.UILayout, collection: bpy.types.Collection |
     """Bind, or the operators for bound cages."""
     if collection is None or not ownership.is_bound(collection):
         layout.operator("object.nested_cages_bind", icon="LINKED")
-        if collection is None and waiting(bpy.context.view_layer.objects.active):
+        if collection is None and waiting(chosen(bpy.context)):
             layout.operator("object.nested_cages_adopt", icon="COMMUNITY")
         return
     layout.operator("object.nested_cages_add_handles", icon="BONE_DATA")

@@ -10,24 +10,29 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from ..batch import Outcome, nested_cages_many
-from ..errors import Fault, NestedCagesError
+from ..errors import NestedCagesError
 from ..exchange import Limits, cut_at_borders
 from ..exchange.pictures import picture_cages
 from ..geometry.mesh import Mesh
-from ..hierarchy import Hierarchy, NestingReport, Settings, inner_cages, nested_cages, wanted_levels
+from ..hierarchy import (
+    LEAST,
+    Hierarchy,
+    NestingReport,
+    Rising,
+    Settings,
+    Within,
+    inner_cages,
+    nested_cages,
+    wanted_levels,
+)
 from .progress import ProgressLine
 from .sources import Shape, Source
 
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
 
-MAX_RAISES = 8
-"""Times that the counts of a shape are raised to the least that was found."""
-
-SETTINGS = ("clearance", "grid", "convex", "symmetry", "min_edge", "min_angle")
+SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min_angle")
 """Options that are settings of the same name."""
 
 
@@ -62,39 +67,11 @@ class Result:
     """For each level: points read, points of the cages and what they cover of their neighbours, uncut and cut."""
 
 
-class _Wanted:
-    """The levels of one shape: those that were asked for, with counts raised where they proved too small."""
-
-    def __init__(self, given: argparse.Namespace) -> None:
-        self.given = given
-        self.least: dict[int, int] = {}
-        self.asked: list[Any] = []
-
-    def __call__(self, mesh: Mesh) -> list[Any]:
-        self.asked = wanted_levels(self.given.levels, mesh)
-        return [self.least.get(k, level) for k, level in enumerate(self.asked)]
-
-    def is_raised(self, error: Exception | None) -> bool:
-        """Whether an error is about counts, and these were raised to the least that it names."""
-        if self.given.strict or not isinstance(error, NestedCagesError) or error.code != "count.too_small":
-            return False
-        least = error.data.get("least")
-        done = len(error.partial.levels) if isinstance(error.partial, Hierarchy) else 0
-        low = {
-            k: least
-            for k, level in enumerate(self.asked)
-            if least and k >= done and isinstance(level, int | np.integer) and self.least.get(k, level) < least
-        }
-        self.least.update(low)
-        return bool(low)
-
-    def note(self, level: int) -> Fault | None:
-        """What became of the count of a level."""
-        if level not in self.least:
-            return None
-        asked, least = int(self.asked[level]), self.least[level]
-        sentence = f"Level {level + 1}: {asked} vertices are too few for this shape; {least} is the least found."
-        return Fault(sentence, "note.count", asked=asked, given=least)
+def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
+    """The levels of a shape; counts rise to the least that the shape can have, unless `strict`."""
+    levels = wanted_levels(given.levels, mesh, merges=given.merge is not None)
+    kind = int if given.strict else Rising
+    return [kind(level) if isinstance(level, int) else level for level in levels]
 
 
 def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
@@ -103,64 +80,51 @@ def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Resul
     Counts that are too small for a shape are raised to the least that does, and a note says so, unless `strict`.
     """
     settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
-    wanted = [_Wanted(given) for _ in source.shapes]
-    outcomes: dict[int, Outcome] = {}
-    open_ = list(range(len(source.shapes)))
-    for _ in range(1 + MAX_RAISES):
-        outcomes.update(zip(open_, _outcomes(source, open_, wanted, given, settings, line), strict=True))
-        open_ = [k for k in open_ if wanted[k].is_raised(outcomes[k].error)]
-        if not open_:
-            break
+    outcomes = _outcomes(source, given, settings, line)
     several = len(source.shapes) > 1
     failures = list(source.failures)
     made: list[Made] = []
-    for k, shape in enumerate(source.shapes):
-        error = outcomes[k].error
+    for shape, outcome in zip(source.shapes, outcomes, strict=True):
+        error = outcome.error
         if error is not None and not isinstance(error, NestedCagesError):
             raise error
-        hierarchy = outcomes[k].result if error is None else error.partial
+        hierarchy = outcome.result if error is None else error.partial
         if error is not None:
             failures.append(f"{shape.name}: {error}" if several else str(error))
         if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
-            made.append(_made(shape, hierarchy, wanted[k]))
+            made.append(_made(shape, hierarchy))
     if given.borders is None:
         return Result(source, made, failures)
     made, borders = _at_borders(made, given.clearance, given.borders or None)
     return Result(source, made, failures, borders)
 
 
-def _made(shape: Shape, hierarchy: Hierarchy, wanted: _Wanted) -> Made:
-    cages, notes = [], []
-    for k, level in enumerate(hierarchy.levels):
-        note = wanted.note(k)
-        report = level.report if note is None else replace(level.report, notes=(*level.report.notes, note))
-        cages.append(Cage(level.cage, report))
-        notes += [note] if note else []
+def _made(shape: Shape, hierarchy: Hierarchy) -> Made:
+    cages = [Cage(level.cage, level.report) for level in hierarchy.levels]
+    notes = [
+        f"Level {number}: {note}"
+        for number, cage in enumerate(cages, 1)
+        for note in cage.report.notes
+        if note.data.get("on") == LEAST
+    ]
     return Made(shape, hierarchy.fine, cages, notes)
 
 
-def _outcomes(
-    source: Source,
-    chosen: Sequence[int],
-    wanted: Sequence[_Wanted],
-    given: argparse.Namespace,
-    settings: Settings,
-    line: ProgressLine,
-) -> list[Outcome]:
-    """The cages of some shapes of a file, or the error of each."""
-    shapes = [source.shapes[k].content for k in chosen]
-    if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(source.shapes) > 1:
-        levels = {k: wanted[chosen[k]](shape) for k, shape in enumerate(shapes) if isinstance(shape, Mesh)}
+def _outcomes(source: Source, given: argparse.Namespace, settings: Settings, line: ProgressLine) -> list[Outcome]:
+    """The cages of the shapes of a file, or the error of each."""
+    shapes = [shape.content for shape in source.shapes]
+    if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(shapes) > 1:
+        levels = {k: _wanted(shape, given) for k, shape in enumerate(shapes) if isinstance(shape, Mesh)}
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None
         return nested_cages_many(shapes, levels, settings, executor=executor, progress=line.of_batch)
     outcomes = []
-    for k, shape in zip(chosen, shapes, strict=True):
+    for k, shape in enumerate(shapes):
         work: Callable[[], Hierarchy]
         if not isinstance(shape, Mesh):
             work = partial(
                 picture_cages,
                 shape,
-                wanted[k],
+                partial(_wanted, given=given),
                 padding=given.padding or given.clearance or 0.0,
                 threshold=given.threshold or 0.0,
                 holes=given.holes,
@@ -168,7 +132,7 @@ def _outcomes(
                 limits=replace(Limits(), **given.limits),
             )
         else:
-            work = partial(inner_cages if given.inside else nested_cages, shape, wanted[k](shape), settings)
+            work = partial(inner_cages if given.inside else nested_cages, shape, _wanted(shape, given), settings)
         try:
             outcomes.append(Outcome(k, work(progress=line.of_run)))
         except NestedCagesError as error:

@@ -127,6 +127,10 @@ def length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
 
 
+def _merge(text: str) -> float:
+    return float("inf") if text == "all" else length(text)
+
+
 def _width(text: str) -> float:
     return length(text.removesuffix("px"))
 
@@ -192,6 +196,8 @@ OPTIONS = {
     ),
     "shape": (
         _option("--convex", help="convex cages: so many vertices around each part, holes filled"),
+        _option("--merge", type=_merge, metavar="LENGTH", help="parts closer than this share a loop of the cage, and "
+                "smaller holes are filled; all: one loop around everything"),
         _option("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), "
                 "both about the middle of the drawing, a number (rotations of that order about its centroid), or found "
                 "(the drawing's own)"),

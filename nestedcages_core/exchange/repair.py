@@ -27,7 +27,7 @@ NECK_PER_SIZE = 1e-6
 LEAST_NECK = 64.0 * float(np.finfo(float).eps)
 """Lower bound of the same, over the largest coordinate, so that it survives rounding."""
 
-HAIRLINE, DEFAULT_HAIRLINE = 0.1, 1e-5
+HAIRLINE_PART, DEFAULT_HAIRLINE = 0.1, 1e-5
 """Width below which gaps are closed and spikes cut off, in tolerances, and by default in diagonals: the clearance."""
 
 LEAST_HAIRLINE = 1e-9
@@ -54,7 +54,7 @@ def mesh_of(
         raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
     corners = np.concatenate([np.concatenate(polygon) for polygon in kept])
     diagonal = float(np.hypot(*np.ptp(corners, axis=0)))
-    width = DEFAULT_HAIRLINE * diagonal if tolerance is None else HAIRLINE * tolerance
+    width = DEFAULT_HAIRLINE * diagonal if tolerance is None else HAIRLINE_PART * tolerance
     least = width if clean or tolerance is not None else LEAST_HAIRLINE * diagonal
     faults, touching = [], []
     try:

@@ -6,17 +6,19 @@ from ..geometry.group import Symmetry
 from ..level.report import Hierarchy, Level, NestingReport, Progress
 from ..level.tightest_place import tightest_place
 from ..tolerance.within import Within
-from .levels import Share, level_words, order_of, parse_level, wanted_levels
+from .levels import LEAST, Rising, Share, level_words, order_of, parse_level, wanted_levels
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
 
 __all__ = [
+    "LEAST",
     "Hierarchy",
     "InnerCagesRun",
     "Level",
     "NestedCagesRun",
     "NestingReport",
     "Progress",
+    "Rising",
     "Settings",
     "Share",
     "Symmetry",

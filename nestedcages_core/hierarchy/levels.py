@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
 
-from ..errors import NestedCagesError
+from ..errors import Fault, NestedCagesError
 from ..geometry.mesh import Mesh
 from ..tolerance.within import Within
 
@@ -22,10 +22,43 @@ LEAST_OF_A_SHARE = 4
 """Minimum number of vertices per loop for a percentage, if the loop has them: a triangle around a rectangle is twice as
 large. For triangles, ask for 3 vertices."""
 
+LEAST = "least"
+"""What a note on a number of vertices that rose is on."""
+
+
+class Rising(int):
+    """A number of vertices that rises to the least that the shape can have, with a note, instead of being refused."""
+
+    asked: int
+    """The number before it rose."""
+
+    def __new__(cls, count: int, asked: int | None = None) -> Rising:
+        self = super().__new__(cls, count)
+        self.asked = int(count if asked is None else asked)
+        return self
+
+    def raised(self, least: int) -> Rising:
+        """At least so many vertices."""
+        return Rising(max(self, least), self.asked)
+
+    def after(self, error: NestedCagesError) -> Rising:
+        """The least that an error names. Raises the error if that does not help."""
+        least = error.data.get("least", 0) if error.code == "count.too_small" else 0
+        if least <= self:
+            raise error
+        return self.raised(int(least))
+
+    def notes(self) -> tuple[Fault, ...]:
+        """What became of it; empty if it did not rise."""
+        if self == self.asked:
+            return ()
+        sentence = f"{self.asked} vertices are too few for this shape; {int(self)} is the least found."
+        return (Fault(sentence, "note.count", asked=self.asked, given=int(self), on=LEAST),)
+
 
 @dataclass(frozen=True)
 class Share:
-    """A level with a fraction of the mesh's own number of vertices."""
+    """A level with a fraction of the mesh's own number of vertices, or the least that the shape can have."""
 
     fraction: float
     """Above 0, and at most 1."""
@@ -96,7 +129,10 @@ def order_of(levels: Sequence[int | Share | Within]) -> str:
     return ""
 
 
-def wanted_levels(levels: Sequence[int | Share | Within], mesh: Mesh) -> list[int | Mesh | Within]:
-    """The levels around a mesh as arguments of `nested_cages`, which clamps counts that are too high."""
-    sizes = [len(loop) for loop in mesh.loops]
-    return [level.of(sizes) if isinstance(level, Share) else level for level in levels]
+def wanted_levels(
+    levels: Sequence[int | Share | Within], mesh: Mesh, *, merges: bool = False
+) -> list[int | Mesh | Within]:
+    """The levels around a mesh as arguments of `nested_cages`, which clamps counts that are too high and raises
+    percentages that are too low. merges: whether loops may share one."""
+    sizes = [len(mesh.vertices)] if merges else [len(loop) for loop in mesh.loops]
+    return [Rising(level.of(sizes)) if isinstance(level, Share) else level for level in levels]

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import Fault, NestedCagesError, NestingError
+from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import MESH_LIKE, Mesh, MeshLike, is_mesh_like
 from ..level.attempts import clearances_for
 from ..level.builder import LevelBuilder
@@ -21,6 +21,7 @@ from ..level.reuse import whole_level
 from ..tasks import Run, Stage, listened
 from ..tolerance.within import Within
 from ..verification import verify
+from .levels import Rising, Share, wanted_levels
 from .needs import needs_of
 from .settings import Settings
 
@@ -29,8 +30,9 @@ logger = logging.getLogger(__name__)
 LOOSE = 0.5
 """Excess above which a note says what fewer loops would give."""
 
-Wanted: TypeAlias = int | MeshLike | Within
-"""A level as asked for: a vertex count, a coarse mesh, or the fewest vertices within a distance or an excess."""
+Wanted: TypeAlias = int | Share | MeshLike | Within
+"""A level as asked for: a vertex count, a share of the mesh's own, a coarse mesh, or the fewest vertices within a
+distance or an excess."""
 
 
 def nested_cages(
@@ -44,8 +46,8 @@ def nested_cages(
     """Cages around ``fine``, each enclosing the one before, from the finest to the coarsest.
 
     fine: a mesh, or anything that `Mesh.of` reads: objects with `__geo_interface__`, an array (k, 2), lists of loops.
-    levels: for each cage its number of vertices, the user's own coarse mesh, or `Within` for the fewest vertices that
-    stay within a distance or an excess of ``fine``; a single level needs no list.
+    levels: for each cage its number of vertices, a `Share` of those of ``fine``, the user's own coarse mesh, or
+    `Within` for the fewest vertices that stay within a distance or an excess of ``fine``; a single level needs no list.
     progress: called between iterations; may raise to cancel. True: a progress bar, if tqdm is installed.
     options: fields of `Settings`, such as ``clearance=0.01``, that replace those of ``settings``.
 
@@ -112,7 +114,7 @@ def _hierarchy(
     side: int,
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
-    fine, wanted = _checked(fine, levels, convex=settings.convex or settings.merge is not None)
+    fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
     about = _about(settings, fine, inside=side < 0)
     settings, needs, remarks = needs_of(settings, about)
     if settings.merge is not None:
@@ -126,22 +128,30 @@ def _hierarchy(
         inner = finished[-1].cage if finished else fine
         try:
             clearances = clearances_for(settings, fine)
-            builder = LevelBuilder(
-                Plan.of(inner, needs, side=side), clearances, settings, LevelProgress(index, len(wanted))
-            )
-            if isinstance(level, Within):
-                from ..tolerance.fewest import fewest
+            while True:
+                builder = LevelBuilder(
+                    Plan.of(inner, needs, side=side), clearances, settings, LevelProgress(index, len(wanted))
+                )
+                if isinstance(level, Within):
+                    from ..tolerance.fewest import fewest
 
-                made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
-            else:
-                made = builder.build(level)
-            asked = replace(settings, about=None), about, inner, level, clearances, side
-            done = yield from whole_level(made, *asked)
-            advised: tuple[Fault, ...] = ()
+                    made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
+                else:
+                    made = builder.build(level)
+                number = int(level) if isinstance(level, Rising) else level
+                asked = replace(settings, about=None), about, inner, number, clearances, side
+                try:
+                    done = yield from whole_level(made, *asked)
+                    break
+                except NestedCagesError as error:
+                    if not isinstance(level, Rising):
+                        raise
+                    level = level.after(error)  # more vertices each time, and at most those of the mesh
+            advised = level.notes() if isinstance(level, Rising) else ()
             if done.report.excess > LOOSE and not (needs or isinstance(level, Mesh)):
                 from ..needs.merging import advice
 
-                advised = advice(inner, done.cage)
+                advised += advice(inner, done.cage)
             report = replace(done.report, notes=(*remarks, *done.report.notes, *advised))
             finished.append(replace(done, report=report) if remarks or advised else done)
         except NestedCagesError as error:
@@ -167,7 +177,7 @@ def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
 
 def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
     """The levels as a list; a single one needs none. Raises NestingError."""
-    single = int, np.integer, Within, Mesh, Mapping
+    single = int, np.integer, Share, Within, Mesh, Mapping
     is_loop = isinstance(levels, np.ndarray) and levels.ndim == 2
     if isinstance(levels, single) or hasattr(levels, "__geo_interface__") or is_loop:
         return [levels]  # type: ignore[list-item]
@@ -178,7 +188,9 @@ def _listed(levels: Wanted | Sequence[Wanted]) -> list[Wanted]:
     return list(levels)
 
 
-def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple[Mesh, list[int | Mesh | Within]]:
+def _checked(
+    fine: MeshLike, levels: Sequence[Wanted], *, convex: bool, merges: bool
+) -> tuple[Mesh, list[int | Mesh | Within]]:
     """The fine mesh and the levels, all meshes validated.
 
     NestingError for levels that no cage can have, InvalidMeshError for moved meshes that are not valid any more.
@@ -187,8 +199,9 @@ def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
-    loops = 1 if convex else len(fine.loops)  # convex cages have so many vertices around each part
-    for number, level in enumerate(levels, start=1):
+    loops = 1 if convex or merges else len(fine.loops)  # convex cages have so many vertices around each part
+    for number, asked in enumerate(levels, start=1):
+        (level,) = wanted_levels([asked], fine, merges=merges) if isinstance(asked, Share) else [asked]
         if isinstance(level, Within):
             checked.append(level)
         elif is_mesh_like(level):
@@ -196,7 +209,7 @@ def _checked(fine: MeshLike, levels: Sequence[Wanted], *, convex: bool) -> tuple
             loops = len(mesh.loops)
             checked.append(mesh)
         elif isinstance(level, (int, np.integer)) and not isinstance(level, bool):
-            count = int(level)
+            count = level.raised(LEAST_PER_LOOP * loops) if isinstance(level, Rising) else int(level)
             if count < LEAST_PER_LOOP * loops:
                 raise NestingError(
                     f"Level {number} asks for {count} vertices, but {loops} loop{'s need' if loops > 1 else ' needs'} "

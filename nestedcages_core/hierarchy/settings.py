@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,7 +36,8 @@ class Settings(Choices):
     """
     merge: float | None = None
     """Parts closer than this length share a loop of the cage, and holes of less than its square are filled, as far as
-    that makes the cage tighter; needs shapely. None: a loop for each loop of the fine mesh."""
+    that makes the cage tighter; infinite: one loop around all. Needs shapely. None: a loop for each
+    loop of the fine mesh."""
     convex: bool = False
     """Convex cages: around each part of the mesh the convex polygon of least area with as many vertices as the level
     says; holes are filled. Of the other settings only `clearance` and `grid` matter then."""
@@ -69,9 +71,9 @@ class Settings(Choices):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.merge is not None and not (is_length(self.merge) and self.merge > 0.0):
+        if self.merge is not None and self.merge != inf and not (is_length(self.merge) and self.merge > 0.0):
             raise NestedCagesError(
-                f"merge must be a finite length above 0, not {self.merge!r}; leave it out to keep all loops.",
+                f"merge must be a length above 0, or infinite for one loop, not {self.merge!r}; leave it out for none.",
                 code="setting.invalid",
                 name="merge",
                 value=self.merge,

@@ -46,6 +46,10 @@ OUTSIDE_FROM = 20_000
 """Number of fine vertices from which a start outside alone replaces starts on the curve, unless there is no
 fallback: from 30,000 vertices on it takes less than half of the time, and cages are as tight (benchmarks/growth.py)."""
 
+LOOSE = 0.5
+"""Excess of a cage from a user's own coarse mesh above which the next contact is tried too: around needles the contacts
+end in different minima."""
+
 PAPER_PREFERENCE = 0.01
 """A cage from flow and reinflation is preferred to one that needed neither, unless the latter is tighter by more than
 this fraction of its excess."""
@@ -75,6 +79,12 @@ class Attempt:
     """Whether the cage of least area is sought, so that the areas of coarse meshes are bounds."""
     tightened: bool = True
     """False: use the previous coarse meshes as cages, for shapes with details too small for the solvers."""
+
+    def again(self, excess: float) -> Attempt | None:
+        """The same with the next contact, where a cage from a user's own coarse mesh is loose."""
+        if excess <= LOOSE or len(self.contacts) < 2 or not isinstance(self.source, Mesh) or not self.seeks_area:
+            return None
+        return replace(self, contacts=self.contacts[1:])
 
     @property
     def prefers_curve(self) -> bool:
@@ -109,7 +119,7 @@ def attempts(
         if may_fall_back and _prefers_curve(decimation):
             flow = _quick(flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
-        last = replace(last, seeks_area=isinstance(settings.energy, Area))
+    last = replace(last, seeks_area=isinstance(settings.energy, Area))
     yield last
     searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
     if settings.fallback is not None and settings.fallback not in searched:

@@ -118,7 +118,9 @@ class LevelBuilder:
                     reason = Fault(said, "note.start", source=start.source)
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
                 make = self._tightest if attempt.tightened else self._untightened
-                return (yield from make(attempt, notes))
+                level = yield from make(attempt, notes)
+                again = attempt.again(level.report.excess)
+                return level if again is None else (yield from self._tighter(level, again, notes))
             except FAILURES as error:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
@@ -127,6 +129,15 @@ class LevelBuilder:
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
             raise (started or failures)[-1]
         raise with_least(failures, self.outline, self.clearances[0])
+
+    def _tighter(self, level: Level, again: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
+        """A level, or that of another attempt where it has less excess."""
+        try:
+            other = yield from self._tightest(again, notes)
+        except FAILURES as error:
+            logger.debug("no other cage to compare: %s", error)
+            return level
+        return min(level, other, key=lambda each: each.report.excess)
 
     def _tightest(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
         """The tightest cage from any of the coarse meshes that can be certified."""

@@ -184,8 +184,18 @@ def snapshot() -> dict[str, Any]:
         "children": sorted(collection.name for collection in scene.collection.children_recursive),
         "matrices": {obj.name: tuple(map(tuple, obj.matrix_world)) for obj in bpy.data.objects},
         "hidden": sorted(obj.name for obj in bpy.data.objects if obj.hide_viewport or obj.hide_get()),
-        "properties": sorted((obj.name, tuple(obj.keys())) for obj in bpy.data.objects),
+        "properties": sorted((obj.name, _properties(obj)) for obj in bpy.data.objects),
     }
+
+
+def _properties(obj: Any) -> tuple[str, ...]:
+    """The names of custom properties. Before 5.0, to read a group of an add-on leaves an empty one on the object."""
+    return tuple(name for name, value in obj.items() if not hasattr(value, "to_dict") or _holds(value.to_dict()))
+
+
+def _holds(group: dict[str, Any]) -> bool:
+    """Whether anything has been set in a group or in the groups in it."""
+    return any(_holds(value) if isinstance(value, dict) else True for value in group.values())
 
 
 def at_frame(frame: float) -> Any:

@@ -77,6 +77,18 @@ def test_levels_are_clamped_to_what_is_possible_with_a_note(addon, levels, count
     assert any(note in text for text in result.levels[-1].report.notes)
 
 
+@pytest.mark.parametrize("levels", ["2%", "12"])
+def test_levels_rise_where_loops_are_in_each_others_way(addon, levels) -> None:
+    generation = addon.generation.generate.Generation(
+        [request(addon, [circle(40, size) for size in (4.0, 3.9, 3.8)])],
+        addon.generation.generate.Options(levels=addon.generation.levels.parse_levels(levels, UNITS)),
+    )
+    assert list(generation)
+    (level,) = generation.results[0].levels
+    assert level.certificate.holds
+    assert f"12 vertices are too few for this shape; {len(level.cage)} is the least found." in level.report.notes
+
+
 def test_a_drawing_that_crosses_itself_is_refused_by_name(addon) -> None:
     eight = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
     with pytest.raises(addon.errors.UserError, match=r"^'Eight': "):

@@ -170,6 +170,15 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how) -> None:
     assert len(set(meshes)) == len(meshes)
 
 
+def test_copies_of_many_selected_objects_are_looked_for_once(addon, monkeypatch) -> None:
+    for k in range(300):
+        poly_curve(f"Drawing {k}", [circle(3)])
+    asked, described = [], addon.record.described
+    monkeypatch.setattr(addon.record, "described", lambda obj: (asked.append(obj), described(obj))[1])
+    assert not bpy.ops.object.nested_cages_unbind.poll()
+    assert len(asked) <= 10 * len(bpy.data.objects)
+
+
 def test_several_drawings_are_rigged_in_three_actions(addon) -> None:
     ownership = addon.scene.ownership
     for k in range(4):

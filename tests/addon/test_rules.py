@@ -120,10 +120,19 @@ def test_rotations_and_mirrors_of_a_drawing_away_from_the_origin() -> None:
 
 def test_rules_that_exclude_each_other_are_refused() -> None:
     poly_curve("Drawing", [star()])
-    for rules in ({"symmetry": "FOUND", "grid": 0.1}, {"symmetry": "FOUND", "convex": True}):
+    for rules in ({"symmetry": "ROTATION", "symmetry_order": 5, "grid": 0.1}, {"symmetry": "FOUND", "convex": True}):
         with pytest.raises(RuntimeError, match="symmetr"):
             bpy.ops.object.nested_cages_generate(levels="16", **rules)
     assert "Drawing Cages" not in bpy.data.collections
+
+
+def test_a_symmetry_and_a_grid_go_together() -> None:
+    poly_curve("Drawing", [star()])
+    bpy.ops.object.nested_cages_generate(levels="16", symmetry="MIRROR_Y", grid=0.1)
+    assert_nested()
+    found = np.round(points(cages()[0]) / 0.1, 4)
+    assert np.array_equal(found, np.round(found))
+    assert {tuple(point) for point in found.tolist()} == {(x, -y) for x, y in found.tolist()}
 
 
 def test_painted_weights_draw_vertices(runs) -> None:
@@ -179,6 +188,15 @@ def test_short_edges_and_sharp_angles_are_avoided() -> None:
     (shape,) = assert_nested()[1:]
     corners = np.array(shape.exterior.coords)
     assert np.linalg.norm(np.diff(corners, axis=0), axis=1).min() > 0.2 * (1 - 1e-5)
+
+
+def test_close_parts_are_merged() -> None:
+    poly_curve("Drawing", [circle(40), circle(40) + np.array([2.1, 0.0])])
+    bpy.ops.object.nested_cages_generate(levels="5", merge=0.5)
+    assert len(points(cages()[0])) == 5
+    assert "1 outer loop and no holes" in cages()[0]["nested_cages_notes"]
+    with pytest.raises(RuntimeError, match="merge does not go with"):
+        bpy.ops.object.nested_cages_generate(levels="12", merge=0.5, symmetry="FOUND")
 
 
 def test_a_group_that_is_not_there_is_named() -> None:

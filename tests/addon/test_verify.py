@@ -122,9 +122,9 @@ def test_cages_whose_level_has_not_begun_are_left_out(cages) -> None:
 
 @pytest.fixture
 def keyed(addon):
-    """A star bound to one cage, of which a vertex moves into the star from frame 1 to frame 20; frame 3.5 is shown."""
+    """A star and a cage with room, of which a vertex moves into the star from frame 1 to frame 20; it is frame 3.5."""
     poly_curve("Drawing", [star()])
-    bpy.ops.object.nested_cages_generate(levels="12")
+    bpy.ops.object.nested_cages_generate(levels="12", clearance=0.02)
     bpy.ops.object.nested_cages_bind()
     fine, cage = (bpy.data.objects[f"Drawing {name}"] for name in ("Fine", "Cage 1"))
     cage.shape_key_add(name="Basis")

@@ -23,6 +23,7 @@ from nestedcages_core import (
     Settings,
     TwoSidedFlow,
     nested_cages,
+    verify,
 )
 from nestedcages_core.decimation import Start
 from nestedcages_core.level.attempts import (
@@ -278,3 +279,17 @@ class TestNotes:
         assert report.start == "outer hull"
         assert report.notes == ("Started from the outer hull: with its vertices on the curve it would cross itself.",)
         assert nested_cages(spiral, [20], Settings(decimation=OuterHull())).levels[0].report.notes == ()
+
+
+def test_a_loose_cage_from_an_own_mesh_is_compared_with_that_of_the_other_contact() -> None:
+    random = np.random.default_rng(30)  # needles of different lengths: the contacts end in different minima
+    length = np.where(np.arange(24) % 3 == 0, random.uniform(0.6, 1.0, 24), 0.1)
+    fine = Mesh.from_loops([ring(24) * length[:, None]])
+    own = Mesh.from_loops([0.45 * ring(13) + random.uniform(-0.05, 0.05, 2)])
+    first, second, kept = (
+        nested_cages(fine, [own], **options).levels[0]
+        for options in ({"contact": SequentialQP()}, {"contact": IPC()}, {})
+    )
+    assert abs(first.report.excess - second.report.excess) > 0.1
+    assert kept.report.excess == pytest.approx(min(first.report.excess, second.report.excess), rel=1e-3)
+    assert verify(kept.cage, fine, kept.report.clearance)

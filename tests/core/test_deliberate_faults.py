@@ -279,7 +279,7 @@ def test_a_cage_is_tightened_again_at_each_smaller_clearance() -> None:
 
 
 def test_a_start_that_the_flow_entered_is_preferred_by_a_little() -> None:
-    builder: Any = SimpleNamespace(unit_fine=SimpleNamespace(area=1.0))
+    builder: Any = SimpleNamespace(unit_fine=SimpleNamespace(area=1.0), plan=SimpleNamespace(inside=False, side=1))
     unit_coarse = SimpleNamespace(successor=np.array([1, 2, 3, 0]))
     starts: Any = [
         SimpleNamespace(is_measure=False, unit_coarse=unit_coarse, flow=SimpleNamespace(steps=[0] * steps))
@@ -298,10 +298,10 @@ def test_a_tightening_whose_gains_shrink_fast_is_not_given_up() -> None:
 
 @pytest.mark.parametrize(("gain", "growth"), [(1.0, 2.5), (0.4, 1.0)])
 def test_radii_grow_after_good_steps(gain: float, growth: float) -> None:
-    region = TrustRegion.start(3, 0.1, 1.0, 1.0)
+    region = TrustRegion(0.1, 0.1, 1.0, 1.0, 3)
     step, cage = np.full((3, 2), (0.1, 0.0)), np.zeros((3, 2))
     trial = Trial(cage + step, np.ones(3), -gain, accepted=True)
-    region.update(QPSolution(step, np.zeros(0), 1.0, 5, True, None), trial, 0.0, 1e-3, cage)  # type: ignore[arg-type]
+    region.update(QPSolution(step, np.zeros(0), 1.0, 5, True, None), trial, 0.0)  # type: ignore[arg-type]
     assert region.radius == pytest.approx(0.1 * growth)
 
 

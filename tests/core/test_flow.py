@@ -249,7 +249,7 @@ def test_a_flow_that_is_stuck_says_where_and_carries_its_steps() -> None:
     assert partial.steps.shape == (3, *fine.vertices.shape)
     assert partial.reason == str(stop.value)
     assert partial.obstacle.place is not None
-    assert "(101, -7)" in Obstacle("It is there", (1.0, -2.0)).sentence(100.0, (1.0, 193.0))
+    assert "(101, -7)" in Obstacle("It is there", (1.0, -2.0)).fault(100.0, (1.0, 193.0))
 
 
 def test_too_few_fine_vertices() -> None:

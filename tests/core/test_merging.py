@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from nestedcages_core import Mesh, NestedCagesError, Settings, inner_cages, nested_cages, verify
+from nestedcages_core.hierarchy import Share
 from nestedcages_core.needs.merging import Merging, merged
 from shapes import islands, polygon, ring
 
@@ -47,6 +48,17 @@ def test_a_note_says_what_merging_would_give() -> None:
     apart, together = (nested_cages(fine, 12, **more).levels[0].report for more in ({}, {"merge": 0.3}))
     assert any("Keeping all 4 loops" in note and "merge=" in note for note in apart.notes)
     assert together.excess < 0.5 * apart.excess and not any("merge=" in note for note in together.notes)
+
+
+def test_all_parts_share_one_loop() -> None:
+    for fine in (sprite(), islands(), Mesh.from_loops([ring(24), 0.9 * ring(24)])):
+        level = nested_cages(fine, Share(0.02), merge=np.inf).levels[0]
+        assert len(level.cage.loops) == 1 and verify(level.cage, fine, level.report.clearance, same_loops=False)
+
+
+def test_percentages_rise_where_merging_leaves_more_loops() -> None:
+    level = nested_cages(islands(), Share(0.01), merge=1e-6).levels[0]
+    assert len(level.cage.loops) > 1 and any("is the least found" in note for note in level.report.notes)
 
 
 def test_what_does_not_go_together_is_told() -> None:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
-from nestedcages_core.hierarchy import level_words, parse_level, wanted_levels
+from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
 from nestedcages_core.tolerance.minimal_nested import fewest_links, walks
 from nestedcages_core.tolerance.reach import REACH_PRECISION, reach, stays_within
 from shapes import annulus, letter_a, polygon, ring, star
@@ -177,6 +177,16 @@ def test_levels_as_people_write_them() -> None:
             parse_level(word)
     with pytest.raises(NestedCagesError, match=r"such as 2m, an excess such as \+25%, or \* for an object;"):
         parse_level("x", {"m": 1.0}, "* for an object")
+
+
+def test_percentages_rise_to_the_least() -> None:
+    fine = Mesh.from_loops([4.0 * ring(40), 3.9 * ring(40), 3.8 * ring(40)])  # triangles would cross each other
+    level, alike = (nested_cages(fine, given).levels[0] for given in (Share(0.02), wanted_levels([Share(0.02)], fine)))
+    (note,) = (note for note in level.report.notes if note.data.get("on") == "least")
+    assert note.data["asked"] == 12 < note.data["given"] == len(level.cage.vertices) == len(alike.cage.vertices)
+    assert f"{note.data['given']} is the least found" in note
+    with pytest.raises(NestingError, match=f"ask for at least {note.data['given']}"):
+        nested_cages(fine, [12])
 
 
 def test_a_level_near_another_mesh_than_the_one_inside() -> None:

@@ -333,6 +333,7 @@ def test_anything_that_describes_a_shape_can_be_verified() -> None:
 def test_what_is_no_shape_is_rejected(thing: object) -> None:
     for pair in ((thing, [ring(8)]), ([ring(8)], thing)):
         with pytest.raises(
-            InvalidMeshError, match="must be a Mesh, an object with __geo_interface__, or a list of loops"
+            InvalidMeshError,
+            match=r"must be a Mesh, an object with __geo_interface__, an array \(k, 2\), or a list of loops",
         ):
             verify(*pair)  # type: ignore[arg-type]

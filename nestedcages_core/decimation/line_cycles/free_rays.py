@@ -8,10 +8,10 @@ from ...geometry.arrays import FloatArray
 from ...geometry.vectors import norm
 from .chain import Lines
 
-BLOCK = 16
+BLOCK_EDGES = 16
 """Consecutive edges that rays look at together."""
 
-ROUND_OFF = 1e-9
+CIRCLE_MARGIN = 1e-9
 """Margin, in diameters, of the circles around blocks."""
 
 
@@ -20,13 +20,13 @@ class Obstacles:
 
     def __init__(self, loops: list[FloatArray]) -> None:
         # the last edge of each loop is repeated, so that no block has edges of two loops
-        padded = [np.minimum(np.arange(-(-len(loop) // BLOCK) * BLOCK), len(loop) - 1) for loop in loops]
+        padded = [np.minimum(np.arange(-(-len(loop) // BLOCK_EDGES) * BLOCK_EDGES), len(loop) - 1) for loop in loops]
         self.starts = np.concatenate([loop[order] for loop, order in zip(loops, padded, strict=True)])
         self.ends = np.concatenate([loop[(order + 1) % len(loop)] for loop, order in zip(loops, padded, strict=True)])
-        blocks = np.stack((self.starts.reshape(-1, BLOCK, 2), self.ends.reshape(-1, BLOCK, 2)), axis=1)
-        self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK, 2)
+        blocks = np.stack((self.starts.reshape(-1, BLOCK_EDGES, 2), self.ends.reshape(-1, BLOCK_EDGES, 2)), axis=1)
+        self.blocks: FloatArray = blocks.reshape(-1, 2 * BLOCK_EDGES, 2)
         self.centres: FloatArray = self.blocks.mean(axis=1)
-        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + ROUND_OFF
+        self.radii: FloatArray = norm(self.blocks - self.centres[:, None]).max(axis=1) + CIRCLE_MARGIN
 
     def free(self, lines: Lines, reach: float) -> FloatArray:
         """(2, K) how far each line runs from its point forwards and backwards, at most the reach.
@@ -44,9 +44,9 @@ class Obstacles:
         near = self.blocks[block]
         heights = level[k, None] - (right[k, 0, None] * near[:, :, 0] + right[k, 1, None] * near[:, :, 1])
         left = heights > 0.0
-        hit, edge = np.nonzero(left[:, :BLOCK] != left[:, BLOCK:])
-        here, there, left = heights[hit, edge], heights[hit, BLOCK + edge], left[hit, edge]
-        k, edge = k[hit], block[hit] * BLOCK + edge
+        hit, edge = np.nonzero(left[:, :BLOCK_EDGES] != left[:, BLOCK_EDGES:])
+        here, there, left = heights[hit, edge], heights[hit, BLOCK_EDGES + edge], left[hit, edge]
+        k, edge = k[hit], block[hit] * BLOCK_EDGES + edge
         start = self.starts[edge]
         crossing = start + (self.ends[edge] - start) * (here / (here - there))[:, None]
         along = ((crossing - origin[k]) * lines.direction[k]).sum(axis=1)

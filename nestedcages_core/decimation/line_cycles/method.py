@@ -77,7 +77,7 @@ BIASES = (1.0, 1e9, 0.3)
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
 
-MAX_ROUNDS = 12
+MAX_CLEARINGS = 12
 """Number of times that crossings are cleared."""
 
 
@@ -215,7 +215,7 @@ class _Around:
             searches.append(search)
             yield len(searches) / (len(self.outline.sizes) + 1)
         numbers = self._shares(searches)
-        for _ in range(MAX_ROUNDS):
+        for _ in range(MAX_CLEARINGS):
             yield len(searches) / (len(self.outline.sizes) + 1)
             for search, number in zip(searches, numbers, strict=True):
                 search.refine(number)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ...decimation import Count, Decimation, LineCycles, Start
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestedCagesError, NestingError
 from ...geometry.mesh import Mesh
-from ...parameters import check_part, check_positive
+from ...parameters import check_limit, check_part
 from ...tasks import Stage, drain
 
 PARTS = (0.0, 0.5, 1.0)
@@ -22,6 +23,12 @@ WORTHWHILE = 0.5
 NOTED_DISTANCE = 0.06
 """Distance that a note names, in diagonals: of the tried 0.01 to 0.06 the one that merges most."""
 
+BEYOND = (1.0, 1.5, 2.0)
+"""Multiples of the least distance that joins all parts that are tried: at that distance, necks have no width."""
+
+HALVINGS = 12
+"""Halvings of the range of that distance, from the diagonal down to its ten-thousandth, on a logarithmic scale."""
+
 ARC = 4
 """Vertices of a quarter of the circles that close gaps."""
 
@@ -31,12 +38,13 @@ class Merging:
     """Starts around the shape with its parts merged, for the distance up to the given one that adds the least area."""
 
     distance: float
-    """In the input's units: gaps narrower than this are closed, holes of less than its square are filled."""
+    """In the input's units: gaps narrower than this are closed, holes of less than its square are filled. Infinite: one
+    loop around all."""
     decimation: Decimation = field(default_factory=lambda: LineCycles(on_curve=False))
     """Makes the mesh around the merged shape."""
 
     def __post_init__(self) -> None:
-        check_positive(self, "distance")
+        check_limit(self, "distance")
         check_part(self, "decimation", "decimate", "LineCycles()")
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
@@ -49,26 +57,33 @@ class Merging:
         best: Mesh | None = None
         failure: NestedCagesError | None = None
         tried: set[int] = set()
-        for number, part in enumerate(PARTS):
+        needed: list[int] = []
+        whole = not isfinite(self.distance)
+        least = least_joining(fine) if whole else self.distance
+        for number, part in enumerate(BEYOND if whole else PARTS):
             yield number / len(PARTS)
             try:
-                shape = merged(fine, part * self.distance)
-                if len(shape.loops) in tried:
+                shape = merged(fine, part * least, all_holes=whole)
+                if len(shape.loops) in tried and not whole:
                     continue
                 tried.add(len(shape.loops))
+                needed.append(LEAST_PER_LOOP * len(shape.loops))
                 wanted = max(min(total, len(shape.vertices)), LEAST_PER_LOOP * len(shape.loops))
                 mesh = self.decimation.decimate(shape, wanted, clearance=clearance) if wanted <= total else None
             except (NestingError, InvalidMeshError) as error:
                 failure = error
+                needed.append(int(error.data.get("least", 0)))
                 continue
             if mesh is not None and (best is None or mesh.area < best.area):
                 best = mesh
         if best is None:
+            enough = [count for count in needed if count > total]
             raise NestingError(
                 f"{total} vertices are too few for this shape even with parts closer than {self.distance:.6g} merged; "
                 "ask for more vertices, or merge over a larger distance.",
                 code="count.too_small",
                 total=total,
+                **({"least": min(enough)} if enough else {}),
             ) from failure
         return [Start(best, "merged parts")]
 
@@ -79,7 +94,8 @@ def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
     if len(fine.loops) == 1 or len(cage.loops) < len(fine.loops):
         return ()
     try:
-        mesh = Merging(distance).decimate(fine, len(cage.vertices))
+        with np.errstate(all="ignore"):  # of GEOS, at coordinates near the limits
+            mesh = Merging(distance).decimate(fine, len(cage.vertices))
     except NestedCagesError:  # also without shapely
         return ()
     fewer = mesh.area / fine.area - 1.0
@@ -92,12 +108,23 @@ def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
     return (Fault(said, "note.loops"),)
 
 
-def merged(fine: Mesh, distance: float) -> Mesh:
+def least_joining(fine: Mesh) -> float:
+    """The least distance over which all parts are joined, from above; 0 for a single part."""
+    if len(merged(fine, 0.0, all_holes=True).loops) == 1:
+        return 0.0
+    low, high = 1e-4 * fine.diagonal, fine.diagonal
+    for _ in range(HALVINGS):
+        middle = float(np.sqrt(low * high))
+        low, high = (low, middle) if len(merged(fine, middle, all_holes=True).loops) == 1 else (middle, high)
+    return high
+
+
+def merged(fine: Mesh, distance: float, *, all_holes: bool = False) -> Mesh:
     """The shape with gaps narrower than a distance closed and holes of less than its square filled; contains the shape.
 
     Raises NestedCagesError where shapely is missing.
     """
-    if distance == 0.0:
+    if distance == 0.0 and not all_holes:
         return fine
     try:
         import shapely
@@ -111,7 +138,7 @@ def merged(fine: Mesh, distance: float) -> Mesh:
         solid = solid.symmetric_difference(Polygon(fine.vertices[loop]))
     closed = solid.buffer(0.5 * distance, quad_segs=ARC).buffer(-0.5 * distance, quad_segs=ARC).union(solid)
     filled = [
-        Polygon(part.exterior, [hole for hole in part.interiors if Polygon(hole).area >= distance**2])
+        Polygon(part.exterior, [hole for hole in part.interiors if not all_holes and Polygon(hole).area >= distance**2])
         for part in getattr(closed, "geoms", [closed])
         if isinstance(part, Polygon)  # unions of nearly touching outlines may leave lines
     ]
