@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
+from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..geometry.picture import Drawable
 from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole

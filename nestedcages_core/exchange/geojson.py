@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
+from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..geometry.picture import Drawable
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole

@@ -23,68 +23,52 @@ PICTURE_MARGIN = 0.03
 """Margin of a picture, and half the space between frames, as a fraction of a frame's diagonal."""
 
 
-class Drawable:
-    """A result that notebooks show, that plots itself, and that every writer of files takes."""
-
-    @property
-    def meshes(self) -> tuple[Any, ...]:
-        """The drawing and its cages, from the finest to the coarsest."""
-        raise NotImplementedError
-
-    @property
-    def frames(self) -> tuple[tuple[Any, ...], ...]:
-        """The meshes of each frame of a picture; frames stand side by side."""
-        return (self.meshes,)
-
-    def _repr_svg_(self) -> str:
-        """The picture that a notebook shows, with y pointing up."""
-        frames = self.frames
-        points = np.concatenate([mesh.vertices for frame in frames for mesh in frame])
-        low, size = points.min(axis=0), np.ptp(points, axis=0)
-        margin = PICTURE_MARGIN * float(np.hypot(*size))
-        step = float(size[0]) + 2.0 * margin
-        width, height = step * len(frames), float(size[1]) + 2.0 * margin
-        pixels = min(PICTURE_WIDTH * len(frames) / width, PICTURE_HEIGHT / height)
-        shapes = []
-        for k, frame in enumerate(frames):
-            shapes.append(f'<g transform="translate({margin - low[0] + k * step:.9g} 0)">')
-            for level, mesh in _largest_first(frame):
-                colour = COLOURS[level % len(COLOURS)]
-                opacity = CAGE_OPACITY if level else DRAWING_OPACITY
-                shapes.append(
-                    f'<path d="{path_data(mesh)}" fill="{colour}" fill-opacity="{opacity}" fill-rule="evenodd" '
-                    f'stroke="{colour}" stroke-width="1.2" vector-effect="non-scaling-stroke"/>'
-                )
-            shapes.append("</g>")
-        return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{pixels * width:.0f}" height="{pixels * height:.0f}" '
-            f'viewBox="0 0 {width:.9g} {height:.9g}"><g transform="translate(0 {margin + low[1] + size[1]:.9g}) '
-            f'scale(1 -1)">{"".join(shapes)}</g></svg>'
-        )
-
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the meshes with matplotlib, and return the axes; ``ax``: the axes to draw on, by default new ones.
-
-        Raises NestedCagesError if matplotlib is missing.
-        """
-        try:
-            from matplotlib import pyplot as plt
-            from matplotlib.patches import PathPatch
-            from matplotlib.path import Path
-        except ImportError as error:
-            raise NestedCagesError(
-                "Plots need matplotlib: pip install matplotlib.", code="dependency.missing", library="matplotlib"
-            ) from error
-        axes = plt.subplots()[1] if ax is None else ax
-        for level, mesh in _largest_first(self.meshes):
-            outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in map(_closed, mesh.rings)))
+def svg_picture(frames: Sequence[Sequence[Any]]) -> str:
+    """The picture that a notebook shows: frames of meshes side by side, with y pointing up."""
+    points = np.concatenate([mesh.vertices for frame in frames for mesh in frame])
+    low, size = points.min(axis=0), np.ptp(points, axis=0)
+    margin = PICTURE_MARGIN * float(np.hypot(*size))
+    step = float(size[0]) + 2.0 * margin
+    width, height = step * len(frames), float(size[1]) + 2.0 * margin
+    pixels = min(PICTURE_WIDTH * len(frames) / width, PICTURE_HEIGHT / height)
+    shapes = []
+    for k, frame in enumerate(frames):
+        shapes.append(f'<g transform="translate({margin - low[0] + k * step:.9g} 0)">')
+        for level, mesh in _largest_first(frame):
             colour = COLOURS[level % len(COLOURS)]
-            axes.add_patch(PathPatch(outline, facecolor="none", edgecolor=colour, linewidth=1.0))
             opacity = CAGE_OPACITY if level else DRAWING_OPACITY
-            axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor="none", alpha=opacity))
-        axes.set_aspect("equal")
-        axes.autoscale_view()
-        return axes
+            shapes.append(
+                f'<path d="{path_data(mesh)}" fill="{colour}" fill-opacity="{opacity}" fill-rule="evenodd" '
+                f'stroke="{colour}" stroke-width="1.2" vector-effect="non-scaling-stroke"/>'
+            )
+        shapes.append("</g>")
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{pixels * width:.0f}" height="{pixels * height:.0f}" '
+        f'viewBox="0 0 {width:.9g} {height:.9g}"><g transform="translate(0 {margin + low[1] + size[1]:.9g}) '
+        f'scale(1 -1)">{"".join(shapes)}</g></svg>'
+    )
+
+
+def plotted(meshes: Sequence[Any], ax: Any = None) -> Any:
+    """Draw meshes with matplotlib on axes, by default new ones; returns the axes. Raises NestedCagesError."""
+    try:
+        from matplotlib import pyplot as plt
+        from matplotlib.patches import PathPatch
+        from matplotlib.path import Path
+    except ImportError as error:
+        raise NestedCagesError(
+            "Plots need matplotlib: pip install matplotlib.", code="dependency.missing", library="matplotlib"
+        ) from error
+    axes = plt.subplots()[1] if ax is None else ax
+    for level, mesh in _largest_first(meshes):
+        outline = Path.make_compound_path(*(Path(ring, closed=True) for ring in map(_closed, mesh.rings)))
+        colour = COLOURS[level % len(COLOURS)]
+        axes.add_patch(PathPatch(outline, facecolor="none", edgecolor=colour, linewidth=1.0))
+        opacity = CAGE_OPACITY if level else DRAWING_OPACITY
+        axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor="none", alpha=opacity))
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    return axes
 
 
 def path_data(mesh: Any) -> str:

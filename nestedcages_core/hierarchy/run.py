@@ -141,7 +141,7 @@ def _hierarchy(
                 number = int(level) if isinstance(level, Rising) else level
                 asked = replace(settings, about=None), about, inner, number, clearances, side
                 try:
-                    done = yield from whole_level(made, *asked)
+                    done = yield from whole_level(made, builder.progress, *asked)
                     break
                 except NestedCagesError as error:
                     if not isinstance(level, Rising):

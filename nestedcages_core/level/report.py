@@ -10,8 +10,8 @@ from ..contact.reinflation import Reinflation
 from ..errors import Fault
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
+from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..geometry.picture import Drawable
 
 
 @dataclass(frozen=True)

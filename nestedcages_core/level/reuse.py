@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..cache import Memory, key_of
 from ..decimation import Count, SeveralStarts, Start
 from ..flow import FlowMethod, FlowResult
-from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
+from .progress import LevelProgress
 from .report import Level, Progress
 
 CAPACITY = 16_000_000
@@ -26,22 +27,30 @@ _starts: Memory[list[Start]] = Memory(CAPACITY)
 _flows: Memory[FlowResult] = Memory(CAPACITY)
 
 
-def whole_level(work: Stage[Progress, Level], *asked: object) -> Stage[Progress, Level]:
-    """A level that depends only on what was asked for; its steps are read-only, since the next run may share them."""
-    level = yield from _levels.stage(key_of(*asked), work, _level_size)
-    for steps in _steps(level):
-        steps.flags.writeable = False
-    return level
+def whole_level(work: Stage[Progress, Level], progress: LevelProgress, *asked: object) -> Stage[Progress, Level]:
+    """A level that depends only on what was asked for. Its arrays are not shared with later ones."""
+    key = key_of(*asked)
+    known = _levels.get(key)
+    if known is None:
+        made = yield from work
+        _levels.put(key, _copied(made), _level_size(made))
+        return made
+    yield from progress.begin("verification")
+    return _copied(known)
 
 
-def _steps(level: Level) -> list[FloatArray]:
-    return [level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps]
+def _copied(level: Level) -> Level:
+    """A level with arrays of its own."""
+    flow = replace(level.flow, steps=level.flow.steps.copy())
+    moving, cage = (steps.copy() for steps in (level.reinflation.moving_steps, level.reinflation.cage_steps))
+    return replace(level, flow=flow, reinflation=replace(level.reinflation, moving_steps=moving, cage_steps=cage))
 
 
 def _level_size(level: Level) -> int:
     """Bytes of the steps and meshes of a level."""
     vertices = sum(len(mesh.vertices) for mesh in (level.fine, level.coarse, level.cage))
-    return sum(steps.nbytes for steps in _steps(level)) + BYTES_PER_VERTEX * vertices
+    steps = level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps
+    return sum(each.nbytes for each in steps) + BYTES_PER_VERTEX * vertices
 
 
 def coarse_meshes(

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..errors import Fault
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
-from ..geometry.picture import Drawable
 from ..verification import Certificate
 
 FRAMES_SHOWN = 4

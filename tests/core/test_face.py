@@ -27,7 +27,7 @@ from nestedcages_core import (
     to_geojson,
     to_svg,
 )
-from nestedcages_core.geometry.picture import Drawable
+from nestedcages_core.geometry.drawable import Drawable
 from shapes import ring
 
 OUTER, HOLE = ring(60, 1.0), ring(20, 0.4)

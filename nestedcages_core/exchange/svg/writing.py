@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from ...errors import NestedCagesError
+from ...geometry.drawable import Drawable
 from ...geometry.mesh import Mesh
-from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, Drawable, path_data
+from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, path_data
 from ..decimals import check_decimals
 from ..files import write_whole
 from .document import DECORATION, OUTLINES, Frame

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
+from ..drawable import Drawable
 from ..loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
-from ..picture import Drawable
 from ..predicates import BoxTree
 from ..vectors import norm
 from .geo_interface import HasGeoInterface, rings_of, to_geo_interface
