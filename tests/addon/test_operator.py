@@ -322,7 +322,12 @@ def everything():
     ]
     at_frame(1)
     owners = (*bpy.data.collections, *bpy.data.objects)
-    return snapshot(), shown, {owner.name: {key: str(value) for key, value in owner.items()} for owner in owners}
+    return snapshot(), shown, {owner.name: own_properties(owner) for owner in owners}
+
+
+def own_properties(owner):
+    """Custom properties as text, without registered groups, which Blender before 5.0 lists among them."""
+    return {key: str(value) for key, value in owner.items() if not hasattr(value, "to_dict")}
 
 
 @pytest.mark.slow
@@ -453,14 +458,14 @@ def test_the_source_stays_selected_active_and_as_it_was(addon) -> None:
         source.data.bevel_depth,
         source.data.dimensions,
         source.matrix_world.copy(),
-        set(source.keys()),
+        set(own_properties(source)),
     )
     generate()
     assert (
         source.data.bevel_depth,
         source.data.dimensions,
         source.matrix_world,
-        set(source.keys()),
+        set(own_properties(source)),
     ) == before
     assert bpy.context.selected_objects == [source]
     assert bpy.context.view_layer.objects.active is source

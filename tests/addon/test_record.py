@@ -299,3 +299,13 @@ def test_a_shortcut_uses_the_values_of_the_panel(addon) -> None:
     operator.clearance, operator.inside = 0.5, False
     operator.take_from_panel(bpy.context, leave=("inside",))
     assert (operator.levels, operator.clearance, operator.inside) == ("18", 0.5, False)
+
+
+@pytest.mark.parametrize("stored", ["[" * 100_000, '{"a": 1}', "no JSON", "[[1, 2], [3]]"])
+def test_nothing_in_the_properties_of_a_file_stops_generate(addon, stored) -> None:
+    source, collection = caged()
+    of_before(addon, collection)
+    collection["nested_cages_markers"] = stored
+    choose(source)
+    assert bpy.ops.object.nested_cages_generate(levels="20") == {"FINISHED"}
+    assert len([obj for obj in bpy.data.objects if obj.name.startswith("Drawing Cage")]) == 1
