@@ -17,6 +17,7 @@ from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
 from ..libraries import load_shapely
 from ..limits import Budget
+from ..repair import HAIRLINE_PART
 from .areas import Areas
 from .curves import flattened
 from .document import Box, Document, Frame
@@ -28,9 +29,6 @@ from .transforms import moved
 
 DEFAULT_TOLERANCE = 5e-4
 """Default for the largest distance of chords from curves, as a fraction of the drawing's diagonal."""
-
-HAIRLINE = 0.1
-"""Width, in tolerances, below which gaps, holes and notches are closed, and spikes cut off."""
 
 PAGE_COVERED = 0.95
 """Smallest fraction of the page that a background covers; rounded corners count as covered."""
@@ -160,7 +158,7 @@ class Reading:
         narrow: list[str] = []
         if page is not None:
             areas = _on_page(areas, page, cut_off, reading.budget)
-        width = HAIRLINE * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
+        width = HAIRLINE_PART * reading.tolerance if self.document.strokes_count else 0.0  # ours are read as written
         mesh = solid(areas, seam=width, spike=width, budget=reading.budget, notes=narrow)
         new = [*cut_off, *(f"{note.capitalize()}." for note in narrow)]
         self.notes += [note for note in new if note not in self.notes]
