@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeAlias
 
+import numpy as np
+
 from ..decimation.base import clamped
 from ..energies import CageEnergy
 from ..errors import Fault
@@ -80,6 +82,11 @@ ExactSolver: TypeAlias = Callable[[Mesh, int | Mesh, tuple[float, ...], LevelPro
 
 class Need:
     """A promise besides the number of vertices. It sees the plan, never another need."""
+
+    @property
+    def places(self) -> FloatArray:
+        """(P, 2) places on the outline that this need is about."""
+        return np.empty((0, 2))
 
     def fill(self, plan: Plan) -> Plan:
         """The plan with the slots of this need filled. Raises NestingError where it has no cage."""

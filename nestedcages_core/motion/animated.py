@@ -80,9 +80,9 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
 
     def _run(self) -> Stage[Progress, MovingCages]:
         finished: list[MovingLevel] = []
-        inner, source = self._fine, self._poses
+        inner, source, settings = self._fine, self._poses, self._settings
         for index, wanted in enumerate(self._levels):
-            level, keys, began = LevelMotion(inner, wanted, self._settings, cyclic=self._cyclic), [], perf_counter()
+            level, keys, began = LevelMotion(inner, wanted, settings, cyclic=self._cyclic), [], perf_counter()
             try:
                 for key in level.keys(source):
                     keys.append(key)
@@ -94,6 +94,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
                 raise
             finished.append(_finished(level, keys, perf_counter() - began))
             inner, source = level.topology, iter([Pose(key.number, key.time, key.cage, key.given) for key in keys])
+            settings = level.promises.of_next_level(level.topology)
             self._count = keys[-1].number + 1
         return MovingCages(self._fine, tuple(finished))
 

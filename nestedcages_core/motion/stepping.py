@@ -7,6 +7,7 @@ from ..hierarchy import Settings
 from ..level.units import SolverUnits
 from ..verification import verify
 from .following import Follower
+from .promises import Promises
 
 
 def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: Settings | None = None) -> Mesh | None:
@@ -16,9 +17,10 @@ def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: 
     result is certified by `verify`. To certify the instants in between too, see `animated_cages`.
     """
     units = SolverUnits.of(after)
-    follower = Follower.of(cage, before, units, clearance, settings if settings is not None else Settings())
+    promises = Promises.of(settings if settings is not None else Settings(), before)
+    follower = Follower.of(cage, before, units, clearance, promises)
     cages = follower.next(*(units.points(mesh.vertices) for mesh in (cage, before, after)))
     if cages is None:
         return None
-    moved = cage.moved(units.to_input(cages[-1]))
+    moved = cage.moved(follower.stored(cages[-1]))
     return moved if verify(moved, after, clearance).holds else None

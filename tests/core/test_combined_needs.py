@@ -43,10 +43,6 @@ IMPOSSIBLE = {
     frozenset({"convex", "motion"}): "setting.conflict",
     frozenset({"inner", "motion"}): None,  # no function for it
     frozenset({"within", "motion"}): "level.invalid",
-    **{
-        frozenset({need, "motion"}): "setting.conflict"
-        for need in ("symmetry", "rotation", "grid", "float32", "weights")
-    },
 }
 """Pairs that cannot be made, each with the code that says so."""
 PAIRS = [tuple(dict.fromkeys(pair)) for pair in combinations_with_replacement(NEEDS, 2)]
