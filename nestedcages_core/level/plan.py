@@ -76,8 +76,8 @@ class Solution:
     notes: tuple[Fault, ...]
 
 
-ExactSolver: TypeAlias = Callable[[Mesh, int | Mesh, tuple[float, ...], LevelProgress], Stage[Progress, Solution]]
-"""Solves a level for a fine mesh, a count, and clearances to try in turn."""
+ExactSolver: TypeAlias = "Callable[[Plan, int | Mesh, tuple[float, ...], LevelProgress], Stage[Progress, Solution]]"
+"""Solves a level of a plan for a count, and clearances to try in turn."""
 
 
 class Need:
@@ -132,6 +132,8 @@ class Plan:
     """What coordinates may be; None: all doubles."""
     group: Symmetry | None = None
     """Symmetries that cages have exactly."""
+    weight_at: Callable[[FloatArray], FloatArray] | None = None
+    """Weights (P,) of the area next to points (P, 2) in input units; None: equal ones."""
     exact: ExactSolver | None = None
     """Used instead of starts and tightening."""
     remarks: tuple[Fault, ...] = ()
