@@ -35,7 +35,7 @@ from nestedcages_core.level.steps import with_stored_steps
 from nestedcages_core.level.symmetrised_start import orbits_of
 from nestedcages_core.needs.convex.need import is_convex
 from nestedcages_core.tolerance.reach import reach
-from shapes import disc
+from shapes import ring
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "needs.md"
 CLEARANCE, SPACING, DISTANCE = 0.004, 0.02, 0.15
@@ -216,7 +216,7 @@ def test_the_page_lists_what_is_impossible() -> None:
 
 def test_steps_that_rounding_spoils_count_as_flow() -> None:
     """In the first two steps the circle is a hair too large for the octagon; from the third step on there is room."""
-    circle = [disc(count).vertices for count in (48, 8)]
+    circle = [ring(count) for count in (48, 8)]
     sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
     fine, cage = Mesh.from_loops([sizes[-1] * circle[0]]), Mesh.from_loops([circle[1]])
     moving, cages = circle[0] * sizes[:, None, None], np.repeat(circle[1][None], len(sizes), axis=0)
