@@ -109,7 +109,7 @@ class Settling:
             certificate = plan.verify(cage, wanted, same_loops=same_loops)
             path = _path(level, points, numbers.spacing) if certificate and plan.fault(cage) is None else None
             if path is None:
-                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free way")
+                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free path")
                 continue
             report = replace(
                 level.report,

@@ -169,12 +169,12 @@ class LevelMotion:
             level = nested_cages(fine, [coarse], replace(self.settings, fallback=None)).levels[0]
         except NestedCagesError as error:
             raise NestingError(
-                f"The cage cannot follow to pose {pose.number}: the drawing blocks its way, and no cage with the same "
+                f"The cage cannot follow to pose {pose.number}: the drawing blocks its path, and no cage with the same "
                 "vertices was found there; give more poses before it, or use more cage vertices.",
                 code="motion.blocked",
                 pose=pose.number,
             ) from error
-        said = f"The way to pose {pose.number} is blocked: a new cage was made there."
+        said = f"The path to pose {pose.number} is blocked: a new cage was made there."
         self.notes.append(Fault(said, "note.pose", pose=pose.number))
         return self.units.points(level.cage.vertices)
 
