@@ -38,6 +38,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "certificate.failed": ("problems",),
     "motion.collides": ("step", "pose"),
     "motion.blocked": ("pose",),
+    "time.over": ("seconds", "level", "stage"),
     "symmetry.not_found": (),
     "symmetry.off_lattice": (),
     "symmetry.missed": (),
