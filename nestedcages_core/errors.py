@@ -35,7 +35,7 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "flow.loops_differ": ("loops", "place"),
     "flow.stuck": ("place",),
     "reinflation.blocked": ("vertices", "place"),
-    "certificate.failed": ("problems",),
+    "certificate.failed": ("problems", "pose"),
     "motion.collides": ("step", "pose"),
     "motion.blocked": ("pose",),
     "time.over": ("seconds", "level", "stage"),
