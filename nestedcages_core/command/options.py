@@ -127,6 +127,10 @@ def length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
 
 
+def _seconds(text: str) -> float:
+    return _number(text, "a time above 0 is needed", lambda value: 0.0 < value < float("inf"))
+
+
 def _merge(text: str) -> float:
     return float("inf") if text == "all" else length(text)
 
@@ -190,6 +194,7 @@ OPTIONS = {
         _option("--clearance", type=length, metavar="LENGTH", help="least distance of a cage from what it encloses"),
         _option("--inside", help="make cages inside the shapes instead"),
         _option("--strict", help="fail if a count is too small for a shape, instead of raising it"),
+        _option("--seconds", type=_seconds, metavar="S", help="time for each shape; the levels made by then are kept"),
         _option("--report", metavar="FILE", help="write all measures and messages as JSON"),
         _option("--quiet", help="no progress"),
         _option("--version", action=_Version, nargs=0, help="print the version"),

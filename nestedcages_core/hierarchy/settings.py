@@ -53,6 +53,9 @@ class Settings(Choices):
     """No cage edge is shorter than this length, where there is room."""
     min_angle: float | None = None
     """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
+    seconds: float | None = None
+    """Wall-clock time that all levels together may take; after it an error says what was reached, and has the levels
+    made so far as its `partial`. None: no limit."""
     about: Mesh | None = None
     """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
     drawing inside of it, or around it for inner cages, when levels are made one by one."""
@@ -87,6 +90,11 @@ class Settings(Choices):
         if self.grid is not None and not (is_length(self.grid) and self.grid > 0.0):
             raise NestedCagesError(
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none.",
+                code="setting.invalid",
+            )
+        if self.seconds is not None and not (is_length(self.seconds) and self.seconds > 0.0):
+            raise NestedCagesError(
+                f"seconds must be a finite time above 0, not {self.seconds!r}; leave it out for no limit.",
                 code="setting.invalid",
             )
         if self.stored is not None and type_name(self.stored) not in (*STORED_TYPES, None):

@@ -132,6 +132,14 @@ class OnNumbers(Need):
                 code="numbers.unresolved",
                 spacing=grid,
             )
+        extent = float(np.ptp(fine.vertices, axis=0).max())
+        if grid > extent:
+            raise NestingError(
+                f"The grid of {grid:.6g} is larger than the drawing, which is {extent:.3g} wide or high: ask for one "
+                f"of at most {extent:.3g}.",
+                code="numbers.no_room",
+                spacing=grid,
+            )
         return cls(Lattice(lattice, stored))
 
     def fill(self, plan: Plan) -> Plan:
