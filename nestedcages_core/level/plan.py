@@ -38,6 +38,11 @@ class Numbers(Protocol):
         ...
 
     @property
+    def room(self) -> float:
+        """Clearance that all cages have in reserve for these numbers; 0 where few need it."""
+        ...
+
+    @property
     def stored(self) -> str | None:
         """The name of the type that holds the coordinates, for the report; None for doubles."""
         ...
@@ -81,7 +86,7 @@ ExactSolver: TypeAlias = "Callable[[Plan, int | Mesh, tuple[float, ...], LevelPr
 
 
 class Need:
-    """A promise besides the number of vertices. It sees the plan, never another need."""
+    """A promise in addition to the number of vertices. It sees the plan, never another need."""
 
     @property
     def places(self) -> FloatArray:

@@ -97,7 +97,7 @@ class Follower:
         return None if start is None else self.tightened(start, after)
 
     def tightened(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
-        """The cage (m, 2), which must enclose a pose (n, 2), and those after each step on the way to its optimum."""
+        """The cage (m, 2), which must enclose a pose (n, 2), and those after each step to its optimum."""
         energy, tightening = self._energy(cage, fine), self.promises.settings.tightening
         cages = [cage, *tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=energy)]
         return cages if self.promises.settings.grid is None else [*cages, *self._on_grid(cages[-1], fine)]

@@ -13,7 +13,7 @@ from ..geometry.signed_distance import EdgeSearch
 from ..hierarchy import Settings
 from ..hierarchy.needs import needs_of
 from ..level.plan import Plan
-from ..level.settling import ROOM
+from ..level.settling import ROOMS
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +40,9 @@ class Promises:
 
     @property
     def room(self) -> float:
-        """Length that rounding may take from a clearance."""
-        return 0.0 if self.plan.numbers is None else ROOM * self.plan.numbers.spacing
+        """Length that rounding to a grid may take from a clearance."""
+        grid = self.settings.grid
+        return 0.0 if grid is None else ROOMS[0] * grid
 
     def settings_at(self, pose: Mesh) -> Settings:
         """The settings with pins where they are at a pose."""
