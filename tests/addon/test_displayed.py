@@ -81,6 +81,72 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     assert cage["nested_cages_check"].startswith("Holds")
 
 
+def test_path_animation_switched_on_later_moves_no_cage() -> None:
+    bezier()
+    source = bpy.context.object
+    source.data.use_path = False
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"} == bpy.ops.object.nested_cages_bind()
+    cage = bpy.data.objects[f"{source.name} Cage 1"]
+    assert cage.parent == source
+    source.data.use_path = True
+    for frame in (100, 150):
+        check_enclosed(source, cage, frame)
+    source.location.x += 2.0
+    check_enclosed(source, cage, 150)
+    assert cage.matrix_world == source.matrix_world
+
+
+def bent(obj):
+    obj.modifiers.new("Bend", "SIMPLE_DEFORM").angle = 2.0
+
+
+CHANGES = {
+    "longer": lambda obj: setattr(obj.data, "body", "Hello"),
+    "no letters": lambda obj: setattr(obj.data, "body", ""),
+    "size": lambda obj: setattr(obj.data, "size", 1.5),
+    "modifier": bent,
+}
+
+
+@pytest.mark.parametrize("bound", [True, False])
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound) -> None:
+    claims, source = addon.following.claims, text("Word", "Hi")
+    assert bpy.ops.object.nested_cages_generate(levels="40, 20") == {"FINISHED"}
+    cage, outer = (bpy.data.objects[f"Word Cage {level}"] for level in (1, 2))
+    if bound:
+        bpy.ops.object.nested_cages_bind()
+        outer.location.x += 0.1
+        bpy.context.view_layer.update()
+        claims.check_changed(bpy.context)
+    assert "nested_cages_check" not in cage
+    CHANGES[change](source)
+    bpy.context.view_layer.update()
+    claims.check_changed(bpy.context)
+    assert cage["nested_cages_check"].startswith("Broken") and "Word" in cage["nested_cages_finding"]
+    source.data.body, source.data.size = "Hi", 1.0
+    if "Bend" in source.modifiers:
+        source.modifiers.remove(source.modifiers["Bend"])
+    bpy.context.view_layer.update()
+    claims.check_changed(bpy.context)
+    assert cage["nested_cages_check"].startswith("Holds")
+
+
+def test_a_scale_that_is_applied_to_a_bound_drawing_changes_nothing() -> None:
+    source = wire("Drawing", [star()])
+    source.scale = (2.0, 2.0, 2.0)
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"} == bpy.ops.object.nested_cages_bind()
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    source.select_set(True)
+    bpy.context.view_layer.objects.active = source
+    bpy.ops.object.transform_apply()
+    cage = bpy.data.objects["Drawing Cage 2"]
+    for point in cage.data.vertices:
+        point.co.x += 0.3 * point.co.y
+    check_enclosed(source, bpy.data.objects["Drawing Cage 1"], 200)
+
+
 def closed_curve(add):
     """A curve of the menu that is open, closed and flat."""
     add()
