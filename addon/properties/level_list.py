@@ -88,7 +88,7 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
     )
     excess: FloatProperty(
         name="More Area",
-        description="Area that the cage has more than the drawing, in per cent",
+        description="Extra area of the cage, in per cent of the drawing's",
         default=10.0,
         min=0.01,
         soft_max=100.0,

@@ -190,7 +190,7 @@ def checked_document(text: str | bytes, kind: str, what: str, limits: Limits) ->
     if type(version) is not int or version != VERSION:
         raise NestedCagesError(
             f"{what.replace(what.split()[0], 'The', 1)} is of version {shown(version)}, but version {VERSION} is read; "
-            "export it anew.",
+            "export it again.",
             code="file.invalid",
         )
     return document

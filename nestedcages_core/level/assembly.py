@@ -129,8 +129,8 @@ def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) ->
     from .tightest_place import too_narrow  # only where something failed
 
     return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
-        f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
-        f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+        f"No {'inner ' * plan.inside}cage with this few vertices was found that keeps the clearance of {wanted:.6g}: "
+        f"the best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
         "clearance.no_room",
         wanted=wanted,
         largest=certificate.clearance,

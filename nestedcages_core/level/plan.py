@@ -36,6 +36,11 @@ class Numbers(Protocol):
         ...
 
     @property
+    def room(self) -> float:
+        """Clearance that all cages have in reserve for these numbers; 0 where few need it."""
+        ...
+
+    @property
     def stored(self) -> str | None:
         """The name of the type that holds the coordinates, for the report; None for doubles."""
         ...

@@ -173,7 +173,7 @@ def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
     if checked.ndim != 3 or checked.shape[1:] != wanted or len(checked) == 0:
         raise NestedCagesError(
             f"The {name} steps have shape {np.shape(checked)}, but (steps, {wanted[0]}, {wanted[1]}) is needed: one "
-            "place per vertex in each step.",
+            "position per vertex in each step.",
             code="mesh.unreadable",
         )
     bad = np.argwhere(~np.isfinite(checked).all(axis=2))
