@@ -20,7 +20,7 @@ from ..scene.plane import Frame
 from ..scene.selection import scene_of
 from .bones import bones_of
 
-# Least vertices of a cage without joints, and of each loop besides the first, and vertices for each place near a joint.
+# Least vertices of a cage without joints, and of each loop after the first, and vertices for each place near a joint.
 LEAST, PER_LOOP, PER_PLACE = 24, 4, 2
 # Most vertices of a cage that were not asked for.
 MOST = 200

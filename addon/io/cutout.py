@@ -120,7 +120,7 @@ def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:
     parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
     found, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
     if rank < 3 or np.abs(parts @ found - points).max() > PLANARITY * np.ptp(points, axis=0).max():
-        raise UserError(f"'{obj.name}' is no flat picture: its texture coordinates do not fit one plane")
+        raise UserError(f"'{obj.name}' is not a flat picture: its texture coordinates do not fit one plane")
     axes = matrix[:3, :3]
     return Canvas(matrix[:3, 3] + axes @ found[2], axes @ found[0], axes @ found[1])
 

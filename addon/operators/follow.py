@@ -78,7 +78,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         if options.inside:
             raise UserError("Cages that follow a motion lie around the drawing: leave 'Inside' off")
         if options.rules.kinds() or self.weight_group or self.pin_group or self.joint_armature:
-            raise UserError(f"Cages that follow a motion have no settings of '{groups.SHAPE_TITLE}': leave these alone")
+            raise UserError(f"Cages that follow a motion do not support '{groups.SHAPE_TITLE}': reset its settings")
         name = scene.name
         self._set_range(scene)
         frames = list(range(self.frame_start, self.frame_end + 1, 1 if self.still else self.frame_step))

@@ -198,7 +198,7 @@ class GenerationProperties:
     )
     shrink: BoolProperty(
         name="Shrink Further",
-        description="Let the drawing shrink further than the method needs, so that its way back shows",
+        description="Let the drawing shrink further than the method needs, so that its return shows",
         default=True,
     )
     ease: BoolProperty(

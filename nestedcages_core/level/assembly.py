@@ -64,7 +64,7 @@ class Assembly:
         return self.level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
 
     def resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
-        """The way of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
+        """The motion of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
         rest = self.fine.vertices[None]
         return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
 
@@ -129,8 +129,8 @@ def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) ->
     from .tightest_place import too_narrow  # only where something failed
 
     return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
-        f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
-        f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+        f"No {'inner ' * plan.inside}cage with this few vertices was found that keeps the clearance of {wanted:.6g}: "
+        f"the best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
         "clearance.no_room",
         wanted=wanted,
         largest=certificate.clearance,

@@ -23,14 +23,16 @@ from .choices import Choices
 from .plan import EdgeCost, Numbers, Plan
 from .progress import LevelProgress
 from .report import Level, Progress
+from .steps import with_stored_steps
 from .symmetrised_start import orbits_of
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
 
-ROOM = 0.8
-"""Spacings added to the clearance where a cage does not fit on the numbers. The nearest point is at most 0.71 spacings
-away, so even plain rounding then keeps the clearance."""
+ROOMS = (0.8, 64.0)
+"""Spacings added to the clearance where a cage does not fit on the numbers, tried in turn. The nearest point is at most
+0.71 spacings away, so even plain rounding then keeps the clearance; it may still close gaps between parts of the cage.
+"""
 
 PUSHES = (0.5, 1.0, 2.0, 4.0)
 """Spacings by which the cage is pushed outwards, tried in turn, where its straight motion to the numbers meets the fine
@@ -45,9 +47,10 @@ class Settling:
         self.plan, self.numbers, self.choices, self.progress = plan, plan.numbers, choices, progress
 
     @property
-    def room(self) -> float:
-        """Clearance that settling may take."""
-        return ROOM * self.numbers.spacing
+    def rooms(self) -> list[float]:
+        """Clearances that settling may take, to try in turn; a grid has points farther away only where it is too
+        coarse."""
+        return [room * self.numbers.spacing for room in (ROOMS[:1] if self.numbers.grid is not None else ROOMS)]
 
     def settled(self, level: Level) -> Stage[Progress, Level | None]:
         """The level with its cage on the numbers, certified; None if there is none."""
@@ -59,6 +62,7 @@ class Settling:
             return None
         self.progress.stop_clock()
         notes = self._noted(level, found)
+        found = with_stored_steps(found) if found.report.stored is not None else found
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
     def failure(self, level: Level) -> Stage[Progress, NestingError]:
@@ -105,7 +109,7 @@ class Settling:
             certificate = plan.verify(cage, wanted, same_loops=same_loops)
             path = _path(level, points, numbers.spacing) if certificate and plan.fault(cage) is None else None
             if path is None:
-                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free way")
+                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free path")
                 continue
             report = replace(
                 level.report,
@@ -153,7 +157,7 @@ class Settling:
         bodies, energy = Bodies.of(cage, fine, side=self.plan.side), Area().at(cage)
         if level.inside:
             energy = inwards(energy, fine.area)
-        clearance = units.clearance(level.report.wanted_clearance + self.room)
+        clearance = units.clearance(level.report.wanted_clearance + self.rooms[0])
         run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
         wider = [units.to_input(step) for step in run]
         if not wider:

@@ -173,7 +173,7 @@ class Straightener:
         cages = self.follower.next(begin.cage, begin.fine, self.follower.units.points(vertices))
         if cages is None:
             raise NestingError(
-                f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it half-way; "
+                f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it halfway; "
                 "give more poses between them, or use more cage vertices.",
                 code="motion.blocked",
                 pose=begin.pose.number,

@@ -156,7 +156,7 @@ def test_what_does_not_go_together() -> None:
         inner_cages(fine, [6], Settings(convex=True))
     with pytest.raises(NestingError, match="does not stay convex"):
         animated_cages(fine, [fine.vertices, fine.vertices + 0.1], [6], Settings(convex=True))
-    with pytest.raises(NestingError, match="by a number of vertices"):
+    with pytest.raises(NestingError, match="needs a number of vertices"):
         nested_cages(fine, [Mesh.from_loops([ring(6, 3.0)])], Settings(convex=True))
     with pytest.raises(NestingError, match="at least 3"):
         nested_cages(fine, [2], Settings(convex=True))

@@ -189,7 +189,7 @@ def test_where_there_is_no_cage_a_grid_is_named_that_works() -> None:
     assert_on_grid(nested_cages(fine, [12], Settings(grid=works)).levels[0], works)
     with pytest.raises(NestingError, match="finer than floating-point numbers"):
         nested_cages(fine, [12], Settings(grid=1e-20))
-    with pytest.raises(NestingError, match="ask for a finer one"):
+    with pytest.raises(NestingError, match="larger than the drawing, which is 2 wide"):
         nested_cages(fine, [12], Settings(grid=1e9))
     for wrong in (0.0, -1.0, float("nan"), "0.1"):
         with pytest.raises(NestedCagesError, match="grid"):

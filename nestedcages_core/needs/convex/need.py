@@ -63,9 +63,7 @@ def _solved(
 ) -> Stage[Progress, Solution]:
     """The convex cage with ``wanted`` vertices around each part. Raises NestingError."""
     if isinstance(wanted, Mesh):
-        raise NestingError(
-            "A convex cage is asked for by a number of vertices, not by a coarse mesh.", code="setting.conflict"
-        )
+        raise NestingError("A convex cage needs a number of vertices, not a coarse mesh.", code="setting.conflict")
     if wanted < LEAST_PER_LOOP:
         raise NestingError(
             f"A convex cage needs at least {LEAST_PER_LOOP} vertices, not {wanted}.",
