@@ -73,7 +73,7 @@ def wanted_levels(
             "select them and tick 'Selected as Levels'"
         )
     sizes = [len(loop) for loop in fine.loops]
-    if convex:  # so many vertices around each part
+    if convex:  # this many vertices around each part
         sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
     elif merges:  # loops may share one
         sizes = [sum(sizes)]

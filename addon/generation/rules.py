@@ -1,4 +1,4 @@
-"""What cages must be besides tight: on a grid, convex, symmetric, finer where it matters."""
+"""What cages must be, apart from tight: on a grid, convex, symmetric, finer where it matters."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
     """A copy of each animated level, with its shape keys, its action, and triangles between its vertices.
 
     Alembic keeps only the points of a mesh without faces; glTF keeps both, loose edges as lines on request. The
-    triangles fill the result and deform on the way to it. The copies are visible on all frames, because exporters
+    triangles fill the result and deform until then. The copies are visible on all frames, because exporters
     leave out objects that are hidden on their first. Raises: UserError.
     """
     for obj in objects:
@@ -163,7 +163,7 @@ def paper(context: bpy.types.Context, obj: bpy.types.Object, *, world: bool) -> 
 
 @dataclass(frozen=True)
 class Extras:
-    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none.
+    """More about a collision outline: `triangles`, and convex `pieces` of at most this many vertices, 0 for none.
 
     levels: of the outlines of an SVG, inner ones below 0; size: as of ``to_svg``.
     """

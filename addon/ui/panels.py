@@ -113,7 +113,7 @@ class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
 
 
 class VIEW3D_PT_nested_cages_rules(SettingsPanel, bpy.types.Panel):
-    """What cages must be besides tight: convex, on a grid, symmetric, finer where it matters"""
+    """What cages must be, apart from tight: convex, on a grid, symmetric, finer where it matters"""
 
     bl_label = groups.SHAPE_TITLE
     names = (*groups.RULES, *groups.PLACES)

@@ -168,7 +168,7 @@ def _hierarchy(
 
 
 def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
-    """The error after so many seconds."""
+    """The error after this many seconds."""
     return NestedCagesError(
         f"The time of {seconds:g} s was over during {reached.message[:1].lower()}{reached.message[1:]}; give more "
         "seconds, or ask for fewer or easier levels.",
@@ -217,7 +217,7 @@ def _checked(
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
-    loops = 1 if convex or merges else len(fine.loops)  # convex cages have so many vertices around each part
+    loops = 1 if convex or merges else len(fine.loops)  # convex cages have this many vertices around each part
     for number, asked in enumerate(levels, start=1):
         (level,) = wanted_levels([asked], fine, merges=merges) if isinstance(asked, Share) else [asked]
         if isinstance(level, Within):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..needs.symmetry import Found
 
 STORED_TYPES = ("float32", "float16")
-"""Types that can hold coordinates, besides doubles."""
+"""Types that can hold coordinates, other than doubles."""
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ class Assembly:
         return self.level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
 
     def resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
-        """The way of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
+        """The motion of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
         rest = self.fine.vertices[None]
         return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
 

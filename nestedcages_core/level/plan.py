@@ -84,7 +84,7 @@ ExactSolver: TypeAlias = Callable[[Mesh, int | Mesh, tuple[float, ...], LevelPro
 
 
 class Need:
-    """A promise besides the number of vertices. It sees the plan, never another need."""
+    """A promise in addition to the number of vertices. It sees the plan, never another need."""
 
     def fill(self, plan: Plan) -> Plan:
         """The plan with the slots of this need filled. Raises NestingError where it has no cage."""

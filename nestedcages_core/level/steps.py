@@ -22,8 +22,8 @@ def as_stored(points: FloatArray, stored: str | None) -> FloatArray:
 def with_stored_steps(level: Level) -> Level:
     """The level with all of its steps on the numbers of its report, and its motion certified on these.
 
-    The fine mesh keeps its coordinates. Where rounding closes a gap on the way out, the steps up to there belong to the
-    flow, and the coarse mesh is the cage after them.
+    The fine mesh keeps its coordinates. Where rounding closes a gap during the flow, the steps up to there belong to
+    the flow, and the coarse mesh is the cage after them.
     """
     stored, way = level.report.stored, level.reinflation
     flow, moving = (as_stored(steps, stored) for steps in (level.flow.steps, way.moving_steps))

@@ -24,7 +24,7 @@ MANY_ROOMS = 64.0
 """Multiples of what rounding takes, kept where less was not enough: rounding can close gaps between parts of a cage."""
 
 UNPOSED = ("poses.invalid", "setting.conflict", "level.invalid", "count.too_small")
-"""Codes of errors that no clearance mends."""
+"""Codes of errors that no clearance corrects."""
 
 
 def animated_cages(

@@ -73,7 +73,7 @@ class Follower:
         return None if start is None else self.tightened(start, after)
 
     def tightened(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
-        """The cage (m, 2), which must enclose a pose (n, 2), and those after each step on the way to its optimum."""
+        """The cage (m, 2), which must enclose a pose (n, 2), and those after each step to its optimum."""
         run = self.tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=self.energy)
         return [cage, *run]
 

@@ -202,7 +202,7 @@ class _Search:
     def _nested(self, loops: list[FloatArray]) -> Mesh | None:
         """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best.
 
-        It may go a little too far: the tightening can mend that.
+        It may go a little too far: the tightening can correct that.
         """
         if sum(map(len, loops)) >= self.count:
             return None

@@ -51,7 +51,7 @@ class OuterHull:
         """Up to `most` different meshes that strictly enclose the fine one, by exact predicates, least area first.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
-        unless the loops then block each other: their sum is distributed anew.
+        unless the loops then block each other: their sum is redistributed.
         clearance: distance to keep from the fine mesh where there is space, in input units. Loop k of each mesh belongs
         to loop k of the fine mesh.
 

@@ -105,7 +105,7 @@ class Priorities(Need):
         )
 
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
-        """The number of vertices, reduced if edges of the least length do not allow so many; and a note if so."""
+        """The number of vertices, reduced if edges of the least length do not allow that many; and a note if so."""
         if self.min_edge is None:
             return count, ()
         most = sum(
