@@ -5,7 +5,7 @@ The caller iterates over a stage to show its progress, and closes or drops it to
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any, Generic, TypeAlias, TypeVar
 
 Yielded = TypeVar("Yielded")
@@ -15,25 +15,29 @@ Result = TypeVar("Result")
 Stage: TypeAlias = Generator[Yielded, None, Result]
 
 
-def drain(stage: Stage[Any, Result]) -> Result:
-    """Run a stage to its end and return its result."""
-    while True:
-        try:
-            next(stage)
-        except StopIteration as end:
-            result: Result = end.value
-            return result
-
-
-def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> Stage[Shown, Result]:
-    """The same stage with ``show`` applied to what it yields."""
+def followed(stage: Stage[Yielded, Result], react: Callable[[Yielded], Iterable[Shown]]) -> Stage[Shown, Result]:
+    """The same stage; instead of what it yields come the items that ``react`` makes of it."""
     while True:
         try:
             yielded = next(stage)
         except StopIteration as end:
             result: Result = end.value
             return result
-        yield show(yielded)
+        yield from react(yielded)
+
+
+def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> Stage[Shown, Result]:
+    """The same stage with ``show`` applied to what it yields."""
+    return followed(stage, lambda yielded: (show(yielded),))
+
+
+def drain(stage: Stage[Yielded, Result], listener: Callable[[Yielded], None] | None = None) -> Result:
+    """Run a stage to its end and return its result; a listener is called with what it yields."""
+    run = Run(stage)
+    for yielded in run:
+        if listener is not None:
+            listener(yielded)
+    return run.result
 
 
 def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:
