@@ -69,6 +69,12 @@ def carry(obj: bpy.types.Object, carrier: bpy.types.Object | None, inverse: Matr
         obj.matrix_parent_inverse = inverse or Matrix()
 
 
+def keep_carried(obj: bpy.types.Object, source: bpy.types.Object) -> None:
+    """Lets a drawing carry an object by a constraint once its children stand elsewhere than in its space."""
+    if obj.parent == source and obj.parent_type == "OBJECT" and _displaces(source):
+        carry(obj, *carrier_of(obj))
+
+
 def accompany(obj: bpy.types.Object, other: bpy.types.Object, at: Matrix = HERE) -> None:
     """Puts an object at a place in the space of another one, and lets the same drawing carry both."""
     carry(obj, *carrier_of(other))
