@@ -63,7 +63,7 @@ class OuterHull:
     def hulls(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
         """The meshes of `starts`, each with the hull of the request's outline that it is made of.
 
-        See docs/ablation.md: counts shared out anew.
+        See docs/ablation.md: counts shared out again.
         """
         from .outer_search import best_hulls  # imports the greedy search, which a default run may not need
 
