@@ -29,7 +29,7 @@ class OuterHull:
         """One mesh that strictly encloses the fine one, by exact predicates.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
-        unless the loops then block each other: their sum is distributed anew.
+        unless the loops then block each other: their sum is redistributed.
         clearance: distance to keep from the fine mesh where there is space, in input units. Loop k of the mesh belongs
         to loop k of the fine mesh.
 

@@ -34,7 +34,7 @@ FAR_PART = 0.5
 """Part of the usual width, in lines, from which a line over a pocket may follow any line."""
 
 NEGATIVE = -1e-9
-"""Area, in squared diameters, below which the way from line to line runs around the chain in the wrong direction."""
+"""Area, in squared diameters, below which the path from line to line runs around the chain in the wrong direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Turns:
     back: FloatArray
     """(P,) distance of the vertex from the contact of the second line, against it."""
     area: SingleArray
-    """(P,) single precision: between the way from contact to contact by the vertex, and the chain."""
+    """(P,) single precision: between the path from contact to contact by the vertex, and the chain."""
 
     def of_part(self, count: int, lines: int) -> Turns:
         """Those onto the first lines, of which there are as many in each part, each line as that of the first part."""
