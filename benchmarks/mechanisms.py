@@ -127,7 +127,7 @@ MECHANISMS: dict[str, Mechanism] = {
         "decimation",
         patches={"decimation.hull.hull_search:HOPELESS_NUMBER": 10**9},
     ),
-    "counts shared out anew": Mechanism(
+    "counts shared out again": Mechanism(
         "decimation",
         patches={"decimation.hull.outer_hull:OuterHull.hulls": Around(counts_kept)},
     ),
@@ -173,7 +173,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "sequential QPs (IPC only)": Mechanism("contact", with_contacts(IPC())),
     "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
-    "IPC gives way in crowds": Mechanism("contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}),
+    "IPC ends in crowds": Mechanism("contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}),
     "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}),
     "IPC: shorter ranges": Mechanism(
         "contact",

@@ -6,6 +6,7 @@ The caller iterates over a stage to show its progress, and closes or drops it to
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from time import perf_counter
 from typing import Any, Generic, TypeAlias, TypeVar
 
 Yielded = TypeVar("Yielded")
@@ -34,6 +35,22 @@ def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> S
             result: Result = end.value
             return result
         yield show(yielded)
+
+
+def limited(
+    stage: Stage[Yielded, Result], deadline: float, over: Callable[[Yielded], Exception]
+) -> Stage[Yielded, Result]:
+    """The same stage until a time of `perf_counter`; then the error that ``over`` makes of what it yields."""
+    while True:
+        try:
+            yielded = next(stage)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
+        if perf_counter() > deadline:
+            stage.close()
+            raise over(yielded)
+        yield yielded
 
 
 def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
 import os
@@ -88,10 +89,40 @@ def numbers_are_those_that_were_measured(page: Path) -> None:
         assert [line for line in lines[:-1] if line not in whole] == [], name
 
 
+STRANGE = re.compile(
+    r"\b(beside|besides|anew|refus\w+|hardly|trifl\w+|dear|nobody|so (many|few) |at the most|in (the|each other's) way|"
+    r"way back|on (the|its|their) way|giv\w+ way|makes way|half-way|shall|whatsoever|thereof)\b",
+    re.IGNORECASE,
+)
+"""Words that technical English of this field has better ones for."""
+
+
+def words_are_plain(page: Path) -> None:
+    text = re.sub(r"```.*?```|`[^`]*`|\]\([^)]*\)", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert [found[0] for found in STRANGE.finditer(text)] == []
+
+
+def test_messages_and_tooltips_use_plain_words() -> None:
+    """Every text of the core and the add-on that is not a docstring, and the docstrings that Blender shows."""
+    found = []
+    for path in sorted([*(ROOT / "nestedcages_core").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        shown = {
+            id(node.body[0]) for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and path.parent.name == "ui"
+        }
+        hidden = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr) and id(node) not in shown}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in hidden:
+                words = STRANGE.finditer(node.value) if " " in node.value else ()
+                found += [f"{path.name}:{node.lineno}: {word[0]}" for word in words]
+    assert found == []
+
+
 @pytest.mark.parametrize(
     "hold",
     [
         links_lead_somewhere,
+        words_are_plain,
         pages_look_alike_on_code_hosts_and_on_the_site,
         pictures_have_a_text,
         numbers_are_those_that_were_measured,

@@ -36,7 +36,7 @@ MAX_CLEARANCE = 1e6
 
 MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
-140, and an iteration takes fifty times as long (docs/ablation.md: IPC gives way in crowds)."""
+140, and an iteration takes fifty times as long (docs/ablation.md: IPC ends in crowds)."""
 
 QUICK_LIMIT, QUICK_PATIENCE = 10, 6
 """Maximum number of steps of a descent of the flow where hulls compete, half the usual one; patience of the contact

@@ -69,7 +69,7 @@ def test_it_shares_nothing_with_the_package_and_is_short() -> None:
         (mesh(SQUARE, disc(8, 0.2, 7.0, 7.0)), TWO, "no partner of its own"),
         (mesh(SQUARE, disc(8, 0.2, 7.0, 7.0)), SMALL, "the cage has 2 loops"),
         (SMALL.moved(SMALL.vertices[[0, 2, 1, 3, 4, 5, 6, 7]]), mesh(disc(8, 0.1, 2.0, 2.0)), "meets the cage"),
-        (Mesh(SQUARE, [[0, 1], [1, 2], [2, 3], [3, 0]]).moved(SQUARE[::-1]), SMALL, "turns the wrong way"),
+        (Mesh(SQUARE, [[0, 1], [1, 2], [2, 3], [3, 0]]).moved(SQUARE[::-1]), SMALL, "has the wrong orientation"),
         (mesh(SQUARE).moved(SQUARE[[0, 0, 2, 3]]), SMALL, "stands still"),
         (mesh(SQUARE).moved(np.full((4, 2), np.nan)), SMALL, "not finite"),
         (SimpleNamespace(vertices=SQUARE, edges=[[0, 1], [1, 2], [3, 2], [3, 0]]), SMALL, "not the start of one edge"),

@@ -63,7 +63,7 @@ def test_numbers_per_loop_that_do_not_fit_are_shared_out_anew() -> None:
     assert sum(sizes) == 60
     assert sizes != wanted
     assert_nested(coarse, fine)
-    assert "distributed anew" in shared_anew(wanted, coarse)[0]
+    assert "redistributed" in shared_anew(wanted, coarse)[0]
     assert shared_anew(sizes, coarse) == shared_anew(60, coarse) == ()
 
 

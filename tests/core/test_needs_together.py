@@ -17,20 +17,28 @@ from hypothesis import strategies as st
 
 from nestedcages_core import (
     BoundaryARAP,
+    FlowResult,
     Found,
     InitialDisplacement,
+    Level,
     Mesh,
     Mirror,
     NestedCagesError,
+    NestingReport,
+    Reinflation,
     Rotation,
     Settings,
     Within,
     animated_cages,
     check,
+    followed,
     inner_cages,
     nested_cages,
+    verify,
+    verify_motion,
 )
 from nestedcages_core.errors import CODES
+from nestedcages_core.level.steps import with_stored_steps
 from nestedcages_core.level.symmetrised_start import orbits_of
 from nestedcages_core.needs.convex.need import is_convex
 from nestedcages_core.tolerance.reach import reach
@@ -45,13 +53,8 @@ IMPOSSIBLE = {
     frozenset({"inner", "motion"}): None,  # no function for it
     frozenset({"within", "motion"}): "level.invalid",
     **{
-        frozenset({need, other}): "setting.conflict"
-        for other, needs in {
-            "motion": ("symmetry", "rotation", "grid", "float32", "weights", "convex"),
-            "convex": ("symmetry", "rotation", "weights", "merge"),
-            "merge": ("symmetry", "rotation", "weights", "inner"),
-        }.items()
-        for need in needs
+        frozenset({need, "merge"}): "setting.conflict"
+        for need in ("symmetry", "rotation", "weights", "convex", "inner")
     },
 }
 """Pairs that cannot be made, each with the code that says so."""
@@ -113,6 +116,11 @@ def made(pair: tuple[str, ...], seed: int) -> str:
     except NestedCagesError as error:
         return error.code
     check_promises(pair, found, found.levels[0].cage, fine, settings)
+    if "float32" in pair and "motion" not in pair:
+        (one,) = found.levels
+        steps = one.reinflation
+        inner = (one.flow.steps[1:], steps.moving_steps[:-1], steps.cage_steps, one.coarse.vertices)
+        assert all(np.array_equal(points, points.astype(np.float32)) for points in inner)
     return ""
 
 
@@ -122,11 +130,12 @@ def test_a_pair_of_needs_is_kept_or_has_a_code(pair: tuple[str, ...]) -> None:
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("first", [0, 10, 20])
 @pytest.mark.parametrize("pair", [pair for pair in PAIRS if frozenset(pair) not in IMPOSSIBLE], ids=" and ".join)
-def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...]) -> None:
-    codes = [made(pair, seed) for seed in range(30)]
+def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...], first: int) -> None:
+    codes = [made(pair, seed) for seed in range(first, first + 10)]
     assert set(codes) <= UNLUCKY | {""}
-    assert codes.count("") >= 27
+    assert codes.count("") >= 9
 
 
 @pytest.mark.parametrize(
@@ -198,6 +207,32 @@ def test_the_page_lists_what_is_impossible() -> None:
     text = PAGE.read_text(encoding="utf-8")
     listed = set(re.findall(r"`((?:symmetry|convex|setting|numbers|level)\.[a-z_]+)`", text))
     assert {code for code in IMPOSSIBLE.values() if code} | {"symmetry.off_lattice"} <= listed <= set(CODES)
+
+
+def test_steps_that_rounding_spoils_count_as_flow() -> None:
+    """In the first two steps the circle is a hair too large for the octagon; from the third step on there is room."""
+    circle = [ring(count) for count in (48, 8)]
+    sizes = np.cos(np.pi / 8) * np.array([1.0 + 1e-6, 1.0 + 1e-6, 0.9, 0.8, 0.7])
+    fine, cage = Mesh.from_loops([sizes[-1] * circle[0]]), Mesh.from_loops([circle[1]])
+    moving, cages = circle[0] * sizes[:, None, None], np.repeat(circle[1][None], len(sizes), axis=0)
+    report = NestingReport(True, True, 0.1, 0.1, 1.0, "flow", {}, {}, stored="float32")
+    flow = FlowResult(np.stack([fine.vertices, moving[0]]), 0, "inside")
+    level = with_stored_steps(Level(fine, cage, cage, flow, Reinflation(moving, cages, 0), report))
+    assert (len(level.flow.steps), len(level.reinflation.cage_steps)) == (4, 3)
+    assert verify_motion(cage, fine, level.reinflation.cage_steps, level.reinflation.fine_steps)
+    np.testing.assert_array_equal(level.flow.steps[-1], level.reinflation.fine_steps[0])
+    np.testing.assert_array_equal(level.reinflation.fine_steps[-1], fine.vertices)
+
+
+def test_a_cage_follows_on_the_numbers_that_are_stored() -> None:
+    """One step of an edited drawing, far enough from the origin that rounding counts."""
+    fine, settings = drawn(0), Settings(stored=np.float32)
+    fine = fine.moved(fine.vertices.astype(np.float32).astype(np.float64) + 300.0)
+    (level,) = nested_cages(fine, [16], settings).levels
+    after = fine.moved(np.round(300.0 + 1.02 * (fine.vertices - 300.0), 4).astype(np.float32).astype(np.float64))
+    found = followed(level.cage, fine, after, CLEARANCE, settings)
+    assert found is not None and verify(found, after, CLEARANCE)
+    assert np.array_equal(found.vertices, found.vertices.astype(np.float32))
 
 
 FEW, MANY = 12, 1500

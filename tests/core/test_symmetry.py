@@ -347,3 +347,12 @@ def test_symmetries_without_a_place_take_that_of_the_drawing() -> None:
     check(level, Rotation((0.0, 0.0), 5))
     with pytest.raises(NestedCagesError, match="without a point"):
         Mirror(None).image(fine.vertices)
+
+
+def test_images_that_are_too_many_are_told_at_once() -> None:
+    square = Mesh.from_loops([[(0, 0), (1, 0), (1, 1), (0, 1)]])
+    with pytest.raises(NestedCagesError, match="4000000, and at most 100000 can be overlaid") as caught:
+        nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 1_000_000))
+    assert caught.value.code == "limit.exceeded"
+    level = nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 100)).levels[0]
+    assert len(level.cage.vertices) == 100

@@ -37,7 +37,7 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
     """The outline with its edges moved outwards by `distance`, less in narrow gaps; and the vertices that are stuck.
 
     distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: further edges to stay clear of,
-    besides those of the result.
+    in addition to those of the result.
 
     The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
     input vertices, is empty, its moved edges touch neither each other nor the obstacle, exactly.

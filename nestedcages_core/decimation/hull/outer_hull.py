@@ -51,7 +51,7 @@ class OuterHull:
         """Up to `most` different meshes that strictly enclose the fine one, by exact predicates, least area first.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
-        unless the loops then block each other: their sum is distributed anew.
+        unless the loops then block each other: their sum is redistributed.
         clearance: distance to keep from the fine mesh where there is space, in input units. Loop k of each mesh belongs
         to loop k of the fine mesh.
 
@@ -63,7 +63,7 @@ class OuterHull:
     def hulls(self, request: Request, clearance: float, most: int) -> Stage[float, list[tuple[Mesh, Outline]]]:
         """The meshes of `starts`, each with the hull of the request's outline that it is made of.
 
-        See docs/ablation.md: counts shared out anew.
+        See docs/ablation.md: counts shared out again.
         """
         from .outer_search import best_hulls  # imports the greedy search, which a default run may not need
 

@@ -173,8 +173,8 @@ class _Search:
         per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= MAX_LOOPS_LISTED else ""
         smallest = len(best.vertices)
         return Fault(
-            f"A level of {self.request.total} vertices is too small for this shape, whose loops are in each other's "
-            f"way: the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}.",
+            f"A level of {self.request.total} vertices is too small for this shape, whose loops block each other: "
+            f"the smallest that was found has {smallest}{per_loop}; ask for at least {smallest}.",
             "count.too_small",
             total=self.request.total,
             least=smallest,

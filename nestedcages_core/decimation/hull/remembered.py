@@ -1,6 +1,6 @@
 """Greedy runs of hulls are remembered: another number of vertices around the same shape goes on where one has ended.
 
-A run to few vertices passes all larger numbers on its way: a record of its moves has the hull for each of them. Where
+A run to few vertices passes all larger numbers: a record of its moves has the hull for each of them. Where
 one number is tried after the other, as with a slider or for levels within a distance, most runs are known. What is
 remembered changes no result.
 """

@@ -1,4 +1,4 @@
-"""Crossings: where edges of the chosen cycles cross, one of the two gives way, and so do the lines around it."""
+"""Crossings: where edges of the chosen cycles cross, one of the two is shortened, and so are the lines around it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .loop_search import LoopSearch
 from .turns import SLACK
 
 SHORTENED = 0.999
-"""Part of the way to the crossing that stays free."""
+"""Fraction of the distance to the crossing that stays free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +50,8 @@ class Choice:
 def give_way(searches: list[LoopSearch], choice: Choice, i: IntArray, j: IntArray, bias: float) -> set[int]:
     """Shorten what is free of the lines of crossing edges where they meet the other edge; the loops that changed.
 
-    Of each pair the edge gives way whose contact is farther from the crossing. bias: factor on the distance of the
-    first one. The candidates between its neighbours in the cycle give way with it.
+    Of each pair, the edge whose contact is farther from the crossing is shortened. bias: factor on the distance of the
+    first one. The candidates between its neighbours in the cycle are shortened with it.
     """
     changed = set()
     for a, b in zip(i.tolist(), j.tolist(), strict=True):

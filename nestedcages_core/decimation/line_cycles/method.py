@@ -60,7 +60,7 @@ FULL_WIDTH = 12
 """Number of edges of a loop up to which a line may be followed by any other."""
 
 FOLLOWING, SPARE_FOLLOWING = 3.0, 8
-"""Otherwise it is followed by a line within so many mean edges of the cage, and so many lines."""
+"""Otherwise it is followed by a line within this many mean edges of the cage, and this many lines."""
 
 USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
 """Lines of a loop: likely ones per deserved one; largest number per likely one, and beyond that."""
@@ -72,7 +72,7 @@ FEW_LINES = 12
 """Number of lines of each of several loops that is sought in any case, to know the least."""
 
 BIASES = (1.0, 1e9, 0.3)
-"""Ways to decide which of two crossing edges gives way; the best result is kept."""
+"""Rules for which of two crossing edges is shortened; the best result is kept."""
 
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""

@@ -28,7 +28,7 @@ FAR_PART = 0.5
 """Part of the usual width, in lines, from which a line over a pocket may follow any line."""
 
 NEGATIVE = -1e-9
-"""Area, in squared diameters, below which the way from line to line runs around the chain in the wrong direction."""
+"""Area, in squared diameters, below which the path from line to line runs around the chain in the wrong direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Turns:
     back: FloatArray
     """(P,) distance of the vertex from the contact of the second line, against it."""
     area: SingleArray
-    """(P,) single precision: between the way from contact to contact by the vertex, and the chain."""
+    """(P,) single precision: between the path from contact to contact by the vertex, and the chain."""
 
     def within(self, free: FloatArray) -> SingleArray:
         """(P,) the areas; infinite where the vertex lies beyond what is free (2, K) of either line."""

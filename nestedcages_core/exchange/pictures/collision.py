@@ -71,7 +71,7 @@ def picture_cages(
     as opaque; holes: whether holes are kept open; limits: on pixels, and on their edges as points. Parts and holes with
     no room for the padding are joined and closed.
 
-    Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
+    Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
     steps = picture_cages_run(
         picture, levels, padding=padding, threshold=threshold, holes=holes, settings=settings, limits=limits

@@ -91,9 +91,18 @@ class Priorities(Need):
         return cls(importance, *limits)
 
     @property
+    def places(self) -> FloatArray:
+        """(P, 2) pins."""
+        return self.importance.pins
+
+    @property
     def pull(self) -> float:
         """How often the pull of the area is multiplied at most."""
         return 1.0 if self.importance.weights is None else float(self.importance.relative.max())
+
+    def fill(self, plan: Plan) -> Plan:
+        """The weights."""
+        return plan if self.importance.weights is None else replace(plan, weight_at=self.importance.at)
 
     def applied(self, settings: Chosen) -> Chosen:
         """The settings with hulls that respect the priorities."""
@@ -105,7 +114,7 @@ class Priorities(Need):
         )
 
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
-        """The number of vertices, reduced if edges of the least length do not allow so many; and a note if so."""
+        """The number of vertices, reduced if edges of the least length do not allow that many; and a note if so."""
         if self.min_edge is None:
             return count, ()
         most = sum(
