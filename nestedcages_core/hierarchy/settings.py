@@ -113,14 +113,9 @@ class Settings(Choices):
                 f"not {symmetry!r}.",
                 code="setting.invalid",
             )
-        if self.has_priorities and self.convex:
+        if self.convex and (self.pins or self.joints or self.min_edge is not None or self.min_angle is not None):
             raise NestedCagesError(
-                "Convex cages have no weights, pins, joints or limits; leave these out or convex.",
-                code="setting.conflict",
-            )
-        if symmetry is not None and self.convex:
-            raise NestedCagesError(
-                "Convex cages have no symmetry of their own; leave out the symmetry or convex.", code="setting.conflict"
+                "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
             )
 
     @property

@@ -149,7 +149,7 @@ class Straightener:
             if cage is None:
                 return None
             grown = signed_area(cage, bodies.cage_successor) / signed_area(key.cages[-1], bodies.cage_successor) - 1.0
-            if grown > PUSHED_AREA and not last_resort:
+            if grown > PUSHED_AREA and not last_resort and follower.promises.settings.grid is None:
                 return None
             cages.append(cage)
         return cages[0], cages[1]

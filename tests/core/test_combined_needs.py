@@ -43,14 +43,10 @@ NEEDS = ("symmetry", "rotation", "grid", "float32", "weights", "convex", "inner"
 STILL = ("symmetry", "rotation", "grid", "float32", "weights")
 IMPOSSIBLE = {
     frozenset({"symmetry", "rotation"}): None,  # one setting
-    frozenset({"symmetry", "convex"}): "setting.conflict",
-    frozenset({"rotation", "convex"}): "setting.conflict",
-    frozenset({"weights", "convex"}): "setting.conflict",
     frozenset({"convex", "inner"}): "convex.impossible",
     frozenset({"convex", "motion"}): "setting.conflict",
     frozenset({"inner", "motion"}): None,  # no function for it
     frozenset({"within", "motion"}): "level.invalid",
-    **{frozenset({need, "motion"}): "setting.conflict" for need in ("symmetry", "rotation", "grid", "weights")},
 }
 """Pairs that cannot be made, each with the code that says so."""
 PAIRS = [tuple(dict.fromkeys(pair)) for pair in combinations_with_replacement(NEEDS, 2)]
@@ -136,11 +132,12 @@ def test_a_pair_of_needs_is_kept_or_has_a_code(pair: tuple[str, ...]) -> None:
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("first", [0, 10, 20])
 @pytest.mark.parametrize("pair", [pair for pair in PAIRS if frozenset(pair) not in IMPOSSIBLE], ids=" and ".join)
-def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...]) -> None:
-    codes = [made(pair, seed) for seed in range(30)]
+def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...], first: int) -> None:
+    codes = [made(pair, seed) for seed in range(first, first + 10)]
     assert set(codes) <= UNLUCKY | {""}
-    assert codes.count("") >= 27
+    assert codes.count("") >= 9
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,9 @@ SUPPORTING = 1e6
 ONE_SIDE = 1e-9
 """Height, in lengths of the loop, up to which a vertex lies on a line."""
 
+HEIGHTS_AT_ONCE = 4_000_000
+"""Heights of vertices over lines that are computed at once."""
+
 CHEAP_WORK = 3e5
 """Turns times lines of the cage up to which there is time for one more search."""
 
@@ -88,7 +91,10 @@ class LoopSearch:
         open_ = np.isfinite(self.areas)
         onto = np.bincount(self.turns.target[open_], minlength=count)
         off = np.bincount(self.turns.source[open_], minlength=count)
-        above = (lines.right @ chain.vertices.T).max(axis=1) - (lines.right * lines.point).sum(axis=1)
+        above = np.concatenate([
+            (right @ chain.vertices.T).max(axis=1)
+            for right in np.array_split(lines.right, -(-count * chain.size // HEIGHTS_AT_ONCE))
+        ]) - (lines.right * lines.point).sum(axis=1)  # fmt: skip
         supports = (above <= ONE_SIDE * chain.length) & (chain.swept[-1] > 0.0)
         score = off * onto * np.where(supports, SUPPORTING, 1.0)
         for _ in range(MAX_STARTS):

@@ -91,9 +91,18 @@ class Priorities(Need):
         return cls(importance, *limits)
 
     @property
+    def places(self) -> FloatArray:
+        """(P, 2) pins."""
+        return self.importance.pins
+
+    @property
     def pull(self) -> float:
         """How often the pull of the area is multiplied at most."""
         return 1.0 if self.importance.weights is None else float(self.importance.relative.max())
+
+    def fill(self, plan: Plan) -> Plan:
+        """The weights."""
+        return plan if self.importance.weights is None else replace(plan, weight_at=self.importance.at)
 
     def applied(self, settings: Chosen) -> Chosen:
         """The settings with hulls that respect the priorities."""
