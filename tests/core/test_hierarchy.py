@@ -175,11 +175,11 @@ def far_away() -> Mesh:
     return Mesh(coarse.vertices + 100.0, coarse.edges)
 
 
-def test_a_stuck_flow_falls_back_to_the_hull_and_says_so() -> None:
+def test_a_stuck_flow_falls_back_to_line_cycles_and_says_so() -> None:
     level = nested_cages(letter_a(), [far_away()]).levels[0]
-    assert level.report.start == "outer hull"
+    assert level.report.start == "line cycles"
     assert len(level.report.notes) == 1
-    assert "outer hull" in level.report.notes[0]
+    assert "line cycles" in level.report.notes[0]
     assert [len(loop) for loop in level.cage.loops] == [len(loop) for loop in far_away().loops]
     assert_nested(level.cage, level.fine)
 
