@@ -50,6 +50,7 @@ NEEDS = ("symmetry", "rotation", "grid", "float32", "weights", "convex", "merge"
 IMPOSSIBLE = {
     frozenset({"symmetry", "rotation"}): None,  # one setting
     frozenset({"convex", "inner"}): "convex.impossible",
+    frozenset({"convex", "motion"}): "setting.conflict",
     frozenset({"inner", "motion"}): None,  # no function for it
     frozenset({"within", "motion"}): "level.invalid",
     **{
