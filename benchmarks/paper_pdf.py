@@ -2,7 +2,7 @@
 
     python benchmarks/paper_pdf.py [--meshes FOLDER] [--out build/paper.pdf]
 
-Figures 1 to 5 are run anew: our drawings of them, or the paper's own meshes in a folder, ``data`` of its program.
+Figures 1 to 5 are run again: our drawings of them, or the paper's own meshes in a folder, ``data`` of its program.
 Everything else is drawn from the runs that ``benchmarks/compare.py`` made. Needs matplotlib.
 """
 
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import textwrap
 from pathlib import Path
 
 from clone import ROOT
@@ -18,7 +17,6 @@ from comparison import conclusions, figures, pages, pictures, runs, tables
 from data import read_table1
 
 PAGE = (8.27, 11.69)  # inches: A4
-WIDTH = 100  # characters of a line of text
 
 
 def main() -> int:
@@ -50,8 +48,10 @@ def make(folder: Path, meshes: Path | None, path: Path) -> None:
             page.text(0.06, 0.92, body, fontsize=6, va="top", family="monospace")
             pdf.savefig(page)
 
-        claims = [f"{k}. {c.claim}\n\n{wrapped(known.numbers)}\n\nHeld-out shapes: {wrapped(held_out.numbers)}"
-                  for k, (c, (known, held_out)) in enumerate(conclusions.verdicts(found).items(), 1)]  # fmt: skip
+        claims = [
+            f"{k}. {conclusion.claim}\n\n{columns(pages.said(*both))}"
+            for k, (conclusion, both) in enumerate(conclusions.verdicts(found).items(), 1)
+        ]
         text("Nested cages in the plane: figures and tables", "\n\n".join([record["machine"], *claims]))
         drawn = pictures.panes(figures.results(meshes))
         drawn.suptitle("Figures 1 to 5 of the paper", fontsize=9)
@@ -68,11 +68,6 @@ def make(folder: Path, meshes: Path | None, path: Path) -> None:
             ("Flows", tables.flows(found)), ("Energies", tables.energies(found)),
         ):  # fmt: skip
             text(title, columns(table))
-
-
-def wrapped(sentence: str) -> str:
-    """A paragraph in lines."""
-    return "\n".join(textwrap.wrap(sentence, WIDTH))
 
 
 def columns(table: str) -> str:

@@ -27,16 +27,17 @@ from page import measured, put
 PAGE = ROOT / "docs" / "performance.md"
 
 RUNS: dict[str, tuple[str, str]] = {
-    "table1": ("table1.py", r".*"),
+    "table1": ("table1.py", r"fine| +(32|512) |ratio"),
     "shapes": ("shapes.py", r"ratio|hull before"),
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
+    "corners": ("corners.py --against bb3b310", r".*"),
     "start": ("start.py", r".*"),
     "slider": ("slider.py", r".*"),
     "ipc_iteration": ("ipc_iteration.py", r".*"),
     "iterations": ("iterations.py --plot docs/iterations.png", r"$"),
     "growth": ("growth.py --plot docs/growth.png", r"kind|.* 100000 |.*: time"),
     "million": ("growth.py --sizes 1000000 --cage 1000 --kinds smooth", r"kind|smooth +1"),
-    "many": ("many_shapes.py --dask", r".*: \d|.*times as fast"),
+    "many": ("many_shapes.py --dask", r".*: \d|\d.*times as fast"),
     "motions": ("motions.py --plot docs/motions.png", r"\d+ of \d+ keys"),
 }
 """Place in the page: program with its arguments, and which of the lines that it prints the page shows."""

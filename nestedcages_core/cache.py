@@ -49,11 +49,11 @@ class Memory(Generic[Value]):
             return self._values[key][0]
 
     def has_room(self, size: int) -> bool:
-        """Whether a value of so many bytes is remembered."""
+        """Whether a value of this many bytes is remembered."""
         return size <= self.largest
 
     def put(self, key: Key, value: Value, size: int) -> None:
-        """Remember a value of so many bytes, if it has room."""
+        """Remember a value of this many bytes, if it has room."""
         if key is None or not self.has_room(size):
             return
         with self._lock:

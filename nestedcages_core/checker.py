@@ -196,7 +196,7 @@ class Loops:
         names = [f"the loop of {self.near(loop[0])}" for loop in self.loops]
         for k, row in enumerate(turns):
             if row[fine == fine[k]].sum() != hole[k]:
-                found.append(f"{names[k]} turns the wrong way")
+                found.append(f"{names[k]} has the wrong orientation")
             elif row[fine != fine[k]].sum() != fine[k]:
                 found.append(f"{names[k]} lies {'outside of the cage' if fine[k] else 'inside of the fine mesh'}")
         if found or not alike:

@@ -6,6 +6,7 @@ The caller iterates over a stage to show its progress, and closes or drops it to
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
+from time import perf_counter
 from typing import Any, Generic, TypeAlias, TypeVar
 
 Yielded = TypeVar("Yielded")
@@ -38,6 +39,20 @@ def drain(stage: Stage[Yielded, Result], listener: Callable[[Yielded], None] | N
         if listener is not None:
             listener(yielded)
     return run.result
+
+
+def limited(
+    stage: Stage[Yielded, Result], deadline: float, over: Callable[[Yielded], Exception]
+) -> Stage[Yielded, Result]:
+    """The same stage until a time of `perf_counter`; then the error that ``over`` makes of what it yields."""
+
+    def checked(yielded: Yielded) -> Iterator[Yielded]:
+        if perf_counter() > deadline:
+            stage.close()
+            raise over(yielded)
+        yield yielded
+
+    return followed(stage, checked)
 
 
 def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:

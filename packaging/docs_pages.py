@@ -56,13 +56,10 @@ def write(place: Path, text: str) -> None:
 def error_pages(listed: str) -> dict[str, str]:
     """A page for each code in the tables of docs/errors.md."""
     pages = {}
-    for code, meaning, remedy, data in re.findall(
-        r"^\| `([\w.]+)` \| (.*?) \| (.*?) \| (.*?) \|$", listed, re.MULTILINE
-    ):
-        lines = [f"# {code}", "", meaning, "", remedy, "", f"Data: {data or 'none'}.", ""]
-        pages[code] = "\n".join([*lines, "[All codes](../docs/errors.md)", ""]).replace(
-            "](needs.md)", "](../docs/needs.md)"
-        )
+    for code, meaning, data in re.findall(r"^\| `([\w.]+)` \| (.*) \| (.*) \|$", listed, re.MULTILINE):
+        meaning = meaning.replace("](needs.md)", "](../docs/needs.md)")
+        lines = [f"# {code}", "", meaning, "", f"Data: {data or 'none'}.", "", "[All codes](../docs/errors.md)", ""]
+        pages[code] = "\n".join(lines)
     return pages
 
 

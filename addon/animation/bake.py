@@ -112,7 +112,7 @@ def _owners(collection: bpy.types.Collection) -> Iterator[tuple[Any, str]]:
 def _check(collection: bpy.types.Collection) -> None:
     """Raises: UserError."""
     if ownership.is_bound(collection):
-        raise UserError(f"'{collection.name}' is bound to its cages, which puts the animation aside: unbind it first")
+        raise UserError(f"'{collection.name}' is bound to its cages, which turns off the animation: unbind it first")
     for obj in ownership.members(collection):
         if obj.mode != "OBJECT":
             raise UserError(f"'{obj.name}' is being edited: go back to Object Mode first")

@@ -21,7 +21,7 @@ def enter(collection: bpy.types.Collection) -> None:
     if frames is None or fine is None or ownership.is_bound(collection) or ownership.is_inside(collection):
         return
     first, result, last = frames
-    # Before the way back, if there is one, the result is held for a step.
+    # Before the return, if there is one, the result is held for a step.
     back = [] if last == result else [(result + 1 + (last - 2 * result + first), True), (last + 1, False)]
     playing = [(first - 1, False), (first, True), (result, False), *back]
     source = ownership.source_of(collection)

@@ -123,7 +123,7 @@ def last_frame(played: Sequence[Span], timing: Timing) -> int:
 
 
 def mirrored(frame: Frames, end: int, timing: Timing) -> Frames:
-    """Frame on the way back that shows the same as `frame`; the result on `end` is held for one step."""
+    """Frame of the return that shows the same as `frame`; the result on `end` is held for one step."""
     return 2 * end + timing.frames_per_step - frame
 
 

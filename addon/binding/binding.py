@@ -305,7 +305,7 @@ def _take_along(
     """
     fine, made = levels[0], field.field_of(levels[1])
     assert made is not None
-    problems = [] if originals else [f"The original object is gone; '{fine.name}' follows"]
+    problems = [] if originals else [f"The original object was deleted; '{fine.name}' follows"]
     for original in originals:
         try:
             if original.name not in context.view_layer.objects:

@@ -182,7 +182,7 @@ def _stored(inner: core.Mesh, level: core.MovingLevel, clearance: float) -> Work
         certificates.append(core.verify(cage.moved(cages[key]), inner.moved(fines[key]), clearance))
         problems = certificates[-1].problems
         if key and not problems and not core.verify_motion(cage, inner, *_pair(cages, fines, key)).free:
-            problems = (core.Fault("it touches the drawing on the way to this frame", "motion.collides"),)
+            problems = (core.Fault("it touches the drawing before this frame", "motion.collides"),)
         if problems:
             return (
                 f"frame {frame:g}: the cage does not hold in Blender's single precision ({'; '.join(problems)}); move "
@@ -236,7 +236,7 @@ def _around_all(name: str, cage: core.Mesh, poses: Poses) -> Work[tuple[core.Cer
         certificate = core.verify(cage, posed, same_loops=cage.has_loops_like(posed))
         free = key == 0 or core.verify_motion(cage, fine, *_pair(cages, poses.points, key)).free
         if not certificate.holds or not free:
-            why = "; ".join(certificate.problems) or "the drawing crosses it on the way to this frame"
+            why = "; ".join(certificate.problems) or "the drawing crosses it before this frame"
             raise UserError(f"'{name}': frame {frame:g}: the cage does not hold ({why}); ask for more clearance")
         found.append(certificate)
     return tuple(found)

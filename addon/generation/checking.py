@@ -193,7 +193,7 @@ def select_points(context: bpy.types.Context, obj: bpy.types.Object, points: NDA
     chosen = np.array([place.tobytes() in wanted for place in places], dtype=bool)
     if len(chosen) != len(mesh.vertices):
         return 0
-    # Blender 5.0 may store a selection as one value for all, and crashes when it is written as an array: made anew.
+    # Blender 5.0 may store a selection as one value for all, and crashes when it is written as an array: made again.
     for name in (".select_vert", ".select_edge", ".select_poly"):
         layer: Any = mesh.attributes.get(name)
         if layer is not None:

@@ -49,7 +49,7 @@ def counted(level: int | core.hierarchy.Share, sizes: Sequence[int]) -> Wanted:
         note = f"A level of {level} is too small: {loops} {least} vertices, and that many are used."
         return Wanted(level) if level >= least else Wanted(least, (note,))
     count, share = level.of(sizes), 100.0 * level.fraction
-    note = f"{share:g} % of {total} vertices is too few: {loops} {count} for a close fit, and so many are used."
+    note = f"{share:g} % of {total} vertices is too few: {loops} {count} for a close fit, and that many are used."
     return Wanted(count, () if count == round(total * level.fraction) else (note,))
 
 
@@ -73,7 +73,7 @@ def wanted_levels(
             "select them and tick 'Selected as Levels'"
         )
     sizes = [len(loop) for loop in fine.loops]
-    if convex:  # so many vertices around each part
+    if convex:  # this many vertices around each part
         sizes = [sum(sizes) // int((fine.parent_of_loop < 0).sum())]
     elif merges:  # loops may share one
         sizes = [sum(sizes)]

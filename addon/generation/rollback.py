@@ -65,7 +65,7 @@ class Rollback:
             for modifier in [modifier for modifier in obj.modifiers if display.is_ours(modifier)]:
                 display.remove_modifier(obj, modifier)
             record.remove(obj)
-            self._lost.append(f"'{obj.name}' is no level any more and was kept for what was made on it")
+            self._lost.append(f"'{obj.name}' is no longer a level; it was kept for your work on it")
         actions = [member.visibility.action for member in self._members if member.visibility is not None]
         meshes = [member.mesh for member in self._members]
         shape_keys.discard(

@@ -1,4 +1,4 @@
-"""What cages must be besides tight: on a grid, convex, symmetric, finer where it matters."""
+"""What cages must be, apart from tight: on a grid, convex, symmetric, finer where it matters."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..errors import UserError
 NONE, FOUND, MIRROR_X, MIRROR_Y, ROTATION = "NONE", "FOUND", "MIRROR_X", "MIRROR_Y", "ROTATION"
 SYMMETRIES = (
     (NONE, "None", "Both sides may differ"),
-    (FOUND, "Found", "The mirror that the drawing has, or else its rotation, looked for by itself"),
+    (FOUND, "Found", "The mirror that the drawing has, or else its rotation, detected automatically"),
     (
         MIRROR_X,
         "Mirror X",

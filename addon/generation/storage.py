@@ -56,7 +56,7 @@ class CageLevel:
 
 def stored(fine: core.Mesh, level: core.Level, clearance: float, *, shrink: bool = False) -> CageLevel:
     """The core's level in float32 with its certificate: flow, during which the coarse mesh rests, and reinflation
-    in one sequence. `shrink`: the flow goes on inside the coarse mesh, and reinflation starts with the way back.
+    in one sequence. `shrink`: the flow goes on inside the coarse mesh, and reinflation starts with the return.
     """
     flow, reinflation = level.flow.steps, level.reinflation
     further = core.flow.shrink(fine, level.coarse, flow[-1]) if shrink and not level.inside else flow[:0]

@@ -92,12 +92,12 @@ def make_animated(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]
     """A copy of each animated level, with its shape keys, its action, and triangles between its vertices.
 
     Alembic keeps only the points of a mesh without faces; glTF keeps both, loose edges as lines on request. The
-    triangles fill the result and deform on the way to it. The copies are visible on all frames, because exporters
+    triangles fill the result and deform until then. The copies are visible on all frames, because exporters
     leave out objects that are hidden on their first. Raises: UserError.
     """
     for obj in objects:
         if ownership.level_of(obj) is None or obj.data.shape_keys is None:
-            raise UserError(f"'{obj.name}' is no cage that is animated: choose faces instead")
+            raise UserError(f"'{obj.name}' is not an animated cage: choose faces instead")
     outlines = [filling.outline(obj) for obj in objects]
     made = []
     for obj, outline in zip(objects, outlines, strict=True):
@@ -163,7 +163,7 @@ def paper(context: bpy.types.Context, obj: bpy.types.Object, *, world: bool) -> 
 
 @dataclass(frozen=True)
 class Extras:
-    """More about a collision outline: `triangles`, and convex `pieces` of at most so many vertices, 0 for none.
+    """More about a collision outline: `triangles`, and convex `pieces` of at most this many vertices, 0 for none.
 
     levels: of the outlines of an SVG, inner ones below 0; size: as of ``to_svg``.
     """

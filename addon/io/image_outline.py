@@ -14,7 +14,8 @@ from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
 from ..generation.memory import known
-from ..scene import display, placement
+from ..scene import display, ownership, placement
+from ..scene.selection import scene_of
 
 
 @dataclass(frozen=True)
@@ -85,12 +86,9 @@ def place(
     data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), mesh.edges.tolist(), [])
     obj = bpy.data.objects.new(name, data)
     display.apply_display(obj, 1)
-    (target.users_collection[0] if target is not None else context.collection).objects.link(obj)
+    (ownership.home_of(scene_of(context), target) if target is not None else context.collection).objects.link(obj)
     if target is not None:
-        if target.parent is None and not target.constraints:
-            placement.copy_transform(target, obj)
-        else:
-            obj.matrix_world = target.matrix_world
+        placement.stand_as(target, obj)
     return obj
 
 

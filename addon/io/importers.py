@@ -47,7 +47,7 @@ def shapes_in(path: Path, outlines: str = "AUTO") -> list[Shape]:
         if path.suffix.lower() in SVG:
             return _svg_shapes(path, outlines)
         if path.suffix.lower() not in MAPS:
-            raise UserError(f"'{path.name}' is no kind of file that is read: choose .svg, .geojson or .json")
+            raise UserError(f"'{path.name}' is not a supported file type: choose .svg, .geojson or .json")
         text = exchange.read_whole(path, exchange.Limits())
         if exchange.is_engine_json(text):
             return [Shape(path.stem, exchange.from_engine_json(text), True, EXPORTED)]

@@ -17,7 +17,7 @@ class OnAnimation(OutputOperator):
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
         if ownership.is_bound(collection):
-            return "Unbind the drawing from its cages first: its animation is put aside"
+            return "Unbind the drawing from its cages first: its animation is turned off while bound"
         return "" if bake.is_animated(collection) else "The cages have no animation"
 
 

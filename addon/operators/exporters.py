@@ -126,7 +126,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     pieces: IntProperty(
         name="Convex Pieces",
         description=(
-            "Add convex pieces of at most so many vertices to a collision outline, for engines that need these, such "
+            "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
             "as Box2D, which takes 8; 0 adds none"
         ),
         default=0,

@@ -279,7 +279,7 @@ def _places(
     if values.joint_armature:
         armature = context.scene.objects.get(values.joint_armature)
         if armature is None or armature.type != "ARMATURE":
-            raise UserError(f"'{values.joint_armature}' is no armature in the scene: choose one for 'Joints'")
+            raise UserError(f"'{values.joint_armature}' is not an armature in the scene: choose one for 'Joints'")
         joints = painted.bone_ends(armature, fine.frame).tolist()
     return Places(
         weights=tuple(found[values.weight_group].tolist()) if values.weight_group in found else (),

@@ -96,7 +96,7 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
 
     bl_idname = "object.nested_cages_suggest_bones"
     bl_label = "Suggest Bones"
-    bl_description = "Draw an armature along the limbs of the selected drawings, to be edited or taken as it is"
+    bl_description = "Draw an armature along the limbs of the selected drawings, to edit or to use as it is"
 
     protrudes: FloatProperty(
         name="Limbs Protrude",

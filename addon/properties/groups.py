@@ -71,7 +71,7 @@ def shows_research() -> bool:
     return found is not None and found.research
 
 
-# The title of what cages must be besides tight.
+# The title of what cages must be, apart from tight.
 SHAPE_TITLE = "Shape of Cages"
 
 

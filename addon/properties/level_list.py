@@ -88,7 +88,7 @@ class NestedCagesLevel(bpy.types.PropertyGroup):
     )
     excess: FloatProperty(
         name="More Area",
-        description="Area that the cage has more than the drawing, in per cent",
+        description="Extra area of the cage, in per cent of the drawing's",
         default=10.0,
         min=0.01,
         soft_max=100.0,
@@ -184,7 +184,7 @@ def remove(settings: LevelSettings) -> None:
 
 
 def move(settings: LevelSettings, step: int) -> None:
-    """Moves the chosen level by so many lines, as far as the list goes."""
+    """Moves the chosen level by a number of lines, as far as the list goes."""
     to = max(0, min(settings.level_index + step, len(settings.level_list) - 1))
     settings.level_list.move(settings.level_index, to)
     settings.level_index = to

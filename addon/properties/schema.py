@@ -63,7 +63,7 @@ class NestedCagesRecord(bpy.types.PropertyGroup):
     kinds: StringProperty(name="Kinds", description="What the cages are by the rules for them")
     colours: IntProperty(name="Colours", description="Number of its colours", default=-1)
     bound: StringProperty(name="Bound", description="The method that the drawing is bound by; empty if it is not")
-    playing: BoolProperty(name="Playing", description="Whether a moving copy stands for the drawings meanwhile")
+    playing: BoolProperty(name="Playing", description="Whether a moving copy is shown instead of the drawings")
     frames: IntVectorProperty(name="Frames", description="Start, result and end of the animation", size=3)
     animated: BoolProperty(name="Animated", description="Whether the frames are those of an animation")
     markers: CollectionProperty(name="Markers", description="The markers of the animation", type=NestedCagesMarker)
@@ -80,12 +80,15 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     inside: BoolProperty(name="Inside", description="Whether it lies inside the drawing")
     vertices: IntProperty(name="Vertices", description="Number of vertices", default=-1)
     certified: EnumProperty(
-        name="Certified", description="What is certified besides strict nesting", items=PROMISES, options={"ENUM_FLAG"}
+        name="Certified",
+        description="What is certified, apart from strict nesting",
+        items=PROMISES,
+        options={"ENUM_FLAG"},
     )
     stamp: StringProperty(name="Stamp", description="Digest of the certified coordinates")
     clearance: FloatProperty(name="Clearance", description="Least distance from what it encloses")
     asked: FloatProperty(name="Asked", description="The clearance asked for; 0 for the automatic one")
-    excess: FloatProperty(name="Excess", description="Area that it has more; of a motion, in the median")
+    excess: FloatProperty(name="Excess", description="Excess area; of a motion, the median")
     most: FloatProperty(name="Most", description="Largest excess during a motion")
     start: StringProperty(name="Start", description="What the run began with")
     seconds: FloatProperty(name="Seconds", description="Time of the computation")

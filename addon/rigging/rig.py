@@ -29,7 +29,7 @@ WIDTHS = {"FLOAT": 1, "FLOAT2": 2, "FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "BYTE_CO
 PROPERTY_OF = {"FLOAT": "value", "FLOAT2": "vector", "FLOAT_VECTOR": "vector"}
 # Blender's own attributes, which the new mesh has too.
 BUILT_IN = ("position", "material_index", "sharp_face", "sharp_edge", "shade_smooth")
-# The properties of a shape key besides its points.
+# The properties of a shape key other than its points.
 KEY_VALUES = ("slider_min", "slider_max", "value", "mute", "vertex_group", "interpolation", "lock_shape")
 
 

@@ -13,7 +13,7 @@ FILL = "Nested Cages Fill"
 
 
 def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.types.Object | None) -> bpy.types.Object:
-    """A new object that fills the outline of `fine`, beside the drawing that it stands for."""
+    """A new object that fills the outline of `fine`, next to the drawing that it stands for."""
     name = f"{source.name if source is not None else fine.name} Moving"
     mesh = bpy.data.meshes.new(name)
     copy = bpy.data.objects.new(name, mesh)

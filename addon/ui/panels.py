@@ -113,7 +113,7 @@ class VIEW3D_PT_nested_cages_animation(SettingsPanel, bpy.types.Panel):
 
 
 class VIEW3D_PT_nested_cages_rules(SettingsPanel, bpy.types.Panel):
-    """What cages must be besides tight: convex, on a grid, symmetric, finer where it matters"""
+    """What cages must be, apart from tight: convex, on a grid, symmetric, finer where it matters"""
 
     bl_label = groups.SHAPE_TITLE
     names = (*groups.RULES, *groups.PLACES)
@@ -148,8 +148,7 @@ class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout: Any = self.layout
-        motion.draw(layout, context)
+        self.layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):

@@ -40,5 +40,6 @@ def _notes(obj: bpy.types.Object) -> list[str]:
     found = record.member(obj)
     if not ownership.is_bound_member(obj) and record.is_edited(obj):
         return textwrap.wrap(record.EDITED, NOTE_WIDTH)
-    sentences = [follows, record.verdict(found), found.need, *record.sentences(found)]
+    wrong = found.finding if found.check == record.FAULT else ""
+    sentences = [follows, record.verdict(found), wrong, found.need, *record.sentences(found)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]

@@ -25,7 +25,7 @@ APART = 1.01
 class Verdict:
     """What some runs say of a claim."""
 
-    numbers: str
+    numbers: dict[str, str]
     holds: bool
 
 
@@ -54,10 +54,14 @@ def original(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
               for name in (methods.REPAIRED, methods.NEWTON)}  # fmt: skip
     descent, newton = slower[methods.REPAIRED], slower[methods.NEWTON]
     return Verdict(
-        f"The method of 2015 solves {sum(solved[methods.ORIGINAL])} of {len(solved[methods.ORIGINAL])} shapes, that of "
-        f"2022 with its faults repaired {sum(solved[methods.REPAIRED])}. Where both do, 2015 is tighter on "
-        f"{tighter.text}, by {points.text('.1f')} points in the median. Gradient descent takes {descent.text('.0f')} "
-        f"times as long as 2015 (geometric mean); the same energy by Newton steps takes {newton.text('.1f')} times.",
+        {
+            "solved by the method of 2015": f"{sum(solved[methods.ORIGINAL])} of {len(solved[methods.ORIGINAL])}",
+            "solved by that of 2022, repaired": f"{sum(solved[methods.REPAIRED])} of {len(solved[methods.REPAIRED])}",
+            "2015 is tighter": tighter.text,
+            "by points, median": points.text(".1f"),
+            "gradient descent takes": f"{descent.text('.0f')} times as long as 2015",
+            "Newton steps take": f"{newton.text('.1f')} times as long as 2015",
+        },
         tighter.wins > tighter.losses and tighter.p < SIGNIFICANT and descent.low > 1.0
         and newton.high < descent.low,
     )  # fmt: skip
@@ -74,25 +78,26 @@ def ranges(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
     effect = statistics.geometric_mean(
         _ratios(excess(methods.ENERGY_2022, largest), excess(methods.ENERGY_2022, least))
     )
-    told, tests = [], []
+    told, tests = {}, []
     for d_hat in (least, largest):
         ours, theirs = excess(methods.ENERGY_2022, d_hat), excess(methods.IPC_2020, d_hat)
         tests.append(statistics.sign_test(ours, theirs))
-        told.append(
-            f"at d̂ = {d_hat:g} it leaves {_median(ours):.1f} % and IPC of 2020 {_median(theirs):.1f} %, and is "
-            "tighter "
-            f"on {tests[-1].text}"
+        told[f"at d̂ = {d_hat:g}: median excess of 2022, of IPC 2020"] = (
+            f"{_median(ours):.1f} %, {_median(theirs):.1f} %"
         )
+        told[f"at d̂ = {d_hat:g}: 2022 is tighter"] = tests[-1].text
     slower = statistics.geometric_mean([
         _time(row[f"{methods.ENERGY_2022}, {least:g}"]) / _time(row[f"{methods.ENERGY_2022}, {largest:g}"])
         for row in rows
     ])  # fmt: skip
     close = tests[0]
     return Verdict(
-        f"From the same starts, on {len(rows)} shapes that both barriers solve at every range, the excess of the "
-        "energy "
-        f"of 2022 grows {effect.text()} times from d̂ = {least:g} to {largest:g} diagonals. Medians after reinflation "
-        f"alone: {'; '.join(told)}. The small range takes {slower.text('.0f')} times as long.",
+        {
+            "shapes that both solve at every range": str(len(rows)),
+            f"excess of 2022 from d̂ = {least:g} to {largest:g}": f"grows {effect.text()} times",
+            **told,
+            "the small range takes": f"{slower.text('.0f')} times as long",
+        },
         effect.low > 1.0 and not (close.losses > close.wins and close.p < SIGNIFICANT),
     )
 
@@ -106,11 +111,14 @@ def tightened(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
     apart = [spread([row[name].tightened for name in names]) for row in rows]
     differ = statistics.share([ratio > APART for ratio in apart])
     return Verdict(
-        f"On {len(rows)} shapes that all {len(names)} contacts solve, medians lie from {min(before):.1f} to "
-        f"{max(before):.1f} % after reinflation and from {min(medians):.2f} to {max(medians):.2f} % after the same "
-        f"tightening. Shape by shape they differ by more than 1 % of the excess on {100.0 * differ.value:.0f} % "
-        f"[{100.0 * differ.low:.0f}, {100.0 * differ.high:.0f}] of the shapes, at most "
-        f"{max(apart, default=np.nan):.1f} times.",
+        {
+            f"shapes that all {len(names)} contacts solve": str(len(rows)),
+            "medians after reinflation": f"{min(before):.1f} to {max(before):.1f} %",
+            "medians after tightening": f"{min(medians):.2f} to {max(medians):.2f} %",
+            "shapes that differ by more than 1 %": f"{100.0 * differ.value:.0f} % "
+            f"[{100.0 * differ.low:.0f}, {100.0 * differ.high:.0f}]",
+            "largest difference": f"{max(apart, default=np.nan):.1f} times",
+        },
         max(medians) - min(medians) <= AGREE * float(np.mean(medians)) and differ.low > 0.0,
     )
 

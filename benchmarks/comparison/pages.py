@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from comparison import conclusions, methods, tables
+from comparison import conclusions, tables
 from comparison.conclusions import Verdict
 from comparison.measure import CLEARANCE, LIMIT, REPEATS, SHORT
 from comparison.runs import Run
@@ -21,28 +21,21 @@ RUNS, RECORD = "runs.csv", "results.json"
 
 QUOTE = (
     "*The main limitation of our work is a lack of critical comparison of the performance and robustness differences "
-    "between our method and the original method*, Gurditta and Jacobson (2022) say of their augmentation of nested "
-    "cages with IPC. This is that comparison: their method, that of Sacht et al. (2015), IPC as published (Li et al. "
-    "2020) and ours, behind one interface, judged by one exact certificate."
+    "between our method and the original method*, Gurditta and Jacobson (2022) write. This page compares their method, "
+    "that of Sacht et al. (2015), IPC as published (Li et al. 2020) and ours, with one exact certificate for all."
 )
 CHOOSE = (
-    ("cages for use", "the default: line cycles or hulls as starts, sequential QP as contact, the tightening after it"),
-    ("a coarse mesh of your own", "the default too: sequential QP, then IPC where that is blocked"),
-    ("an animation that keeps its distance on the way", "`IPC()`: it leaves the largest gaps of those that are fast"),
-    (
-        "a symmetric or evenly deformed cage",
-        "another energy, such as `ShapeKeeping()`",
-    ),
+    ("cages for use, or from a coarse mesh of your own", "the default"),
+    ("an animation that keeps its distance throughout", "`IPC()`: the largest gaps among the fast ones"),
+    ("a symmetric or evenly deformed cage", "another energy, such as `ShapeKeeping()`"),
     ("the papers' methods", "`AUGMENTED_2022`, `AUGMENTED_2022_REPAIRED`, `NESTED_CAGES_2015`, `SIMPLE_2022`"),
 )
 LIMITS = (
-    "In the plane. In space, broad phases and collision detection weigh more, and impulses meet harder cases.",
-    "All methods share one code base in Python, its predicates and its collision detection: times compare algorithms. "
-    "Only the discs have times of a program of the authors.",
-    "Where El Topo gives up, the original calls asynchronous contact mechanics; that and rigid impact zones are left "
-    "out, and such a run counts as a failure. Its descent has no cap in the original; here it has 100 steps.",
-    "Random shapes come from ten generators, held-out ones from six that no method was tuned on, glyphs from three "
-    "fonts; all are chosen by us.",
+    "In the plane. In space, broad phases and collision detection cost more, and impulses meet harder cases.",
+    "One code base in Python for all: times compare algorithms. Only the discs have times of the authors' program.",
+    "Where El Topo gives up, the original goes on with asynchronous contact mechanics and rigid impact zones; here the "
+    "run counts as a failure. Its descent has 100 steps here, and no cap there.",
+    "All shapes are chosen by us: ten random generators, three fonts, and six held-out families.",
 )
 
 
@@ -70,26 +63,30 @@ def front(runs: Sequence[Run], record: dict[str, Any]) -> str:
     parts = ["# The methods compared", QUOTE]
     for k, (conclusion, (known, held_out)) in enumerate(conclusions.verdicts(runs).items(), 1):
         parts += [
-            f"## {k}. {conclusion.claim}", said(known),
-            f"On held-out families of shapes: {said(held_out)} ([tables](comparison/{conclusion.page}))",
+            f"## {k}. {conclusion.claim}",
+            said(known, held_out),
             f"![{conclusion.caption}](comparison/{conclusion.picture})",
-        ]  # fmt: skip
+            f"[All tables](comparison/{conclusion.page})",
+        ]
     parts += [
-        "## What to choose", table(["for", "choose"], CHOOSE),
-        "## Limits", _list(LIMITS),
-        "## The rest",
+        "## What to choose",
+        table(["for", "choose"], CHOOSE),
+        "## Limits",
+        _list(LIMITS),
+        "## More",
         "[Contacts](comparison/contacts.md) · [whole methods](comparison/methods.md) · [the paper's program, figures "
-        "and "
-        "table](comparison/as-published.md) · [flows and energies](comparison/flows.md) · [how it was measured]"
-        f"(comparison/measured.md) · every run is a line of [runs.csv](comparison/{RUNS}). The methods and the "
-        f"references are in [Method](method.md). Measured at commit {record['commit']}.",
-    ]  # fmt: skip
+        "and table](comparison/as-published.md) · [flows and energies](comparison/flows.md) · [how it was measured]"
+        f"(comparison/measured.md) · [every run](comparison/{RUNS}). References: [Method](method.md). Measured at "
+        f"commit {record['commit']}.",
+    ]
     return "\n\n".join(parts) + "\n"
 
 
-def said(verdict: Verdict) -> str:
-    """The numbers, and whether they contradict the claim."""
-    return verdict.numbers + ("" if verdict.holds else " **Contradicted by these runs.**")
+def said(known: Verdict, held_out: Verdict) -> str:
+    """The numbers on both kinds of shapes, and whether they contradict the claim."""
+    numbers = [(name, value, held_out.numbers.get(name, "")) for name, value in known.numbers.items()]
+    holds = ("holds", *("yes" if verdict.holds else "**contradicted by these runs**" for verdict in (known, held_out)))
+    return table(["", "known shapes", "held-out shapes"], [*numbers, holds])
 
 
 def _page(title: str, parts: Sequence[str]) -> str:
@@ -100,76 +97,54 @@ def _page(title: str, parts: Sequence[str]) -> str:
 def _contacts(runs: Sequence[Run]) -> list[str]:
     return [
         "Every contact gets the same coarse mesh on the curve and the same steps of the two-sided flow, lowers the "
-        "area "
-        "on the way (sequential QPs have no energy), and is judged when the fine mesh is back. Then all get the same "
-        "tightening, at the same clearance. Medians and quartiles of the shapes that all contacts solve, tightening "
-        "included; time of the reinflation, median of three runs. *Distance left*: median of the smallest one after "
-        "reinflation.",
+        "area as it goes (sequential QPs have no energy), and then gets the same tightening at the same clearance. "
+        "Medians and quartiles of the shapes that all contacts solve; time of the reinflation alone. *Distance left*: "
+        "median of the smallest distance after reinflation.",
         tables.contacts(runs),
         "## At equal ranges",
-        "The barrier of 2020 adapts its stiffness and lets the fine mesh approach whatever its range; the energy of "
-        "2022 "
-        "has fixed weights, so that its range is its distance. Clearances before the tightening are not equal for that "
-        "reason; after it they are.",
+        "The barrier of 2020 adapts its stiffness, so the fine mesh comes close whatever the range. The energy of 2022 "
+        "has fixed weights, so its range is its distance.",
         tables.ranges(runs),
-        "*IPC, ours* differs from that of 2020: ranges are local, at most half of the gaps; λ_R grows fourfold where "
-        "the "
+        "*IPC, ours*, unlike that of 2020: ranges are local, at most half of the gaps; λ_R grows fourfold where the "
         "fine mesh rests short of its target, and d̂ shrinks to a quarter where a solve is blocked; the block of the "
-        "fine "
-        "mesh is lumped. The default contact is sequential QP, since it takes least time and the tightening follows.",
-    ]  # fmt: skip
+        "fine mesh is lumped.",
+    ]
 
 
 def _methods(runs: Sequence[Run]) -> list[str]:
     return [
-        "One coarse mesh and one attempt for every method; *simple cages* make their own mesh, of as many vertices, "
-        "and "
-        "may change loops; *nested_cages* is the program without settings, fallbacks and all. *2022 as written* has "
-        "its "
-        "lengths relative to the size of its Table 1, since random shapes have any size. A success is a certified "
-        "cage, "
-        "the fine mesh at home to the last bit and a motion free of crossings: the method as written never returns "
-        "exactly, so it has none, but *cage encloses* says how often its cage encloses the shape. Excess and time: "
-        "median and quartiles where every cage encloses.",
+        "One coarse mesh and one attempt for every method, except *simple cages*, which make their own mesh of as many "
+        "vertices, and *nested_cages*, the default with its fallbacks. *2022 as written* has lengths relative to the "
+        "size of its Table 1. A success is a certified cage, an exact return and a motion free of crossings; the "
+        "method as written never returns exactly. Excess and time: median and quartiles where every cage encloses.",
         tables.whole(runs),
         "## From 2022 to ours, one change at a time",
-        "Every line keeps those above it. *Short*: the cage encloses, but the fine mesh ends so many diagonals from "
-        "home.",
+        "Each line includes those above it. *Short*: the cage encloses, but the fine mesh ends this many diagonals "
+        "from its input.",
         tables.by_drawing(runs, "ladder"),
-    ]  # fmt: skip
+    ]
 
 
 def _published(runs: Sequence[Run]) -> list[str]:
     return [
-        "The program of 2022, compiled, beside `as_published` on the same meshes: the meshes of its figures 1 and 2, "
-        "and "
-        "discs of Table 1 at three sizes. Its lengths are absolute: h = 0.01 and d̂ = 0.1, so excess depends on the "
-        "size "
-        f"of the drawing. `python benchmarks/paper_program.py` makes the table ({PROGRAM.name}).",
+        "The compiled program of 2022 next to `as_published`, on the meshes of its figures 1 and 2 and on discs of its "
+        "Table 1. Its lengths are absolute, h = 0.01 and d̂ = 0.1, so excess depends on size. "
+        f"`python benchmarks/paper_program.py` makes the table ({PROGRAM.name}).",
         program_table(),
-        "Figure 1 is a case in which the paper's own method succeeds: its cage encloses, and its fine mesh stops 2e-4 "
-        "diagonals short.",
         "## Table 1",
-        "*2022 as written* runs on the discs as they are. The optimum is that for 16 vertices per loop, without "
-        "clearance: the least 16-gon around the outer ring has its edges flush with edges of the ring, and the largest "
-        "in the hole has its vertices on those of the hole. It is known in closed form where 16 divides the vertices "
-        "of a "
-        "ring.",
+        "The optimum is that for 16 vertices per loop without clearance, [proposition 7](../method.md).",
         tables.table_1(runs, read_table1()),
         "## Figures",
         "Our drawings of the situations of figures 1 to 5; `make paper MESHES=FOLDER` draws the paper's own meshes. "
-        "*Short*: the cage encloses, but the fine mesh ends so many diagonals from home, which the program accepts.",
+        f"Every result is a line of [{RUNS}]({RUNS}).",
         "![Figures 1 to 5](figures.png)",
-        tables.by_drawing([run for run in runs if run.method != methods.SIMPLE], "methods"),
-        "## What differs from the programs",
+        "## Differences from the programs",
         _list((
             "2022: after 100 steps of the flow the program goes on from an infinite energy; here that is an error.",
             "2015: its samples keep the weights of the undeformed mesh; here they follow the moving one.",
-            "Simple cages: a grid of 250 cells along the diagonal in place of 50; offsets grow from half a cell and "
-            "six "
-            "bisections follow, in place of ten bisections of [0, 0.5]; contours cannot cross themselves and the edge "
-            "collapse keeps that, in place of a self-union. Holes may close and parts merge, as there.",
-            "IPC 2020 minimises the area of a cage without mass: the Hessian of the area, of order one, stands for it.",
+            "Simple cages: 250 cells along the diagonal instead of 50; offsets grow from half a cell, then six "
+            "bisections, instead of ten of [0, 0.5]; edge collapse keeps contours simple, instead of a self-union.",
+            "IPC 2020 minimises the area of a cage without mass; the Hessian of the area takes its place.",
         )),
     ]  # fmt: skip
 
@@ -189,40 +164,31 @@ def program_table() -> str:
 
 def _flows(runs: Sequence[Run]) -> list[str]:
     return [
-        "Algorithm 2 of 2022 gives both edges of a vertex the same weight; its program divides by their lengths; an "
-        "integral along the edges would multiply. The paper suggests new samples at each step: `RandomSamples()`. "
-        "*2015* "
-        "has steps of a thousandth and up to 1,000 of them. Steps: median and quartiles where every flow gets inside.",
+        "Algorithm 2 of 2022 weights both edges of a vertex alike; its program divides by their lengths. "
+        "*2015* takes up to 1,000 steps of a thousandth. Steps: median and quartiles where every flow gets inside.",
         tables.flows(runs),
         "## Energies",
-        "Ours, with another energy on the way and in the tightening. Asymmetry: largest distance of a cage vertex from "
-        "the nearest mirrored one, in diagonals, on two drawings with a mirror symmetry.",
+        "Ours, with another energy in reinflation and tightening. Asymmetry: largest distance of a cage vertex from "
+        "the nearest mirrored one, in diagonals.",
         tables.energies(runs),
     ]
 
 
 def _measured(runs: Sequence[Run], record: dict[str, Any]) -> list[str]:
     return [
-        f"`{COMMAND}` made these pages from {len(runs):,} runs in {record['minutes']:.1f} minutes: every number, "
-        "verdict "
-        f"and picture is from [runs.csv]({RUNS}) (figures: drawn live). {record['machine']}. Commit "
-        f"{record['commit']}.",
+        f"`{COMMAND}` made these pages from {len(runs):,} runs in {record['minutes']:.1f} minutes; every number is "
+        f"from [runs.csv]({RUNS}). {record['machine']}. Commit {record['commit']}.",
         _list((
-            f"**Time** is CPU time; runs of less than {SHORT:g} s are repeated {REPEATS} times and the median counts. "
-            f"A whole run is ended after {LIMIT:g} s. Certificates are not timed.",
+            f"**Time** is CPU time, the median of {REPEATS} runs if below {SHORT:g} s. A run is ended after {LIMIT:g} "
+            "s. Certificates are not timed.",
             "**Excess** is area(cage) / area(fine) − 1. Lengths are in bounding-box diagonals of the fine mesh; the "
             f"clearance is {CLEARANCE:.0e} for all.",
             f"**Intervals** in square brackets: {LEVEL:.0f} %, percentile bootstrap over shapes, {RESAMPLES:,} "
-            "resamples. "
-            "**Paired tests**: two-sided sign tests over shapes that both methods solve. Spreads in round brackets are "
-            "quartiles.",
+            "resamples. **Paired tests**: two-sided sign tests. Round brackets: quartiles.",
             "**Families**: *random* (ten kinds, gaps down to a millionth, any size), *glyphs* (three fonts) and *held "
-            "out* (gears, rosettes, ribbons, plates, puzzle pieces, crystals), which took no part in tuning. Numbers "
-            "that give no valid shape of at most 400 vertices are passed over; no parameter was changed for any shape.",
-            f"**Check**: `{COMMAND} --check`, part of `make lint`, writes the pages anew from runs.csv and compares "
-            "them, and makes a sample of the runs again, on shapes with one optimum: success and excess must be as "
-            "recorded. Unrelated changes of "
-            "the code leave it green; a change of results does not.",
+            "out* (gears, rosettes, ribbons, plates, puzzle pieces, crystals), which took no part in tuning.",
+            f"**Check**: `{COMMAND} --check`, part of `make lint`, compares the pages with runs.csv and repeats a "
+            "sample of the runs, on shapes with one optimum.",
         )),
     ]  # fmt: skip
 

@@ -145,7 +145,7 @@ def _failed(task: Task, error: BaseException) -> Outcome:
         raise error
     if not isinstance(error, NestedCagesError):
         error = NestedCagesError(
-            f"The shape {task.key!r} was lost on the way to or from its worker ({type(error).__name__}: {error}); give "
+            f"The shape {task.key!r} could not be sent to or from its worker ({type(error).__name__}: {error}); give "
             "shapes, levels, settings and a result that can be pickled.",
             code="batch.invalid",
         )

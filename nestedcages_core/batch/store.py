@@ -130,7 +130,7 @@ def _packed(value: Any, arrays: list[Any]) -> Any:
         parts = {field.name: _packed(getattr(value, field.name), arrays) for field in fields(value)}
         return {"record": type(value).__name__, "parts": parts}
     raise NestedCagesError(
-        f"a {type(value).__name__} has no form on the disk; keep meshes, arrays, numbers, texts, and lists of these.",
+        f"a {type(value).__name__} cannot be stored; keep meshes, arrays, numbers, texts, and lists of these.",
         code="batch.invalid",
     )
 

@@ -62,8 +62,9 @@ def radii_of(shape: Mesh, points: FloatArray) -> FloatArray:
 def joints_of(shape: Mesh, bones: Sequence[Bone]) -> list[tuple[float, float]]:
     """Places along the bones, before and after each joint, where a cage of the shape needs vertices on both sides.
 
-    Their distance from the joint is 1.5 times the radius of the limb there, and at most half of the bone. Ends of bones
-    that meet no other bone, such as fingertips, need none. Raises NestedCagesError as `bone_weights`.
+    Their distance from the joint is 1.5 times the radius of the limb there, and at most half of the bone. A limb that
+    starts beside its parent, such as an arm at a trunk, needs one on its own side; fingertips need none. Raises
+    NestedCagesError as `bone_weights`.
     """
     ends = ends_of(bones)
     flat = ends.reshape(-1, 2)
@@ -71,8 +72,9 @@ def joints_of(shape: Mesh, bones: Sequence[Bone]) -> list[tuple[float, float]]:
     apart = np.hypot(*(flat[:, None] - flat[None]).transpose(2, 0, 1))
     near = apart <= TOUCHING * np.maximum(lengths[:, None], lengths[None])
     bone_of = np.repeat(np.arange(len(bones)), 2)
-    shared = (near & (bone_of[:, None] != bone_of[None])).any(axis=1)
+    bends = (near & (bone_of[:, None] != bone_of[None])).any(axis=1)
+    bends[::2] |= [bone.parent is not None for bone in bones]
     inwards = (ends[:, ::-1] - ends).reshape(-1, 2) / lengths[:, None]
     reach = np.minimum(JOINT_REACH * radii_of(shape, flat), 0.5 * lengths)
-    used = shared & (reach > 0.0)
+    used = bends & (reach > 0.0)
     return [(float(x), float(y)) for x, y in flat[used] + reach[used, None] * inwards[used]]

@@ -32,7 +32,7 @@ from .sources import Shape, Source
 MAX_PROCESSES_ON_WINDOWS = 61
 """Worker processes that Python can wait for there."""
 
-SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min_angle")
+SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min_angle", "seconds")
 """Options that are settings of the same name."""
 
 

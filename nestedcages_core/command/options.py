@@ -127,6 +127,10 @@ def length(text: str) -> float:
     return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
 
 
+def _seconds(text: str) -> float:
+    return _number(text, "a time above 0 is needed", lambda value: 0.0 < value < float("inf"))
+
+
 def _merge(text: str) -> float:
     return float("inf") if text == "all" else length(text)
 
@@ -188,13 +192,14 @@ OPTIONS = {
                 "or - for the standard output; may be repeated"),
         _option("--clearance", type=length, metavar="LENGTH", help="least distance of a cage from what it encloses"),
         _option("--inside", help="make cages inside the shapes instead"),
-        _option("--strict", help="refuse counts that are too small for a shape, instead of the least that does"),
+        _option("--strict", help="fail if a count is too small for a shape, instead of raising it"),
+        _option("--seconds", type=_seconds, metavar="S", help="time for each shape; the levels made by then are kept"),
         _option("--report", metavar="FILE", help="write all measures and messages as JSON"),
         _option("--quiet", help="no progress"),
         _option("--version", action=_Version, nargs=0, help="print the version"),
     ),
     "shape": (
-        _option("--convex", help="convex cages: so many vertices around each part, holes filled"),
+        _option("--convex", help="convex cages: this many vertices around each part, holes filled"),
         _option("--merge", type=_merge, metavar="LENGTH", help="parts closer than this share a loop of the cage, and "
                 "smaller holes are filled; all: one loop around everything"),
         _option("--symmetry", type=symmetry, metavar="WHAT", help="x (left and right alike), y (top and bottom alike), "
@@ -240,8 +245,8 @@ OPTIONS = {
     "files": (
         _option("--format", action="store", choices=sorted(WRITTEN.values()), help="what to write to the standard "
                 "output (default: geojson for maps, json for collision outlines, else svg)"),
-        _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="read more "
-                f"or less at most (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})"),
+        _option("--limit", dest="limits", type=_limit, action="append", default=[], metavar="WHAT=N", help="raise or "
+                f"lower a limit of reading (default: {_listed(Limits())}; of drawings {_listed(DRAWING_LIMITS)})"),
     ),
 }  # fmt: skip
 """The options by topic of the help."""

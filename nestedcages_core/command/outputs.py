@@ -70,7 +70,7 @@ def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
     heights = {result.source.height for result in results}
     if flip_y and len(heights) > 1:
         raise NestedCagesError(
-            "the pictures differ in height, so their frames cannot be flipped alike.", code="file.invalid"
+            "the pictures differ in height, so their frames cannot be flipped together.", code="file.invalid"
         )
     outlines = corresponding([result.made[0].cages[-1].mesh for result in results])
     return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)

@@ -26,7 +26,7 @@ class ContactOutcome:
 
 
 class Contact(Protocol):
-    """Moves the fine mesh back along a path and pushes the cage out of its way."""
+    """Moves the fine mesh back along a path and pushes the cage away."""
 
     def reinflate(
         self, bodies: Bodies, x: FloatArray, path: Sequence[FloatArray], *, clearance: float

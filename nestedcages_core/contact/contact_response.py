@@ -63,7 +63,7 @@ class Distances(WantedDistances):
     """Final distances to keep, and the working gap."""
 
     gap: float
-    """Distance to keep in addition on the way, where there is space; a length."""
+    """Distance to keep in addition during the motion, where there is space; a length."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,8 @@
 
 All positions are in one array x = (C; F) of shape (m + n, 2): the m cage vertices first, then the n fine vertices.
 Pairs come in three families, in this order: F-C (fine vertex, cage edge), C-F (cage vertex, fine edge) and C-C (cage
-vertex, cage edge that does not end in it). There are no F-F pairs: the fine mesh may cross itself on its way, since its
-final shape does not.
+vertex, cage edge that does not end in it). There are no F-F pairs: the fine mesh may cross itself as it moves, since
+its final shape does not.
 """
 
 from __future__ import annotations

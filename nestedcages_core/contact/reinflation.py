@@ -98,7 +98,7 @@ def reinflate(
     ``partial`` is the reinflation so far.
     """
     bodies = Bodies.of(coarse, fine, tie)
-    failure = ReinflationError("There is no contact to reinflate by.", code="setting.invalid")
+    failure = ReinflationError("No contact was given for reinflation.", code="setting.invalid")
     for contact in contacts:
         key = key_of(contact, clearance, flow_steps, fine, coarse) if tie is None else None
         try:

@@ -65,13 +65,13 @@ class SequentialQP:
     """
 
     gap: float = 0.05
-    """Distance kept between cage and fine mesh on the way, where there is space."""
+    """Distance kept between cage and fine mesh during the motion, where there is space."""
     stride: float = 1.0 / 3.0
     """Maximum motion of a fine vertex in one step."""
     iterations: int = 300
     """Maximum number of steps to one target."""
     patience: int = 20
-    """Consecutive steps without progress after which the way to a target counts as blocked."""
+    """Consecutive steps without progress after which the path to a target counts as blocked."""
     quadratic_programs: InteriorPoint = field(default_factory=lambda: InteriorPoint(iterations=25))
     """Solves the quadratic programs."""
 

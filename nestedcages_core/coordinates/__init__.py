@@ -3,7 +3,8 @@
 - `cage_coordinates`, `deform`: weights of the fine vertices, and their positions under a posed cage.
 - `CageCoordinates`: the interface of `Harmonic` (never negative, needs points inside), `MeanValue` (closed form,
   anywhere) and `PiecewiseLinear` (three weights per point).
-- `Field`, `field_of`: the weights of a mesh that carries the cage's motion to anything in it.
+- `Field`, `field_of`: the weights of a mesh that carries the cage's motion to anything in it. `folded`: where a pose
+  lays it on itself; `holding`: where the drawing is in it.
 - `grids`: `Grids` on all levels, with prolongations between them.
 """
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 from .base import CageCoordinates, cage_coordinates, deform
 from .field import Field, field_of
+from .folding import folded, holding
 from .harmonic import Harmonic
 from .mean_value import MeanValue
 from .piecewise_linear import PiecewiseLinear
@@ -26,5 +28,7 @@ __all__ = [
     "cage_coordinates",
     "deform",
     "field_of",
+    "folded",
     "grids",
+    "holding",
 ]

@@ -77,7 +77,7 @@ def shared_anew(count: Count, coarse: Mesh) -> tuple[Fault, ...]:
     """A note if the numbers of vertices per loop of a coarse mesh differ from the request."""
     if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
         return ()
-    said = "The vertices per loop of the coarse mesh do not fit the mesh inside: their total is distributed anew."
+    said = "The vertices per loop of the coarse mesh do not fit the mesh inside: their total is redistributed."
     return (Fault(said, "note.count", asked=list(count), given=[len(loop) for loop in coarse.loops]),)
 
 

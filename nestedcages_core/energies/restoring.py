@@ -1,4 +1,4 @@
-"""R, which pulls the fine mesh to its next target on the way back."""
+"""R, which pulls the fine mesh to its next target."""
 
 from __future__ import annotations
 

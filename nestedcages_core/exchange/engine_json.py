@@ -43,7 +43,7 @@ def to_engine_json(
     Outer loops turn counter-clockwise in the numbers written and holes clockwise, as Godot, Unity and Box2D tell them
     apart. flip_y: write y as `flip_y - y`; the height of a picture turns it over, 0 mirrors it.
     triangles: also {"points": [[x, y], …], "triangles": [[i, j, k], …]}, for engines whose pieces must be convex.
-    pieces: also {"points", "pieces": [[i, j, …], …]}, convex and counter-clockwise, of at most so many vertices each.
+    pieces: also {"points", "pieces": [[i, j, …], …]}, convex and counter-clockwise, of at most this many vertices each.
     decimals: as of `to_geojson`.
 
     Raises NestedCagesError if ``pieces`` is less than 3, and for coordinates with more decimals.
@@ -190,7 +190,7 @@ def checked_document(text: str | bytes, kind: str, what: str, limits: Limits) ->
     if type(version) is not int or version != VERSION:
         raise NestedCagesError(
             f"{what.replace(what.split()[0], 'The', 1)} is of version {shown(version)}, but version {VERSION} is read; "
-            "export it anew.",
+            "export it again.",
             code="file.invalid",
         )
     return document

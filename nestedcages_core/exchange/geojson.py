@@ -279,7 +279,7 @@ def _plain(value: Any) -> Any:
     """Numbers and arrays of numpy as JSON knows them."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
-    raise TypeError(f"a {type(value).__name__} has no form in JSON")
+    raise TypeError(f"a {type(value).__name__} cannot be written as JSON")
 
 
 def _said(found: Map) -> Map:

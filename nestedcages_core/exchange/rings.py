@@ -79,7 +79,7 @@ def ring_of(points: Any, where: str) -> FloatArray:
         except OverflowError:
             k = next(k for k, row in enumerate(rows) if not _fits(row))
             raise InvalidMeshError(
-                f"Point {k} of {where} is too far out for floating-point numbers.", code="file.invalid"
+                f"Point {k} of {where} is out of range for floating-point numbers.", code="file.invalid"
             ) from None
     far = np.flatnonzero(~(np.abs(ring) < MAX_COORDINATE).all(axis=1))
     if len(far):

@@ -42,7 +42,7 @@ def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
 
 
 def _swept_edges(fine: Mesh, before: FloatArray, after: FloatArray) -> FloatArray:
-    """(PARTS_PER_POSE · n, 4, 2) the two places of each edge in each part of the way."""
+    """(PARTS_PER_POSE · n, 4, 2) the two places of each edge in each part of the motion."""
     share = np.linspace(0.0, 1.0, PARTS_PER_POSE + 1)[:, None, None]
     at = before + share * (after - before)
     at[-1] = after

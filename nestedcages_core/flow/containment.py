@@ -1,6 +1,6 @@
 """The certificate of the flow: the moved fine mesh is strictly inside the coarse one, each loop on its side.
 
-The fine mesh may cross itself on its way, so "inside" is defined by winding numbers. Motion without contact preserves
+The fine mesh may cross itself as it moves, so "inside" is defined by winding numbers. Motion without contact preserves
 them, and with them the original fine mesh lies strictly inside the coarse mesh, component by component.
 """
 

@@ -1,7 +1,7 @@
 """Further steps of the flow, for animations: the fine mesh is inside the coarse one and shrinks on, until it shows.
 
-The same descent of the penetration energy with margins that grow towards a fraction of the local thickness. The way
-back leads through the same steps, so the cage is the one without them.
+The same descent of the penetration energy with margins that grow towards a fraction of the local thickness. The
+return takes the same steps, so the cage is the one without them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ ACROSS = 2.0
 """Distance along the loop, in straight distances, from which on an edge counts as opposite instead of next to."""
 
 FACING = 0.3
-"""Least cosine between the inward normal and the way to an opposite edge."""
+"""Least cosine between the inward normal and the direction to an opposite edge."""
 
 MAX_COARSE = 1000
 """Largest number of coarse vertices: thickness compares all pairs."""

@@ -27,7 +27,7 @@ LEAST = "least"
 
 
 class Rising(int):
-    """A number of vertices that rises to the least that the shape can have, with a note, instead of being refused."""
+    """A number of vertices that rises to the least that the shape can have, with a note, instead of being rejected."""
 
     asked: int
     """The number before it rose."""
@@ -38,7 +38,7 @@ class Rising(int):
         return self
 
     def raised(self, least: int) -> Rising:
-        """At least so many vertices."""
+        """At least this many vertices."""
         return Rising(max(self, least), self.asked)
 
     def after(self, error: NestedCagesError) -> Rising:

@@ -8,7 +8,7 @@ from ..errors import Fault
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from ..level.plan import Need
-from .settings import Settings
+from .settings import Settings, type_name
 
 
 def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
@@ -24,7 +24,7 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
     if settings.grid is not None or settings.stored is not None:
         from ..needs.grid.need import OnNumbers
 
-        numbers = OnNumbers.of(about, settings.grid, settings.stored)
+        numbers = OnNumbers.of(about, settings.grid, type_name(settings.stored))
     if settings.symmetry is not None:
         from ..needs.symmetry.need import Symmetric, found_for, keeping, on_lattice
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from math import inf
+from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,7 +21,7 @@ from ..level.plan import Plan
 from ..level.progress import LevelProgress
 from ..level.report import Hierarchy, Level, Progress
 from ..level.reuse import whole_level
-from ..tasks import Run, Stage, listened
+from ..tasks import Run, Stage, limited, listened
 from ..tolerance.within import Within
 from ..verification import verify
 from .levels import Rising, Share, wanted_levels
@@ -114,6 +117,8 @@ def _hierarchy(
     side: int,
 ) -> Stage[Progress, Hierarchy]:
     """All levels."""
+    seconds = inf if settings.seconds is None else settings.seconds
+    deadline = perf_counter() + seconds
     fine, wanted = _checked(fine, levels, convex=settings.convex, merges=settings.merge is not None)
     about = _about(settings, fine, inside=side < 0)
     settings, needs, remarks = needs_of(settings, about)
@@ -138,8 +143,9 @@ def _hierarchy(
                     made = fewest(level, about, builder, strictly=settings.clearance or 0.0)
                 else:
                     made = builder.build(level)
+                made = limited(made, deadline, partial(_time_over, seconds))
                 number = int(level) if isinstance(level, Rising) else level
-                asked = replace(settings, about=None), about, inner, number, clearances, side
+                asked = replace(settings, about=None, seconds=None), about, inner, number, clearances, side
                 try:
                     done = yield from whole_level(made, builder.progress, *asked)
                     break
@@ -159,6 +165,18 @@ def _hierarchy(
             raise
         logger.debug("level %d: %s", index, finished[-1].report)
     return Hierarchy(fine, tuple(finished))
+
+
+def _time_over(seconds: float, reached: Progress) -> NestedCagesError:
+    """The error after this many seconds."""
+    return NestedCagesError(
+        f"The time of {seconds:g} s was over during {reached.message[:1].lower()}{reached.message[1:]}; give more "
+        "seconds, or ask for fewer or easier levels.",
+        code="time.over",
+        seconds=seconds,
+        level=reached.level,
+        stage=reached.stage,
+    )
 
 
 def _about(settings: Settings, fine: Mesh, *, inside: bool) -> Mesh:
@@ -199,7 +217,7 @@ def _checked(
         raise NestingError(f"The fine mesh must be {MESH_LIKE}, not {type(fine).__name__}.", code="mesh.unreadable")
     fine = Mesh.of(fine).validated()
     checked: list[int | Mesh | Within] = []
-    loops = 1 if convex or merges else len(fine.loops)  # convex cages have so many vertices around each part
+    loops = 1 if convex or merges else len(fine.loops)  # convex cages have this many vertices around each part
     for number, asked in enumerate(levels, start=1):
         (level,) = wanted_levels([asked], fine, merges=merges) if isinstance(asked, Share) else [asked]
         if isinstance(level, Within):

@@ -20,8 +20,8 @@ from ..parameters import check_flag, has_method
 if TYPE_CHECKING:
     from ..needs.symmetry import Found
 
-STORED_TYPES = ("float64", "float32", "float16")
-"""Types that can hold coordinates."""
+STORED_TYPES = ("float32", "float16")
+"""Types that can hold coordinates, other than doubles."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Settings(Choices):
     """Cage vertices are multiples of this length, each the double that its decimals read as: 0.01 for two decimals, 1
     for whole numbers. The cage is certified on these numbers, at the least excess found. None: any number."""
     stored: DTypeLike | None = None
-    """The type that will hold the coordinates, such as np.float32: the cage is certified on its numbers. None: doubles.
-    """
+    """The type that will hold the coordinates, such as np.float32: cage and motion are certified on its numbers,
+    which all steps have, but for the fine mesh as it is given. None: doubles."""
     merge: float | None = None
     """Parts closer than this length share a loop of the cage, and holes of less than its square are filled, as far as
     that makes the cage tighter; infinite: one loop around all. Needs shapely. None: a loop for each
@@ -53,6 +53,9 @@ class Settings(Choices):
     """No cage edge is shorter than this length, where there is room."""
     min_angle: float | None = None
     """No angle between cage edges is sharper than this, in degrees below 60, where there is room."""
+    seconds: float | None = None
+    """Wall-clock time that all levels together may take; after it an error says what was reached, and has the levels
+    made so far as its `partial`. None: no limit."""
     about: Mesh | None = None
     """The mesh that distances, excesses, weights, pins and a symmetry to be found are about, if not the fine one: a
     drawing inside of it, or around it for inner cages, when levels are made one by one."""
@@ -89,9 +92,15 @@ class Settings(Choices):
                 f"The grid must be a finite length above 0, such as 0.01, not {self.grid!r}; leave it out for none.",
                 code="setting.invalid",
             )
-        if self.stored is not None and _type_name(self.stored) not in STORED_TYPES:
+        if self.seconds is not None and not (is_length(self.seconds) and self.seconds > 0.0):
             raise NestedCagesError(
-                f"stored must be one of {', '.join(STORED_TYPES)}, not {self.stored!r}.", code="setting.invalid"
+                f"seconds must be a finite time above 0, not {self.seconds!r}; leave it out for no limit.",
+                code="setting.invalid",
+            )
+        if self.stored is not None and type_name(self.stored) not in (*STORED_TYPES, None):
+            raise NestedCagesError(
+                f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.",
+                code="setting.invalid",
             )
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
@@ -104,14 +113,9 @@ class Settings(Choices):
                 f"not {symmetry!r}.",
                 code="setting.invalid",
             )
-        if self.has_priorities and self.convex:
+        if self.convex and (self.pins or self.joints or self.min_edge is not None or self.min_angle is not None):
             raise NestedCagesError(
-                "Convex cages have no weights, pins, joints or limits; leave these out or convex.",
-                code="setting.conflict",
-            )
-        if symmetry is not None and self.convex:
-            raise NestedCagesError(
-                "Convex cages have no symmetry of their own; leave out the symmetry or convex.", code="setting.conflict"
+                "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
             )
 
     @property
@@ -121,12 +125,13 @@ class Settings(Choices):
         return any(each is not None for each in limits) or bool(self.pins or self.joints)
 
 
-def _type_name(value: object) -> str:
-    """The name of a type of numpy; empty if it is none."""
+def type_name(value: object) -> str | None:
+    """The name of a type of numpy; None for none and for doubles, empty for what is no type."""
     try:
-        return np.dtype(value).name  # type: ignore[call-overload, no-any-return]
+        name: str = "float64" if value is None else np.dtype(value).name  # type: ignore[call-overload]
     except TypeError:
         return ""
+    return None if name == "float64" else name
 
 
 def _check_priorities(settings: Settings) -> None:

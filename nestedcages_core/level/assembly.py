@@ -57,14 +57,14 @@ class Assembly:
 
     def exact(self, solver: ExactSolver, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
         """The level of a solver of its own."""
-        found = yield from solver(self.fine, wanted, clearances, self.progress)
+        found = yield from solver(self.plan, wanted, clearances, self.progress)
         counts = {"flow": 0, "reinflation": 0, "tightening": len(found.steps) - 1}
         coarse, way = found.cage.moved(found.steps[0]).validated(), self.resting(found.steps)
         notes = (*self.plan.remarks, *found.notes)
         return self.level(coarse, found.cage, way, found.certificate, found.clearance, found.source, counts, notes)
 
     def resting(self, steps: FloatArray) -> tuple[FlowResult, Reinflation]:
-        """The way of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
+        """The motion of a cage with steps (K + 1, m, 2) while the fine mesh rests."""
         rest = self.fine.vertices[None]
         return FlowResult(rest, 0, "inside"), Reinflation(rest, steps, 0)
 
@@ -129,8 +129,8 @@ def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) ->
     from .tightest_place import too_narrow  # only where something failed
 
     return (None if plan.inside else too_narrow(plan.fine, wanted)) or Fault(
-        f"No {'inner ' * plan.inside}cage with so few vertices was found that keeps the clearance of {wanted:.6g}: the "
-        f"best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
+        f"No {'inner ' * plan.inside}cage with this few vertices was found that keeps the clearance of {wanted:.6g}: "
+        f"the best one comes as close as {certificate.clearance:.6g}; ask for less clearance or use more vertices.",
         "clearance.no_room",
         wanted=wanted,
         largest=certificate.clearance,

@@ -62,7 +62,7 @@ class LevelBuilder:
         self.plan, self.clearances, self.settings, self.progress = plan, clearances, settings, progress
         self.fine, self.outline = plan.fine, plan.outline
         self.symmetry = plan.group
-        self.units = SolverUnits.of(self.fine)
+        self.units = SolverUnits.of(self.fine, 0.0 if plan.numbers is None else plan.numbers.room)
         self.unit_fine = self.units.from_input(self.fine)
         self.assembly = Assembly(plan, progress, self.units)
         self.settling: Settling | None = None
@@ -82,11 +82,12 @@ class LevelBuilder:
         if found is not None:
             return found
         clearance = level.report.wanted_clearance
-        try:
-            roomy = yield from self._solved(wanted, (clearance + self.settling.room,))
-        except NestingError as error:
-            logger.debug("no level with room to settle: %s", error)
-        else:
+        for room in self.settling.rooms:
+            try:
+                roomy = yield from self._solved(wanted, (clearance + room,))
+            except NestingError as error:
+                logger.debug("no level with room to settle: %s", error)
+                break
             roomy = replace(roomy, report=replace(roomy.report, wanted_clearance=clearance))
             found = yield from self.settling.settled(roomy)
             if found is not None:
@@ -143,7 +144,7 @@ class LevelBuilder:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
         cages: list[CageInProgress] = []
-        turn = in_turn(self.starts, self.outline, attempt, self.symmetry)
+        turn = in_turn(self.starts, self.outline, attempt)
         start: Start | None = next(turn)
         tried: list[str] = []
         while start is not None:

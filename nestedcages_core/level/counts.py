@@ -25,8 +25,8 @@ def with_least(failures: Sequence[NestedCagesError], outline: Mesh, clearance: f
             continue
         sizes = ", ".join(str(len(loop)) for loop in mesh.loops)
         return NestingError(
-            f"A level of {error.data['total']} vertices is too small for this shape, whose loops are in each other's "
-            f"way: the smallest that was found has {count} ({sizes} for its loops); ask for at least {count}.",
+            f"A level of {error.data['total']} vertices is too small for this shape, whose loops block each other: "
+            f"the smallest that was found has {count} ({sizes} for its loops); ask for at least {count}.",
             code="count.too_small",
             total=error.data["total"],
             least=count,

@@ -1,4 +1,4 @@
-"""Results of a run: levels with their steps and reports, and the progress on the way."""
+"""Results of a run: levels with their steps and reports, and the progress."""
 
 from __future__ import annotations
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..energies import Area, inwards
+from ..energies import Area, Energy, inwards
 from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
@@ -23,14 +22,16 @@ from .choices import Choices
 from .plan import EdgeCost, Numbers, Plan
 from .progress import LevelProgress
 from .report import Level, Progress
+from .steps import with_stored_steps
 from .symmetrised_start import orbits_of
 from .units import SolverUnits
 
 logger = logging.getLogger(__name__)
 
-ROOM = 0.8
-"""Spacings added to the clearance where a cage does not fit on the numbers. The nearest point is at most 0.71 spacings
-away, so even plain rounding then keeps the clearance."""
+ROOMS = (0.8, 64.0)
+"""Spacings added to the clearance where a cage does not fit on the numbers, tried in turn. The nearest point is at most
+0.71 spacings away, so even plain rounding then keeps the clearance; it may still close gaps between parts of the cage.
+"""
 
 PUSHES = (0.5, 1.0, 2.0, 4.0)
 """Spacings by which the cage is pushed outwards, tried in turn, where its straight motion to the numbers meets the fine
@@ -45,9 +46,10 @@ class Settling:
         self.plan, self.numbers, self.choices, self.progress = plan, plan.numbers, choices, progress
 
     @property
-    def room(self) -> float:
-        """Clearance that settling may take."""
-        return ROOM * self.numbers.spacing
+    def rooms(self) -> list[float]:
+        """Clearances that settling may take, to try in turn; a grid has points farther away only where it is too
+        coarse."""
+        return [room * self.numbers.spacing for room in (ROOMS[:1] if self.numbers.grid is not None else ROOMS)]
 
     def settled(self, level: Level) -> Stage[Progress, Level | None]:
         """The level with its cage on the numbers, certified; None if there is none."""
@@ -59,6 +61,7 @@ class Settling:
             return None
         self.progress.stop_clock()
         notes = self._noted(level, found)
+        found = with_stored_steps(found) if found.report.stored is not None else found
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
     def failure(self, level: Level) -> Stage[Progress, NestingError]:
@@ -89,15 +92,10 @@ class Settling:
     def _moved(self, level: Level, numbers: Numbers) -> Stage[Progress, Level | None]:
         """The level with its cage on some numbers, certified; None if there is none."""
         plan, wanted = replace(self.plan, numbers=numbers), level.report.wanted_clearance
-        units = SolverUnits.of(level.fine)
-        search = numbers.settled(
-            level.cage, plan.outline, units.clearance(wanted) * units.scale, plan.side, self._edge_cost(level, units)
-        )
-        vertices = yield from self.progress.follow(search, lambda done: (done, "grid"))
-        if vertices is None:
-            return None
+        search = placements(plan, self.choices.energy, level.cage, wanted)
+        found = yield from self.progress.follow(search, lambda done: (done, "grid"))
         same_loops = level.coarse.has_loops_like(level.fine)
-        for points in self._with_images(level, vertices, numbers):
+        for points in found:
             cage = level.coarse.moved(points)
             mended = plan.mended(cage)
             if mended is not None:
@@ -105,7 +103,7 @@ class Settling:
             certificate = plan.verify(cage, wanted, same_loops=same_loops)
             path = _path(level, points, numbers.spacing) if certificate and plan.fault(cage) is None else None
             if path is None:
-                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free way")
+                logger.debug("numbers %g apart: %s", numbers.spacing, certificate.problems or "no free path")
                 continue
             report = replace(
                 level.report,
@@ -117,35 +115,6 @@ class Settling:
             return replace(level, cage=cage, reinflation=path, report=report)
         return None
 
-    def _with_images(self, level: Level, vertices: FloatArray, numbers: Numbers) -> Iterator[FloatArray]:
-        """The vertices (m, 2); with a symmetry, those of each sector in turn with their images."""
-        group = self.plan.group
-        if group is None:
-            yield vertices
-            return
-        orbits = orbits_of(level.cage, group)
-        for k in range(group.order if orbits is not None else 0):
-            assert orbits is not None
-            yield numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k))
-
-    def _edge_cost(self, level: Level, units: SolverUnits) -> EdgeCost | None:
-        """What edges add to the energy of the plan; None if that is the area."""
-        cage, inside = units.from_input(level.cage), self.plan.inside
-        energy = self.choices.energy.at(cage)
-        energy = inwards(energy, units.from_input(level.fine).area) if inside else energy
-        bound, is_measure = self.plan.energy(energy, cage, units, units.clearance(level.report.wanted_clearance))
-        if not is_measure:
-            return None
-        at_cage, area = bound.after(cage.vertices), units.scale * units.scale
-
-        def cost(vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
-            one, other = units.points(start), units.points(end)
-            if inside:  # walked the other way, the edge starts at its end
-                return area * at_cage.on_edge(int(cage.successor[vertex]), other, one)
-            return area * at_cage.on_edge(vertex, one, other)
-
-        return cost
-
     def _widened(self, level: Level) -> Level:
         """The level tightened with more clearance."""
         units = SolverUnits.of(level.fine)
@@ -153,12 +122,51 @@ class Settling:
         bodies, energy = Bodies.of(cage, fine, side=self.plan.side), Area().at(cage)
         if level.inside:
             energy = inwards(energy, fine.area)
-        clearance = units.clearance(level.report.wanted_clearance + self.room)
+        clearance = units.clearance(level.report.wanted_clearance + self.rooms[0])
         run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
         wider = [units.to_input(step) for step in run]
         if not wider:
             return level
         return replace(level, cage=level.coarse.moved(wider[-1]), reinflation=level.reinflation.with_tightening(wider))
+
+
+def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[float, list[FloatArray]]:
+    """Vertices (m, 2) on the numbers of a plan for a cage, of least energy, at a clearance that they may miss.
+
+    With a symmetry, those of each sector with their images: one to verify after the other.
+    """
+    numbers, group = plan.numbers, plan.group
+    assert numbers is not None
+    units = SolverUnits.of(plan.fine)
+    clearance = units.clearance(wanted) * units.scale
+    vertices = yield from numbers.settled(
+        cage, plan.outline, clearance, plan.side, _edge_cost(plan, energy, cage, units, wanted)
+    )
+    if vertices is None or group is None:
+        return [] if vertices is None else [vertices]
+    orbits = orbits_of(cage, group)
+    if orbits is None:
+        return []
+    return [numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k)) for k in range(group.order)]
+
+
+def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits, wanted: float) -> EdgeCost | None:
+    """What edges add to the energy of a plan; None if that is the area."""
+    unit_cage, inside = units.from_input(cage), plan.inside
+    bound = energy.at(unit_cage)
+    bound = inwards(bound, units.from_input(plan.fine).area) if inside else bound
+    bound, is_measure = plan.energy(bound, unit_cage, units, units.clearance(wanted))
+    if not is_measure:
+        return None
+    at_cage, area = bound.after(unit_cage.vertices), units.scale * units.scale
+
+    def cost(vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        one, other = units.points(start), units.points(end)
+        if inside:  # walked the other way, the edge starts at its end
+            return area * at_cage.on_edge(int(unit_cage.successor[vertex]), other, one)
+        return area * at_cage.on_edge(vertex, one, other)
+
+    return cost
 
 
 def _standing(level: Level, cage: Mesh, note: Fault) -> Level:

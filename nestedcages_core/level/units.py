@@ -27,13 +27,15 @@ class SolverUnits:
     centre: FloatArray
     """(2,)."""
     scale: float
-    largest: float
-    """Largest coordinate of the input, which sets the size of its roundings."""
+    rounding: float
+    """Bound on what rounding takes from a clearance, in the units of the input."""
 
     @classmethod
-    def of(cls, fine: Mesh) -> SolverUnits:
+    def of(cls, fine: Mesh, room: float = 0.0) -> SolverUnits:
+        """The units for a mesh; room: what rounding to the numbers that a cage is stored in may take."""
         low, high = bounds(fine.vertices)
-        return cls(low + 0.5 * (high - low), fine.diagonal, float(np.abs(fine.vertices).max()))
+        rounding = ROUNDING_ULPS * float(np.finfo(float).eps) * float(np.abs(fine.vertices).max())
+        return cls(low + 0.5 * (high - low), fine.diagonal, rounding + room)
 
     def from_input(self, mesh: Mesh) -> Mesh:
         """A mesh of the input in the units of the solvers."""
@@ -54,5 +56,4 @@ class SolverUnits:
 
     def clearance(self, length: float) -> float:
         """A clearance of the input in the units of the solvers, with a margin for rounding."""
-        rounding = ROUNDING_ULPS * float(np.finfo(float).eps) * self.largest
-        return (length * (1.0 + CLEARANCE_MARGIN) + rounding) / self.scale
+        return (length * (1.0 + CLEARANCE_MARGIN) + self.rounding) / self.scale

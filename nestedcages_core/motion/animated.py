@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
+from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -12,10 +14,17 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError, NestingError
 from ..geometry.mesh import Mesh, MeshLike
 from ..hierarchy import Progress, Settings
+from ..hierarchy.settings import type_name
 from ..tasks import Run, Stage, listened
-from .level import LevelMotion
+from .level import Allowance, LevelMotion
 from .poses import Pose, read_poses
 from .results import Key, MotionReport, MovingCages, MovingLevel
+
+MANY_ROOMS = 64.0
+"""Multiples of what rounding takes, kept where less was not enough: rounding can close gaps between parts of a cage."""
+
+UNPOSED = ("poses.invalid", "setting.conflict", "level.invalid", "count.too_small")
+"""Codes of errors that no clearance corrects."""
 
 
 def animated_cages(
@@ -67,10 +76,9 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
                 "There are no levels: give at least one vertex count or coarse mesh.", code="level.invalid"
             )
         self._settings = Settings.of(settings, **options)
-        self._poses, self._count = (
-            read_poses(self._fine, poses, times),
-            len(poses) if isinstance(poses, Sized) else None,
-        )
+        self._read = partial(read_poses, self._fine, poses, times)
+        self._count = len(poses) if isinstance(poses, Sized) else None
+        self._again = isinstance(poses, Sequence | np.ndarray)
         super().__init__(self._run())
 
     @property
@@ -80,22 +88,50 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
 
     def _run(self) -> Stage[Progress, MovingCages]:
         finished: list[MovingLevel] = []
-        inner, source = self._fine, self._poses
+        inner, read, settings = self._fine, self._read, self._settings
         for index, wanted in enumerate(self._levels):
-            level, keys, began = LevelMotion(inner, wanted, self._settings, cyclic=self._cyclic), [], perf_counter()
+            level, keys, seconds = yield from self._level(index, inner, wanted, settings, read, finished)
+            finished.append(_finished(level, keys, seconds))
+            poses = [Pose(key.number, key.time, key.cage, key.given) for key in keys]
+            inner, read, settings = level.topology, partial(iter, poses), level.promises.of_next_level(level.topology)
+            self._again, self._count = True, keys[-1].number + 1
+        return MovingCages(self._fine, tuple(finished))
+
+    def _level(
+        self,
+        index: int,
+        inner: Mesh,
+        wanted: int | Mesh,
+        settings: Settings,
+        read: Callable[[], Iterator[Pose]],
+        finished: list[MovingLevel],
+    ) -> Stage[Progress, tuple[LevelMotion, list[Key], float]]:
+        """One level with its keys and seconds, with as little allowance as possible. Raises the first error."""
+        first: NestedCagesError | None = None
+        allowance: Allowance | None = Allowance()
+        while allowance is not None:
+            level = LevelMotion(inner, wanted, settings, cyclic=self._cyclic, allowance=allowance)
+            keys, began = [], perf_counter()
             try:
-                for key in level.keys(source):
+                for key in level.keys(read()):
                     keys.append(key)
                     yield self._progress(index, key)
+                return level, keys, perf_counter() - began
             except NestedCagesError as error:
-                if keys:
-                    finished.append(_finished(level, keys, perf_counter() - began))
-                error.partial = MovingCages(self._fine, tuple(finished))
-                raise
-            finished.append(_finished(level, keys, perf_counter() - began))
-            inner, source = level.topology, iter([Pose(key.number, key.time, key.cage, key.given) for key in keys])
-            self._count = keys[-1].number + 1
-        return MovingCages(self._fine, tuple(finished))
+                made = [_finished(level, keys, perf_counter() - began)] if keys else []
+                error.partial = MovingCages(self._fine, (*finished, *made))
+                first = first or error
+                allowance = self._more(allowance, error) if self._again else None
+        assert first is not None
+        raise first
+
+    def _more(self, given: Allowance, error: NestedCagesError) -> Allowance | None:
+        """A larger allowance that may help; None if there is none."""
+        if error.code == "certificate.failed" and type_name(self._settings.stored) is not None and given.rooms == 1.0:
+            return replace(given, rooms=MANY_ROOMS)
+        if self._settings.clearance is None and not given.reductions and error.code not in UNPOSED:
+            return Allowance(reductions=1)
+        return None
 
     def _progress(self, index: int, key: Key) -> Progress:
         """Progress of the run at a key of a level; always one half for an iterable of unknown length."""

@@ -149,7 +149,7 @@ class Straightener:
             if cage is None:
                 return None
             grown = signed_area(cage, bodies.cage_successor) / signed_area(key.cages[-1], bodies.cage_successor) - 1.0
-            if grown > PUSHED_AREA and not last_resort:
+            if grown > PUSHED_AREA and not last_resort and follower.promises.settings.grid is None:
                 return None
             cages.append(cage)
         return cages[0], cages[1]
@@ -173,7 +173,7 @@ class Straightener:
         cages = self.follower.next(begin.cage, begin.fine, self.follower.units.points(vertices))
         if cages is None:
             raise NestingError(
-                f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it half-way; "
+                f"The cage cannot follow from pose {begin.pose.number} to the next: the drawing blocks it halfway; "
                 "give more poses between them, or use more cage vertices.",
                 code="motion.blocked",
                 pose=begin.pose.number,

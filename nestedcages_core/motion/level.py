@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain, islice
 
 import numpy as np
@@ -12,12 +12,14 @@ from ..errors import Fault, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
+from ..hierarchy.settings import type_name
 from ..level.attempts import clearances_for
 from ..level.units import SolverUnits
 from ..verification import verify, verify_motion
 from .between import Instant, Straightener, around
 from .following import Follower
 from .poses import Pose
+from .promises import Promises
 from .results import Key
 from .starts import first_cage
 
@@ -28,6 +30,16 @@ LOOK_AHEAD = 64
 """Number of poses of a non-cyclic motion that are read before the first cage is chosen."""
 
 
+@dataclass(frozen=True)
+class Allowance:
+    """What a motion is allowed where it failed without."""
+
+    reductions: int = 0
+    """How often the default clearance is reduced."""
+    rooms: float = 1.0
+    """Multiples of what rounding takes, kept in reserve."""
+
+
 class LevelMotion:
     """Makes the moving cage of one level; `keys` gives its keys as they are certified."""
 
@@ -36,24 +48,9 @@ class LevelMotion:
     clearance: float
     """The wanted clearance, in input units; the default may be reduced where gaps are narrow."""
 
-    def __init__(self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool) -> None:
-        if settings.symmetry is not None:
-            raise NestingError("A cage that follows a motion has no symmetry; leave it out.", code="setting.conflict")
-        if settings.has_priorities:
-            raise NestingError(
-                "A cage that follows a motion has no weights, pins, joints or limits; leave them out.",
-                code="setting.conflict",
-            )
-        if settings.grid is not None:
-            raise NestingError(
-                "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "
-                "leave out the grid.",
-                code="setting.conflict",
-            )
-        if settings.stored is not None:
-            raise NestingError(
-                "A cage that follows a motion is made of doubles; leave out stored.", code="setting.conflict"
-            )
+    def __init__(
+        self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool, allowance: Allowance = Allowance()
+    ) -> None:
         if isinstance(wanted, Within):
             raise NestingError(f"A moving cage needs a number of vertices, not {wanted!r}.", code="level.invalid")
         if settings.convex:
@@ -61,25 +58,38 @@ class LevelMotion:
                 "A cage that follows a motion does not stay convex; leave out convex.", code="setting.conflict"
             )
         self.fine, self.wanted, self.settings, self.cyclic = fine, wanted, settings, cyclic
+        self.allowance, self.stored = allowance, type_name(settings.stored)
         self.notes: list[Fault] = []
 
     def keys(self, poses: Iterator[Pose]) -> Iterator[Key]:
         """The keys of all poses, and those added between them. Raises NestedCagesError that names the pose."""
         ahead, poses = _look_ahead(poses, None if self.cyclic else LOOK_AHEAD)
         first = self.fine.moved(ahead[0].vertices).validated()
-        self.clearance = clearances_for(self.settings, first)[0]
-        self.units = SolverUnits.of(first)
+        self.clearance = clearances_for(self.settings, first)[self.allowance.reductions]
+        self.settings = replace(self.settings, clearance=self.clearance) if self.allowance.reductions else self.settings
+        self.promises = Promises.of(self.settings, first)
+        self.notes += self.promises.notes
+        self.units = SolverUnits.of(first, self._room(ahead))
 
         def follower(cage: Mesh, pose: Mesh) -> Follower:
-            return Follower.of(cage, pose, self.units, self.clearance, self.settings)
+            return Follower.of(cage, pose, self.units, self.clearance, self.promises)
 
         meshes = [self.fine.moved(pose.vertices).validated() for pose in ahead]
-        self.topology = first_cage(meshes, self.wanted, self.settings, follower)
+        self.topology = first_cage(meshes, self.wanted, self.promises, follower)
         self._follower = follower(self.topology, first)
         self._straightener = Straightener(self._follower, self._is_free)
         keys = self._ring([*ahead, *poses]) if self.cyclic else self._stream(chain(ahead, poses))
         for key in keys:
             yield self._certified(key)
+
+    def _room(self, poses: Iterable[Pose]) -> float:
+        """What rounding to the numbers of the type that stores the cages may take from the clearance."""
+        if self.stored is None:
+            return 0.0
+        from ..needs.grid.need import StoredNumbers
+
+        largest = max(float(np.abs(pose.vertices).max()) for pose in poses)
+        return self.allowance.rooms * StoredNumbers(self.stored, largest).room
 
     def _stream(self, poses: Iterable[Pose]) -> Iterator[Instant]:
         """Process one pose after the other, with no more than a window of them in memory."""
@@ -145,27 +155,28 @@ class LevelMotion:
         fine = self.fine.moved(pose.vertices).validated()
         try:
             coarse = self.topology.moved(self.units.to_input(cage)).validated()
-            level = nested_cages(fine, [coarse], replace(self.settings, fallback=None)).levels[0]
+            settings = replace(self.promises.settings_at(fine), fallback=None)
+            level = nested_cages(fine, [coarse], settings).levels[0]
         except NestedCagesError as error:
             raise NestingError(
-                f"The cage cannot follow to pose {pose.number}: the drawing blocks its way, and no cage with the same "
+                f"The cage cannot follow to pose {pose.number}: the drawing blocks its path, and no cage with the same "
                 "vertices was found there; give more poses before it, or use more cage vertices.",
                 code="motion.blocked",
                 pose=pose.number,
             ) from error
-        said = f"The way to pose {pose.number} is blocked: a new cage was made there."
+        said = f"The path to pose {pose.number} is blocked: a new cage was made there."
         self.notes.append(Fault(said, "note.pose", pose=pose.number))
         return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
         """Certify the straight motion between two keys in the input's units."""
-        cages = self.units.to_input(np.stack([begin.cage, end.cage]))
+        cages = np.stack([self._follower.stored(begin.cage), self._follower.stored(end.cage)])
         fines = np.stack([begin.pose.vertices, end.pose.vertices])
         return bool(verify_motion(self.topology, self.fine, cages, fines))
 
     def _certified(self, key: Instant) -> Key:
         """The key in the input's units. Raises NestingError if it does not hold."""
-        pose, cage = key.pose, self.units.to_input(key.cage)
+        pose, cage = key.pose, self._follower.stored(key.cage)
         wanted = 0.0 if self.settings.clearance is None else self.clearance
         certificate = verify(self.topology.moved(cage), self.fine.moved(pose.vertices), wanted)
         if not certificate:
@@ -173,6 +184,7 @@ class LevelMotion:
                 f"The cage of pose {pose.number} could not be certified: {certificate.problems[0]}",
                 code="certificate.failed",
                 problems=certificate.problems,
+                pose=pose.number,
             )
         return Key(pose.number, pose.time, pose.vertices, cage, certificate, pose.given)
 

@@ -65,7 +65,7 @@ def widen(
 ) -> Stage[FloatArray, Widened]:
     """Move the cage from x (m + n, 2), free of contact, until its distance to the fine mesh is ``clearance``.
 
-    Yields every x on the way; the linear motion from the one before is free of collisions.
+    Yields every intermediate x; the linear motion from the one before is free of collisions.
     """
     reach = max(TARGET_DISTANCE + LONGEST_STEP, 1.0 / OWN_DISTANCE_KEPT) * clearance
     pairs, contacts = _measured(candidates, x, reach)

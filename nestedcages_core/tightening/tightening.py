@@ -90,7 +90,7 @@ class Tightening:
     share: float = 2e-4
     """... or below this fraction of all decrease so far."""
     patience: int = 3
-    """... for so many iterations (docs/ablation.md: patience)."""
+    """... for this many iterations (docs/ablation.md: patience)."""
     solver: InteriorPoint = field(default_factory=InteriorPoint)
     """Solves the quadratic programs."""
 
@@ -195,7 +195,7 @@ class _Run:
     def _escape(self, model: QuadraticModel, solution: QPSolution, value: float) -> Trial | None:
         """A step off a saddle that lowers the energy; None at a local minimum.
 
-        The model is that of the step before, which was short; its contacts are measured anew.
+        The model is that of the step before, which was short; its contacts are measured again.
         """
         multipliers = solution.multipliers
         active = multipliers > ACTIVE_MULTIPLIER * multipliers.max(initial=0.0)

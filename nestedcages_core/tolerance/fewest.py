@@ -71,7 +71,7 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
 
 def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Progress, Level]:
     """The level of the fewest vertices around each part, where every count has its best cage. Raises NestingError."""
-    most = len(builder.fine.vertices)
+    most, step = len(builder.fine.vertices), 1 if builder.symmetry is None else builder.symmetry.order
     for count in range(LEAST_PER_LOOP, most + 1):
         level = yield from builder.build(count)
         if need.is_met(level.cage, fine):
@@ -80,7 +80,7 @@ def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Prog
             note = f"{len(level.cage.vertices)} vertices, {need}: {said}."
             told = Fault(note, "note.tolerance", limit=need.limit, taken=float(taken), count=len(level.cage.vertices))
             return replace(level, report=replace(level.report, notes=(*level.report.notes, told)))
-        if len(level.cage.vertices) < count:  # the whole hull
+        if len(level.cage.vertices) <= count - step:  # the whole hull
             break
     raise NestingError(
         f"No convex cage {need} was found: even the hull goes beyond it; ask for more, or not for convex.",
@@ -202,7 +202,7 @@ class _Search:
     def _nested(self, loops: list[FloatArray]) -> Mesh | None:
         """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best.
 
-        It may go a little too far: the tightening can mend that.
+        It may go a little too far: the tightening can correct that.
         """
         if sum(map(len, loops)) >= self.count:
             return None

@@ -46,7 +46,7 @@ WALK_CLEARANCES = 1.05
 """Clearances that the walk stays away from the fine mesh, so that chords between its gates have some slack."""
 
 CORNER_HALVINGS = 24
-"""Halvings of the way between two gates, one of which is free and one not."""
+"""Halvings of the distance between two gates, one of which is free and one not."""
 
 ANGLE_SLACK = 1e-9
 """Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
@@ -92,7 +92,7 @@ class _Boundary:
         return float(self.ends[-1])
 
     def samples(self, count: int) -> FloatArray:
-        """(N,) about so many places, the middles of equal parts of edges and arcs, at least one on each."""
+        """(N,) about this many places, the middles of equal parts of edges and arcs, at least one on each."""
         spacing = self.length / count
         turns = np.stack([np.zeros_like(self.turns), self.turns], axis=1).ravel()
         parts = np.maximum(np.rint(np.maximum(self.lengths / spacing, turns / FAN_STEP)), 1.0).astype(np.int64)
@@ -114,7 +114,7 @@ class _Boundary:
 
 
 def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
-    """About so many gates of a loop of the fine mesh; none where others of its points are closer.
+    """About this many gates of a loop of the fine mesh; none where others of its points are closer.
 
     Where these begin, a gate is as close to them as doubles tell: there the offset has a corner that turns inwards.
     """

@@ -85,7 +85,7 @@ class Corridor:
         self._lengths: dict[int, int] = {}
 
     def some(self, number: int) -> list[int]:
-        """So many gates, evenly."""
+        """This many gates, evenly."""
         return sorted(set(np.linspace(0, self.count, number, endpoint=False).astype(int).tolist()))
 
     def links_around(self, start: int) -> int:
@@ -173,7 +173,7 @@ class Corridor:
             size *= 2
 
     def _angles(self, window: Window, f: IntArray, t: IntArray) -> FloatArray:
-        """(F + 1, T + 1) angles between the window and the ways from tips to feet, those of the window first."""
+        """(F + 1, T + 1) angles between the window and the directions from tips to feet, those of the window first."""
         feet = np.concatenate([window.foot[None], self.feet[f % self.count]])
         tips = np.concatenate([window.tip[None], self.tips[t % self.count]])
         return _angles_between(feet, tips)
@@ -233,7 +233,7 @@ class Corridor:
     def _closing(self, window: Window, first: Run, before: int) -> Line | None:
         """A line from a window to the part of the first line before it touches a gate; None if there is none.
 
-        before: the last gate that the first line does not pass, on its way back.
+        before: the last gate that the first line does not pass, going back.
         """
         line, count = first.line, self.count
         assert line is not None
@@ -262,7 +262,7 @@ class Corridor:
 
 
 def _angles_between(feet: FloatArray, tips: FloatArray) -> FloatArray:
-    """(F, T) angles of the ways from tips to feet, from that between the first ones."""
+    """(F, T) angles of the directions from tips to feet, from that between the first ones."""
     across = feet[0] - tips[0]
     (x, u), (y, v) = ((feet @ axis, tips @ axis) for axis in (across, rotated_left(across)))
     angles: FloatArray = np.arctan2(y[:, None] - v, x[:, None] - u)

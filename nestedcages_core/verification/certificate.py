@@ -167,9 +167,9 @@ class _Pair:
         k = int(lower[~alone][0])
         if k >= kept:
             k -= kept
-            said = f"Loop {k} of the fine mesh near {{}} has no loop of the cage for itself."
+            said = f"Loop {k} of the fine mesh near {{}} matches no loop of the cage."
             return [self.fault(said, "cage.loops_differ", self.fine, k)]
-        said = f"Loop {k} of the cage near {{}} has no loop of the fine mesh for itself."
+        said = f"Loop {k} of the cage near {{}} matches no loop of the fine mesh."
         return [self.fault(said, "cage.loops_differ", self.cage, k)]
 
     def gap(self) -> float:

@@ -1,7 +1,7 @@
 """Whether a point and an edge in linear motion certainly never meet.
 
-With s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p - a) is zero and p lies beside the edge.
-Both c and the two products that say whether p lies beside it are quadratic in s, so each lies between the smallest and
+With s from 0 to 1, a point p and an edge a-b meet only where c = (b - a) × (p - a) is zero and p lies next to the edge.
+Both c and the two products that say whether p lies next to it are quadratic in s, so each lies between the smallest and
 the largest of its three Bernstein coefficients (Farouki 2012). Where those have one sign, beyond their rounding errors,
 the pair is certified; so is one whose point stays on one side of both ends of the edge along x or along y, even where
 the edge shrinks to a point. All other intervals of s are halved. After k halvings a difference of positions carries an

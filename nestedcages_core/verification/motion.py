@@ -48,7 +48,7 @@ class MotionCertificate:
 def verify_motion(cage: MeshLike, fine: MeshLike, cage_steps: ArrayLike, fine_steps: ArrayLike) -> MotionCertificate:
     """Certify the linear motion between consecutive steps of a cage (K + 1, m, 2) and a fine mesh (K + 1, n, 2).
 
-    The meshes give the edges only; the fine mesh may cross itself on its way. What is certified is that no contact
+    The meshes give the edges only; the fine mesh may cross itself as it moves. What is certified is that no contact
     comes or goes: all instants are nested if one is, for which `verify` has a certificate. cage and fine may be
     anything that `verify` accepts.
 
@@ -173,7 +173,7 @@ def _checked_steps(mesh: Mesh, steps: ArrayLike, name: str) -> FloatArray:
     if checked.ndim != 3 or checked.shape[1:] != wanted or len(checked) == 0:
         raise NestedCagesError(
             f"The {name} steps have shape {np.shape(checked)}, but (steps, {wanted[0]}, {wanted[1]}) is needed: one "
-            "place per vertex in each step.",
+            "position per vertex in each step.",
             code="mesh.unreadable",
         )
     bad = np.argwhere(~np.isfinite(checked).all(axis=2))

@@ -177,7 +177,7 @@ def test_an_image_plane_is_cut_out_where_it_is_with_its_hole() -> None:
     ("break_it", "message"),
     [
         (lambda obj: obj.data.uv_layers.remove(obj.data.uv_layers[0]), "has no texture coordinates"),
-        (lambda obj: setattr(obj.data.vertices[0], "co", (-1.0, -1.0, 1.0)), "is no flat picture"),
+        (lambda obj: setattr(obj.data.vertices[0], "co", (-1.0, -1.0, 1.0)), "is not a flat picture"),
     ],
 )
 def test_what_is_no_picture_is_told_and_nothing_changes(break_it: Any, message: str) -> None:

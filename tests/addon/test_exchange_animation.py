@@ -63,7 +63,7 @@ def test_animated_faces_move_as_the_cages_do(cages) -> None:
 
 def test_still_objects_are_no_animated_faces() -> None:
     poly_curve("Drawing", [star()])
-    with pytest.raises(RuntimeError, match="'Drawing' is no cage that is animated"):
+    with pytest.raises(RuntimeError, match="'Drawing' is not an animated cage"):
         bpy.ops.object.nested_cages_to_objects(shape="ANIMATED")
 
 

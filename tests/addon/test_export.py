@@ -278,7 +278,7 @@ def test_points_that_float32_cannot_tell_apart_become_one(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [
-        ("a.txt", "", "no kind of file"),
+        ("a.txt", "", "not a supported file type"),
         ("a.svg", "hello", "not an SVG"),
         ("a.geojson", "{", "not GeoJSON"),
         ("b.geojson", '{"type": "FeatureCollection", "features": []}', "no polygons"),

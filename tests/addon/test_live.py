@@ -61,7 +61,7 @@ def handlers():
     """Those of Live, of all kinds."""
     found = [getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)]
     kinds = [kind for kind in found if isinstance(kind, list)]
-    return [function for kind in kinds for function in kind if ".following." in function.__module__]
+    return [function for kind in kinds for function in kind if ".following.live" in function.__module__]
 
 
 def star_curve():

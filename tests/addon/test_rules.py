@@ -1,4 +1,4 @@
-"""What cages must be besides tight, as stored: on a grid, convex, symmetric, finer where it matters."""
+"""What cages must be, apart from tight, as stored: on a grid, convex, symmetric, finer where it matters."""
 
 from __future__ import annotations
 
@@ -178,7 +178,7 @@ def test_bones_are_joints() -> None:
     found = points(cages()[0])
     for joint in ((-1.0, 0.3), (-1.0, -0.3), (0.5, 0.3), (0.5, -0.3)):
         assert np.linalg.norm(found - joint, axis=1).min() < 0.02
-    with pytest.raises(RuntimeError, match="'Nobody' is no armature in the scene"):
+    with pytest.raises(RuntimeError, match="'Nobody' is not an armature in the scene"):
         bpy.ops.object.nested_cages_generate(levels="8", joint_armature="Nobody")
 
 
@@ -210,7 +210,7 @@ def test_cages_with_rules_do_not_follow() -> None:
     bpy.ops.object.nested_cages_generate(levels="16", grid=0.1)
     with pytest.raises(RuntimeError, match="These cages are on a grid, which following edits would undo"):
         bpy.ops.object.nested_cages_live()
-    with pytest.raises(RuntimeError, match="have no settings of 'Shape of Cages'"):
+    with pytest.raises(RuntimeError, match="do not support 'Shape of Cages'"):
         bpy.ops.object.nested_cages_follow(levels="16", symmetry="FOUND")
     bpy.ops.object.nested_cages_generate(levels="16")
     assert bpy.ops.object.nested_cages_live.poll()

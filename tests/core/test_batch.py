@@ -271,7 +271,7 @@ def test_results_without_a_form_on_the_disk_are_still_returned(tmp_path: Path) -
     assert (back["size"], back["area"], back["place"]) == (3, 2.5, (1, 2.0))
     assert (back["cages"][0].vertices == star(5, 50).vertices).all()
     assert (back["rows"] == np.eye(2)).all()
-    with pytest.warns(NestedCagesWarning, match="a set has no form on the disk"):
+    with pytest.warns(NestedCagesWarning, match="a set cannot be stored"):
         (outcome,) = nested_cages_many([star(5, 50)], [12], finished=folder, keep=as_set)
     assert outcome.result == {1}
 
@@ -301,7 +301,7 @@ def test_results_that_do_not_travel_are_told_as_such() -> None:
     assert "The result of the shape 0 cannot be read back" in str(read.error)
     assert "invalid literal for int" in str(read.error)
     (written,) = nested_cages_many([star(5, 50)], [12], executor=lambda: ProcessPoolExecutor(1), keep=lock)
-    assert "was lost on the way" in str(written.error)
+    assert "could not be sent" in str(written.error)
     assert "cannot pickle" in str(written.error)
 
 

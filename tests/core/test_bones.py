@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -24,6 +25,8 @@ from nestedcages_core import (
     suggest_bones,
 )
 from nestedcages_core.character import skinned
+from nestedcages_core.coordinates import field_of, folded, holding
+from nestedcages_core.geometry.predicates import winding_number
 from shapes import letter_a, ring
 
 LIMBS = {
@@ -210,6 +213,102 @@ def test_a_broken_character_is_rejected(character: Character, broken) -> None:
     broken(document)
     with pytest.raises(NestedCagesError):
         character_from_engine_json(json.dumps(document))
+
+
+def random_figure(seed: int) -> Mesh:
+    """Trunk, head, arms and legs of random lengths, widths and directions, for some a tail."""
+    rng = np.random.default_rng(seed)
+    width, height, head = rng.uniform((0.28, 0.8, 0.25), (0.5, 1.4, 0.45))
+    top = height + width + rng.uniform(0.1, 0.3) + head
+    parts = [
+        shapely.LineString([(0.0, 0.2), (0.0, height)]).buffer(width),
+        shapely.Point(0.0, top).buffer(head),
+        shapely.LineString([(0.0, height), (0.0, top)]).buffer(rng.uniform(0.1, 0.16)),
+    ]
+
+    def limb(place: tuple[float, float], angle: float, lengths: list[float], radii: tuple[float, float]) -> None:
+        joints = [np.array(place)]
+        for length in lengths:
+            joints.append(joints[-1] + length * np.array([np.cos(angle), np.sin(angle)]))
+            angle += rng.uniform(-0.25, 0.25)
+        discs = [shapely.Point(c).buffer(r) for c, r in zip(joints, np.linspace(*radii, len(joints)), strict=True)]
+        parts.extend(shapely.union(a, b).convex_hull for a, b in pairwise(discs))
+
+    arm, arm_width, leg, leg_width = rng.uniform((0.5, 0.07, 0.55, 0.1), (0.8, 0.16, 0.9, 0.2))
+    angle, spread = rng.uniform((-0.7, 0.05), (0.5, 0.4))
+    for side in (1.0, -1.0):
+        raised = angle if side > 0.0 else np.pi - angle
+        limb((0.8 * side * width, height), raised, [arm, arm * rng.uniform(0.8, 1.1)], (arm_width, 0.9 * arm_width))
+        hip = (side * max(0.55 * width, 1.3 * leg_width), 0.1)
+        limb(hip, side * spread - 0.5 * np.pi, [leg, leg * rng.uniform(0.8, 1.1)], (leg_width, 0.8 * leg_width))
+    if seed % 4 == 1:
+        limb((0.8 * width, 0.3), -0.4, [0.5, 0.5, 0.4], (0.1, 0.05))
+    whole = shapely.union_all(parts)
+    return Mesh.of(shapely.segmentize(whole, 0.01 * np.hypot(*np.diff(np.reshape(whole.bounds, (2, 2)), axis=0)[0])))
+
+
+@pytest.mark.slow
+def test_limbs_of_random_figures_bend_without_folding_where_there_is_room() -> None:
+    """The cage as *Rig with Armature* makes it; each bone turned by 60, 90 and 120 degrees both ways."""
+    shares: dict[int, list[float]] = {60: [], 90: [], 120: []}
+    far: dict[int, list[float]] = {60: [], 90: [], 120: []}
+    for seed in range(12):
+        figure = random_figure(seed)
+        bones = suggest_bones(figure)
+        joints = joints_of(figure, bones)
+        (level,) = nested_cages(figure, 24 + 2 * len(joints), clearance=0.015 * figure.diagonal, joints=joints)
+        cage, field = level.cage, field_of(level.cage)
+        weights, points = bone_weights(cage, bones), shapely.points(figure.vertices)
+        held = holding(field.vertices, field.triangles, figure)
+        areas = np.abs(np.linalg.det(np.diff(field.vertices[field.triangles], axis=1)))
+        middles = field.vertices[field.triangles].mean(axis=1)
+        inside = field.triangles[winding_number(middles, cage.vertices, cage.edge_ends) == 1]
+        of_point, at = shapely.STRtree(shapely.polygons(field.vertices[inside])).query(points, predicate="intersects")
+        corners = inside[at[np.unique(of_point, return_index=True)[1]]]
+        a, b, c = field.vertices[corners].transpose(1, 0, 2)
+        part = np.linalg.solve(np.stack([b - a, c - a], axis=2), (figure.vertices - a)[..., None])[..., 0]
+        for number, bone in enumerate(bones):
+            if bone.parent is None:
+                continue
+            for angle in (60, -60, 90, -90, 120, -120):
+                posed = skinned(cage.vertices, weights, bones, {number: angle})
+                moved = field.weights @ posed
+                shares[abs(angle)].append(areas[folded(moved, field.triangles) & held].sum() / areas[held].sum())
+                a, b, c = moved[corners].transpose(1, 0, 2)
+                shape = a + part[:, :1] * (b - a) + part[:, 1:] * (c - a)
+                out = winding_number(shape, posed, posed[cage.successor]) == 0
+                rim = shapely.MultiLineString(np.stack([posed, posed[cage.successor]], axis=1).tolist())
+                far[abs(angle)].append(shapely.distance(rim, shapely.points(shape[out])).max(initial=0.0))
+                far[abs(angle)][-1] /= figure.diagonal
+    for angle, folding, most_folded, leaving, farthest in (
+        (60, 0.0, 0.0, 0.0, 0.0),
+        (90, 0.02, 0.004, 0.0, 0.0),
+        (120, 0.07, 0.013, 0.04, 0.001),
+    ):
+        folds, ways = np.array(shares[angle]), np.array(far[angle])
+        assert (folds > 0.001).mean() <= folding, angle
+        assert folds.max() <= most_folded, angle
+        assert (ways > 0.0).mean() <= leaving, angle
+        assert ways.max() <= farthest, angle
+
+
+def test_a_fold_is_found_where_it_is() -> None:
+    bar = Mesh.of([(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)])
+    field = field_of(bar)
+    drawing = Mesh.of(0.2 * ring(12) + (3.0, 0.5))
+    held = holding(field.vertices, field.triangles, drawing)
+    corners = field.vertices[field.triangles]
+    assert held[(np.hypot(*(corners - (3.0, 0.5)).transpose(2, 0, 1)) < 0.19).any(axis=1)].all()
+    assert not held[(np.hypot(*(corners.mean(axis=1) - (3.0, 0.5)).T) > 0.4)].any()
+    speck = Mesh.of(1e-4 * ring(5) + corners[0].mean(axis=0))
+    assert np.flatnonzero(holding(field.vertices, field.triangles, speck)).tolist() == [0]
+    assert not folded(field.vertices, field.triangles).any()
+    mirrored = np.column_stack([4.0 - field.vertices[:, 0], field.vertices[:, 1]])
+    assert folded(mirrored, field.triangles).all()
+    half = np.column_stack([np.minimum(field.vertices[:, 0], 4.0 - field.vertices[:, 0]), field.vertices[:, 1]])
+    turned = folded(half, field.triangles)
+    assert turned[corners[:, :, 0].min(axis=1) >= 2.0].all()
+    assert not turned[corners[:, :, 0].max(axis=1) <= 2.0].any()
 
 
 def test_volume_is_kept_between_two_bones() -> None:

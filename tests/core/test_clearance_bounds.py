@@ -99,6 +99,6 @@ def test_a_slit_within_one_loop_is_filled(width: float) -> None:
 def test_too_few_vertices_are_told_from_too_little_room() -> None:
     """Between the island and its hole there is room for the clearance, but not for loops of eight vertices."""
     fine = Mesh.from_loops([ring(40), ring(40, 0.6), ring(40, 0.3)])
-    with pytest.raises(NestingError, match=r"^No cage with so few vertices was found that keeps the clearance"):
+    with pytest.raises(NestingError, match=r"^No cage with this few vertices was found that keeps the clearance"):
         nested_cages(fine, [24], Settings(clearance=0.14))
     assert verify(nested_cages(fine, [60], Settings(clearance=0.14)).cages[0], fine, 0.14)

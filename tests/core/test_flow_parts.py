@@ -8,7 +8,6 @@ import scipy
 import shapely
 
 from nestedcages_core import Mesh, nested_cages, verify_motion
-from nestedcages_core.flow import shrink
 from nestedcages_core.flow.containment import Containment
 from nestedcages_core.flow.erosion import erode
 from nestedcages_core.flow.geodesic import Retraction, retract, solid_graph
@@ -17,6 +16,7 @@ from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
 from nestedcages_core.flow.samples import Spacing, local_margins
 from nestedcages_core.flow.shrinking import thickness
 from nestedcages_core.flow.smoothing import StepSystem
+from nestedcages_core.level.steps import shrunk
 from shapes import annulus, comb, disc, islands, letter_a, letter_a_coarse, polygon, ring, star
 
 
@@ -174,14 +174,14 @@ def test_loops_are_assigned_as_the_solver_does(near: float) -> None:
 @pytest.mark.parametrize("fine", [star(), annulus(80), islands(), comb(4, 0.05), letter_a()])
 def test_the_flow_goes_on_inside_the_coarse_mesh(fine: Mesh) -> None:
     """Each further step is simple, nested by the motion from the certified one, and the whole is visibly smaller."""
-    level = nested_cages(fine, [max(24, 4 * len(fine.loops))]).levels[0]
-    inside = level.flow.steps[-1]
-    steps = shrink(fine, level.coarse, inside)
-    assert len(steps) >= 2
-    way = np.concatenate([inside[None], steps])
-    assert verify_motion(
-        level.coarse, fine, np.broadcast_to(level.coarse.vertices, (len(way), *level.coarse.vertices.shape)), way
-    )
+    level = nested_cages(fine, [max(24, 4 * len(fine.loops))], stored=np.float32).levels[0]
+    further = shrunk(level)
+    way = further.flow.steps[len(level.flow.steps) - 1 :]
+    assert len(way) >= 3
+    back = further.reinflation
+    assert verify_motion(level.cage, fine, back.cage_steps, back.fine_steps)
+    np.testing.assert_array_equal(back.moving_steps[: len(way)], way[::-1])
+    assert all(np.array_equal(steps, steps.astype(np.float32)) for steps in (way[1:], back.cage_steps))
     areas = [Mesh(step, fine.edges).area for step in way]
     assert (np.diff(areas) < 0.0).all()
     assert areas[-1] < 0.9 * fine.area

@@ -5,20 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 
 from nestedcages_core import (
+    Found,
     InnerCagesRun,
     Mesh,
+    NestedCagesError,
     NestedCagesRun,
     NestingError,
     OnCurve,
+    Progress,
     Settings,
+    Within,
     animated_cages,
     inner_cages,
     nested_cages,
+    tasks,
+    verify,
 )
 from nestedcages_core.cache import forget
+from nestedcages_core.hierarchy import run
 from nestedcages_core.motion.animated import AnimatedCagesRun
 from nestedcages_core.tasks import Run, Stage, drain, mapped
 from shapes import letter_a, ring, star
@@ -35,6 +43,45 @@ def counting(log: list[str], count: int = 3) -> Stage[int, str]:
 def failing() -> Stage[int, str]:
     yield 0
     raise NestingError("it went wrong")
+
+
+class TestTime:
+    """Time to make the cages in; a clock that a test sets."""
+
+    @pytest.fixture
+    def clock(self, monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+        now = [0.0]
+        for module in (run, tasks):
+            monkeypatch.setattr(module, "perf_counter", lambda: now[0])
+        return lambda seconds: now.__setitem__(0, now[0] + seconds)
+
+    def test_levels_made_in_time_are_kept(self, clock: Callable[[float], None]) -> None:
+        def a_second_each_from_level_2(progress: Progress) -> None:
+            clock(float(progress.level > 0))
+
+        with pytest.raises(NestedCagesError, match="The time of 1 s was over during level 2 of 3: ") as caught:
+            nested_cages(star(), [8, 6, 4], seconds=1.0, progress=a_second_each_from_level_2)
+        error = caught.value
+        assert (error.code, error.data["level"], len(error.partial)) == ("time.over", 1, 1)
+        assert verify(error.partial[0].cage, error.partial.fine)
+
+    @pytest.mark.parametrize("options", [{"grid": 0.01}, {"symmetry": Found()}, {"stored": np.float32}])
+    def test_needs_count(self, clock: Callable[[float], None], options: dict[str, Any]) -> None:
+        with pytest.raises(NestedCagesError, match="was over during level 1 of 1"):
+            nested_cages(star(), 8, seconds=0.5, progress=lambda _: clock(0.3), **options)
+
+    def test_within_a_tolerance_counts(self, clock: Callable[[float], None]) -> None:
+        with pytest.raises(NestedCagesError, match="was over during level 1 of 1"):
+            inner_cages(star(), Within(excess=0.5), seconds=0.5, progress=lambda _: clock(0.3))
+
+    def test_enough_time_changes_nothing(self) -> None:
+        limited, free = nested_cages(star(), 8, seconds=1e6), nested_cages(star(), 8)
+        assert np.array_equal(limited.cages[0].vertices, free.cages[0].vertices)
+
+    @pytest.mark.parametrize("seconds", [0.0, -1.0, np.nan, np.inf, "long"])
+    def test_no_time_is_an_error(self, seconds: Any) -> None:
+        with pytest.raises(NestedCagesError, match="seconds must be a finite time above 0"):
+            Settings(seconds=seconds)
 
 
 class TestStages:

@@ -18,7 +18,6 @@ from nestedcages_core import (
     Mesh,
     Mirror,
     NestedCagesError,
-    OuterHull,
     Rotation,
     Settings,
     inner_cages,
@@ -206,12 +205,6 @@ def test_bad_symmetries_are_rejected() -> None:
     assert "does not have a mirror" in level.report.notes[0]
 
 
-def test_a_symmetric_hull_is_symmetric() -> None:
-    hull = OuterHull(symmetry=Mirror()).decimate(letter_a(), 21)
-    orbits(hull, Mirror())
-    assert len(hull.vertices) == 21
-
-
 def test_a_tied_program_is_the_program_in_the_tied_unknowns() -> None:
     square = Mesh.from_loops([[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 1.5), (-1.0, 1.0)]])
     orbit = Orbits.of(square.vertices, square.successor, Mirror(), 1e-9)
@@ -347,3 +340,12 @@ def test_symmetries_without_a_place_take_that_of_the_drawing() -> None:
     check(level, Rotation((0.0, 0.0), 5))
     with pytest.raises(NestedCagesError, match="without a point"):
         Mirror(None).image(fine.vertices)
+
+
+def test_images_that_are_too_many_are_told_at_once() -> None:
+    square = Mesh.from_loops([[(0, 0), (1, 0), (1, 1), (0, 1)]])
+    with pytest.raises(NestedCagesError, match="4000000, and at most 100000 can be overlaid") as caught:
+        nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 1_000_000))
+    assert caught.value.code == "limit.exceeded"
+    level = nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 100)).levels[0]
+    assert len(level.cage.vertices) == 100

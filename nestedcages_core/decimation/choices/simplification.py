@@ -71,8 +71,8 @@ def simplified(fine: Mesh, count: Count, method: type[Simplification]) -> Mesh:
     left = method(request.outline, request.minimum).run(request.target)
     if len(left.vertices) > request.target:
         raise NestingError(
-            f"{request.target} vertices are too few to follow the mesh without crossings: the loops are in each "
-            f"other's way at {len(left.vertices)}; ask for at least as many, or use the outer hull.",
+            f"{request.target} vertices are too few to follow the mesh without crossings: the loops block each "
+            f"other at {len(left.vertices)}; ask for at least as many, or use the outer hull.",
             code="count.too_small",
         )
     return followed(request, left)

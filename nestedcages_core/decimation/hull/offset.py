@@ -37,7 +37,7 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
     """The outline with its edges moved outwards by `distance`, less in narrow gaps; and the vertices that are stuck.
 
     distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: further edges to stay clear of,
-    besides those of the result.
+    in addition to those of the result.
 
     The result has a vertex more for every sharp convex corner that moves. Where the second array (K,), indices of
     input vertices, is empty, its moved edges touch neither each other nor the obstacle, exactly.
@@ -139,8 +139,7 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     direction[second - 1] = (n1 + h * before).take(corner, axis=0)
     direction[second] = (n2 - h * after).take(corner, axis=0)
     doubled = np.add.reduceat(np.where(cut, 2, 1), outline.begins)
-    vertices, spans = outline.vertices.take(source, axis=0), outline.spans.take(source, axis=0)
-    return Outline(vertices, tuple(doubled.tolist()), spans), source, direction
+    return Outline(outline.vertices.take(source, axis=0), tuple(doubled.tolist())), source, direction
 
 
 def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> IntArray:

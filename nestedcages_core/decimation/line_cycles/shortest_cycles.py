@@ -27,7 +27,7 @@ class Paths:
         self.home_source, self.home_area = self.source[home], self.areas[home].copy()
         self.areas = np.where(self.source < self.target, self.areas, np.float32(np.inf))
         self.least: SingleArray = np.full((most, self.count), np.inf, np.float32)
-        """(most, K) least area of a path of so many turns."""
+        """(most, K) least area of a path of this many turns."""
         self.least[0, 0] = 0.0
 
     def run(self, corridor: list[int] | None = None) -> FloatArray:

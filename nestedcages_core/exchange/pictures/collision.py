@@ -73,7 +73,7 @@ def picture_cages(
     as opaque; holes: whether holes are kept open; limits: on pixels, and on their edges as points. Parts and holes with
     no room for the padding are joined and closed.
 
-    Raises NestedCagesError if nothing is opaque or so few vertices cannot do.
+    Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
     options: dict[str, Any] = {"padding": padding, "threshold": threshold, "holes": holes}
     return drain(picture_cages_run(picture, levels, **options, settings=settings, limits=limits), progress)

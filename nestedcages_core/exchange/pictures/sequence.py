@@ -15,7 +15,7 @@ def corresponding(outlines: Sequence[Mesh]) -> list[Mesh]:
     """The outlines with loops and corners in the order of the previous frame, if their numbers agree.
 
     Loops are matched by their centres, outer ones with outer ones; corners by the cyclic order with the least squared
-    distances. An outline with other numbers begins anew.
+    distances. An outline with other numbers begins a new sequence.
     """
     ordered: list[Mesh] = []
     for outline in outlines:

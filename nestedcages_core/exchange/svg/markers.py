@@ -26,7 +26,7 @@ class Vertex:
     """One of `PLACES`."""
     point: FloatArray
     direction: FloatArray
-    """(2,) halfway between the way in and the way out."""
+    """(2,) halfway between the incoming and the outgoing direction."""
 
     def angle(self, orient: str) -> float:
         """Degrees by which a marker is turned here."""

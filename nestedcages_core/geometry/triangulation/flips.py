@@ -165,7 +165,7 @@ class Flips:
         u, v = self._triangle_around(p, start)
         w = self.apex[u, v]
         for s, t, r in ((u, v, w), (v, w, u), (w, u, v)):
-            if self._side(s, t, p) == 0:  # on the edge s-t: split both triangles beside it
+            if self._side(s, t, p) == 0:  # on the edge s-t: split both triangles next to it
                 beyond = self.apex[t, s]
                 del self.apex[s, t], self.apex[t, s]
                 for x, y in ((t, r), (r, s), (s, beyond), (beyond, t)):

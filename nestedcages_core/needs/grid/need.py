@@ -8,18 +8,21 @@ from fractions import Fraction
 from math import frexp
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from ...errors import Fault, NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.lattice import Grid
 from ...geometry.mesh import Mesh
 from ...level.plan import EdgeCost, Need, Plan
+from ...level.steps import as_stored
 from ...tasks import Stage
 from .search import put_on_grid
 
 FINER = ("0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
 """Finer grids that are tried for the error message, relative to one without a cage."""
+
+ROUNDING = 0.71
+"""Upper bound of the distance from a point to the numbers next to it, in spacings."""
 
 SIGNIFICAND_BITS = {"float32": 24, "float16": 11}
 """Binary digits of the types that coordinates can be stored in, next to doubles."""
@@ -31,6 +34,7 @@ class Lattice:
 
     lattice: Grid
     stored: str | None = None
+    room: float = 0.0
 
     @property
     def spacing(self) -> float:
@@ -48,14 +52,14 @@ class Lattice:
 
     def nearest(self, points: FloatArray) -> FloatArray:
         """The same as they are stored."""
-        return _as_stored(self.exact(points), self.stored)
+        return as_stored(self.exact(points), self.stored)
 
     def settled(
         self, cage: Mesh, fine: Mesh, clearance: float, side: int, cost: EdgeCost | None
     ) -> Stage[float, FloatArray | None]:
         """(m, 2) multiples of least cost, searched around the cage; None if none are found."""
         found = yield from put_on_grid(cage, fine, self.lattice, clearance=clearance, inside=side < 0, edge_cost=cost)
-        return None if found is None else _as_stored(found, self.stored)
+        return None if found is None else as_stored(found, self.stored)
 
     def finer(self) -> Iterator[Lattice]:
         """Grids that are finer by usual factors."""
@@ -81,13 +85,18 @@ class StoredNumbers:
         """None."""
         return None
 
+    @property
+    def room(self) -> float:
+        """What rounding takes at most."""
+        return ROUNDING * self.spacing
+
     def exact(self, points: FloatArray) -> FloatArray:
         """The points themselves."""
         return points
 
     def nearest(self, points: FloatArray) -> FloatArray:
         """The points as they are stored."""
-        return _as_stored(points, self.stored)
+        return as_stored(points, self.stored)
 
     def settled(
         self, cage: Mesh, fine: Mesh, clearance: float, side: int, cost: EdgeCost | None
@@ -108,12 +117,13 @@ class OnNumbers(Need):
     numbers: Lattice | StoredNumbers
 
     @classmethod
-    def of(cls, fine: Mesh, grid: float | None, stored: DTypeLike | None) -> OnNumbers | None:
-        """The need of a grid, a type that stores coordinates, or both; None for neither. Raises NestingError."""
-        name = None if stored is None else np.dtype(stored).name
-        name = None if name == "float64" else name
+    def of(cls, fine: Mesh, grid: float | None, stored: str | None) -> OnNumbers | None:
+        """The need of a grid, the name of a type that stores coordinates, or both; None for neither.
+
+        Raises NestingError.
+        """
         if grid is None:
-            return None if name is None else cls(StoredNumbers(name, float(np.abs(fine.vertices).max())))
+            return None if stored is None else cls(StoredNumbers(stored, float(np.abs(fine.vertices).max())))
         lattice = Grid(grid)
         if not lattice.resolves(fine.vertices):
             raise NestingError(
@@ -122,7 +132,15 @@ class OnNumbers(Need):
                 code="numbers.unresolved",
                 spacing=grid,
             )
-        return cls(Lattice(lattice, name))
+        extent = float(np.ptp(fine.vertices, axis=0).max())
+        if grid > extent:
+            raise NestingError(
+                f"The grid of {grid:.6g} is larger than the drawing, which is {extent:.3g} wide or high: ask for one "
+                f"of at most {extent:.3g}.",
+                code="numbers.no_room",
+                spacing=grid,
+            )
+        return cls(Lattice(lattice, stored))
 
     def fill(self, plan: Plan) -> Plan:
         """The numbers."""
@@ -134,7 +152,3 @@ class OnNumbers(Need):
         if np.array_equal(numbers.nearest(cage.vertices), cage.vertices):
             return None
         return Fault("The cage is not on the numbers asked for.", "numbers.missed")
-
-
-def _as_stored(points: FloatArray, stored: str | None) -> FloatArray:
-    return points if stored is None else points.astype(stored).astype(np.float64)

@@ -264,7 +264,7 @@ def _square(reach: int) -> IntArray:
 def _walls(cage: Mesh, vertices: FloatArray, radius: float) -> Iterator[tuple[int, FloatArray, FloatArray]]:
     """Vertices, and lines that they do not cross, each by a point and its normal to the other side.
 
-    A line halves the shortest way between two edges closer than ``radius`` that share no vertex, and parts them.
+    A line halves the shortest path between two edges closer than ``radius`` that share no vertex, and parts them.
     """
     ends = vertices[cage.successor]
     point, other = near_pairs(vertices, vertices, ends, radius)

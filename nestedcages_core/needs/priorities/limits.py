@@ -11,7 +11,7 @@ from ...energies.choices.element_energy import BoundElementEnergy, Corners, Elem
 from ...geometry.mesh import Mesh
 
 LENGTH_MARGIN = 0.05
-"""Fraction added to the least length, since penalties give way to the area."""
+"""Fraction added to the least length, since penalties compete with the area."""
 
 LENGTH_STIFFNESS = 4.0
 """Stiffness of a short edge times its least length: the pull of the area, at most a few hundredths of the diagonal in

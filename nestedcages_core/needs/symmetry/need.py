@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from ...contact import SequentialQP
-from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
+from ...decimation import Decimation, LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.group import Symmetry
@@ -34,6 +34,13 @@ BESIDE = 1e-6
 
 NEGLIGIBLE_SHIFT = 1e-6
 """Shift of a symmetry to a grid, in diagonals, below which there is no note."""
+
+MOST_OF_ALL_IMAGES = 100_000
+"""Vertices of a drawing and its images: more take minutes to overlay."""
+
+OVERLAID_AT_ONCE = 8
+"""Images: n that all overlap cross each other in n² places, but the unions of a few in about as many as they have
+vertices."""
 
 NEGLIGIBLE_CHANGE = 1e-6
 """Change of the area, in per cent, below which there is no note."""
@@ -113,20 +120,14 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
         choices,
         contact=tuple(several),
         decimation=_alike(choices.decimation, symmetry),
-        fallback=None if choices.fallback is None else _alike(choices.fallback, symmetry),
+        fallback=None if choices.fallback is None else LineCycles(on_curve=False, symmetry=symmetry),
     )
 
 
 def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
     if isinstance(decimation, LineCycles):
-        decimation = OnCurve()
-    if isinstance(decimation, OnCurve):
-        return replace(decimation, hull=replace(decimation.hull, symmetry=symmetry))
-    if isinstance(decimation, OuterHull):
         return replace(decimation, symmetry=symmetry)
-    raise NestingError(
-        f"Symmetric cages need decimation=OnCurve() or OuterHull(), not {decimation!r}.", code="setting.conflict"
-    )
+    raise NestingError(f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict")
 
 
 def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[Fault, ...]]:
@@ -136,11 +137,19 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     """
     if orbits_of(fine, symmetry) is not None:
         return fine, ()
+    if symmetry.order * len(fine.vertices) > MOST_OF_ALL_IMAGES:
+        raise NestingError(
+            f"The drawing has {len(fine.vertices)} vertices; with its images under {symmetry} there are "
+            f"{symmetry.order * len(fine.vertices)}, and at most {MOST_OF_ALL_IMAGES} can be overlaid; "
+            "ask for a lower order, or simplify the drawing.",
+            code="limit.exceeded",
+            what="images",
+        )
     images = [fine.moved(symmetry.image(fine.vertices, k)) for k in range(symmetry.order)]
     try:
         if symmetry.reverses:
             images = [Mesh(image.vertices, image.edges) for image in images]
-        together = overlay(images, intersection=inside)
+        together = _overlaid(images, inside=inside)
         if not inside:
             together = _without_pockets(together, images)
         elif not together.has_loops_like(fine):
@@ -164,6 +173,14 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     else:
         note = f"The drawing and its images cover {change:.3g} % more than the drawing: the cage encloses them all."
     return together, (Fault(note, "note.outline", change=change),)
+
+
+def _overlaid(images: Sequence[Mesh], *, inside: bool) -> Mesh:
+    """The union of images, or their intersection; a few at a time, since all of them cross each other."""
+    while len(images) > 1:
+        some = [images[k : k + OVERLAID_AT_ONCE] for k in range(0, len(images), OVERLAID_AT_ONCE)]
+        images = [overlay(few, intersection=inside) if len(few) > 1 else few[0] for few in some]
+    return images[0]
 
 
 def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:

@@ -39,7 +39,7 @@ FIRST_PENALTY, LARGEST_PENALTY, PENALTY_GROWTH = 1e6, 1e8, 2.0
 """ρ: first value, maximum, and growth factor."""
 
 NEAR_ARRIVAL = 0.99
-"""Fraction of the way from which λ is updated instead of ρ."""
+"""Fraction of the path from which λ is updated instead of ρ."""
 
 MAX_HALVINGS = 60
 """Cap on the halvings of a step."""
@@ -138,7 +138,7 @@ class _TimeStep:
         return self.arrived
 
     def _pull(self, before: float, whole: float, longest: float) -> float:
-        """Update the penalty or the multipliers; returns the fraction of the way that is done."""
+        """Update the penalty or the multipliers; returns the fraction of the path that is done."""
         part = 1.0 - float(np.linalg.norm(self.x[self.bodies.m :] - self.target)) / whole
         softer = self.penalty < LARGEST_PENALTY
         if part < before and softer:

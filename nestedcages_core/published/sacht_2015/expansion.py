@@ -27,7 +27,7 @@ class Filtered(NamedTuple):
     """Result of filtering a desired motion."""
 
     states: list[FloatArray]
-    """Positions (m + n, 2) on the way, free of collisions between each other."""
+    """Positions (m + n, 2) during the motion, free of collisions between each other."""
     arrived: bool
     """Whether the fine mesh reached its target."""
 

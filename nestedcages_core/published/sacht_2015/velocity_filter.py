@@ -103,7 +103,7 @@ class _Programs:
         return filtered
 
     def _filtered(self, x: FloatArray, wish: FloatArray, target: FloatArray, proximity: float) -> Filtered:
-        """The states on the way of the fine mesh to ``target`` while the cage moves by about ``wish`` (m, 2)."""
+        """The states during the motion of the fine mesh to ``target`` while the cage moves by about ``wish`` (m, 2)."""
         bodies, m = self.bodies, self.bodies.m
         zones, rule = ImpactZones(bodies, proximity), FeasibilityRule(bodies, proximity, proximity)
         states: list[FloatArray] = []
