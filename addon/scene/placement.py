@@ -120,6 +120,15 @@ def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
         setattr(target, channel, getattr(source, channel))
 
 
+def stand_as(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Puts a new object where another one is displayed: with its transform, parent and constraints."""
+    copy_transform(source, target)
+    for name in ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse"):
+        setattr(target, name, getattr(source, name))
+    for constraint in source.constraints:
+        target.constraints.copy(constraint)
+
+
 def _inverse(matrix: Matrix) -> Matrix | None:
     """The inverse; None if there is none, which Blender 5.2 tells by an exception whatever the fallback."""
     try:
