@@ -30,7 +30,6 @@ from nestedcages_core.level.attempts import (
     MIN_DEFAULT_CLEARANCE,
     OUTSIDE_FROM,
     Attempt,
-    StartOutcome,
     attempts,
     clearances_for,
     contacts_for,
@@ -177,7 +176,7 @@ def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> 
         names.append(f"{start.source} {number}")
         rank = ranks[len(names) - 1] if len(names) <= len(ranks) else inf
         try:
-            start = turn.send(StartOutcome(rank, start.coarse if rank < inf else None))
+            start = turn.send(rank)
         except StopIteration:
             return names
 
