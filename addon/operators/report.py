@@ -50,8 +50,8 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
             yield f"    {label}: {value:.6g}"
         edited = not ownership.is_bound(collection) and record.is_edited(obj)
         certificate = record.EDITED if edited else record.certificate(found)
-        said = (found.start, certificate, found.need, keys.text(obj, keys.LINK), *record.sentences(found))
-        for sentence in filter(None, (*said, found.finding)):
+        said = (found.start, certificate, keys.text(obj, keys.LINK), *record.sentences(found, checks=True))
+        for sentence in filter(None, said):
             yield f"    {sentence}"
 
 

@@ -40,6 +40,6 @@ def _notes(obj: bpy.types.Object) -> list[str]:
     found = record.member(obj)
     if not ownership.is_bound_member(obj) and record.is_edited(obj):
         return textwrap.wrap(record.EDITED, NOTE_WIDTH)
-    wrong = found.finding if found.check == record.FAULT else ""
-    sentences = [follows, record.verdict(found), wrong, found.need, *record.sentences(found)]
+    faulty = found.check == record.FAULT
+    sentences = [follows, record.verdict(found), *record.sentences(found, checks=faulty)]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]
