@@ -13,6 +13,7 @@ from .errors import UserError
 if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
+    from nestedcages_core import tasks
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
     from nestedcages_core.geometry import predicates, triangulation
@@ -47,6 +48,7 @@ else:
     predicates = _LazyModule("geometry.predicates")
     errors = _LazyModule("errors.notes")
     steps = _LazyModule("level.steps")
+    tasks = _LazyModule("tasks")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "errors", "memory", "pictures", "predicates", "steps", "triangulation"]
+__all__ = ["core", "errors", "memory", "pictures", "predicates", "steps", "tasks", "triangulation"]

@@ -159,6 +159,35 @@ def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType, nam
     assert set(re.findall(r'class="arrow" id="([\w-]+)"', drawn)) == arrows, again
 
 
+def test_faults_of_the_built_site_are_found(packaging: ModuleType, tmp_path: Path) -> None:
+    """`make docs` checks every page that mkdocs has made; here the check itself."""
+    check = importlib.import_module("check_site")
+    for name in (*check.DOORS, "errors/mesh.open.html"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text('<h2 id="there">A</h2><ol><li>1. a</li></ol><pre>- a</pre>', encoding="utf-8")
+    doors = "".join(f'<a href="{door}">door</a><a href="{door}#there">part</a>' for door in check.DOORS)
+    front = (
+        f'<body data-md-color-scheme="slate">{doors}<img src="docs/python.html" alt="x"><a href="https://a.b/c">web</a>'
+    )
+    (tmp_path / "search").mkdir()
+    (tmp_path / "search" / "search_index.json").write_text('{"docs": [1]}', encoding="utf-8")
+    (tmp_path / "index.html").write_text(front, encoding="utf-8")
+    assert check.problems(tmp_path, ["mesh.open"]) == []
+    for fault, said in (
+        ("<p>text\n2. Press it</p>", "a list or table is plain text"),
+        ("<p>| a | b |</p>", "a list or table is plain text"),
+        ('<img src="docs/python.html">', "has no alternative text"),
+        ('<a href="gone.html">x</a>', "gone.html leads nowhere"),
+        ('<a href="docs/python.html#gone">x</a>', "names a place that is not there"),
+    ):
+        (tmp_path / "index.html").write_text(front + fault, encoding="utf-8")
+        (problem,) = check.problems(tmp_path, ["mesh.open"])
+        assert said in problem
+    (tmp_path / "index.html").write_text("<p>empty</p>", encoding="utf-8")
+    (tmp_path / "search" / "search_index.json").unlink()
+    assert len(check.problems(tmp_path, ["mesh.gone"])) == len(check.DOORS) + 3
+
+
 def test_every_code_of_an_error_has_a_page(packaging: ModuleType) -> None:
     text = (ROOT / "docs" / "errors.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `([\w.]+)` \|.* \| (.*) \|$", text, flags=re.MULTILINE))

@@ -154,9 +154,7 @@ class Generation:
     def _levels(self, plan: Plan, finished: list[core.Level]) -> Iterator[Progress]:
         """Fills `finished`. Raises: UserError."""
         options, name = self.options, plan.request.fine.name
-        wanted = [
-            core.hierarchy.Rising(each.level) if isinstance(each.level, int) else each.level for each in plan.levels
-        ]
+        wanted = [each.level for each in plan.levels]
         yield Progress(0.0, f"{name}, level 1")  # shown before anything is computed
         key = memory.key_of("levels", plan.fine, *wanted, plan.settings, options.inside, options.shrink)
         levels = known().get(key)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drawings import circle, poly_curve, star
+from drawings import text as word
 
 UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
 
@@ -145,3 +146,9 @@ def test_a_drawing_far_from_its_origin_is_certified_as_stored(addon, core) -> No
     (level,) = generation.results[0].levels
     fine = generation.results[0].drawing.mesh()
     assert core.verify(level.cage, fine, 1e-6 * fine.diagonal).holds
+
+
+def test_letters_that_interlock_leave_room_for_the_next_cage() -> None:
+    word("Word", "Hifly")
+    assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
+    assert [obj["nested_cages_level"] for obj in bpy.data.collections["Word Cages"].objects] == [0, 1, 2]
