@@ -144,7 +144,7 @@ class LevelBuilder:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
         cages: list[CageInProgress] = []
-        turn = in_turn(self.starts, self.outline, attempt, self.symmetry)
+        turn = in_turn(self.starts, self.outline, attempt)
         start: Start | None = next(turn)
         tried: list[str] = []
         while start is not None:

@@ -11,9 +11,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
+from ...decimation import LineCycles
 from ...decimation.base import LEAST_PER_LOOP
-from ...decimation.hull.importance import PIN_REACH, Importance
+from ...decimation.importance import PIN_REACH, Importance
 from ...energies import Area, BoundSum, CageEnergy
 from ...errors import Fault, NestingError
 from ...geometry.arrays import TINY, FloatArray, IntArray
@@ -63,8 +63,16 @@ class Priorities(Need):
     """The priorities of the settings for one drawing; lengths in input units."""
 
     importance: Importance
-    min_edge: float | None
-    min_angle: float | None
+
+    @property
+    def min_edge(self) -> float | None:
+        """Length of cage edges, at least."""
+        return self.importance.min_edge
+
+    @property
+    def min_angle(self) -> float | None:
+        """Angle between cage edges in degrees, at least."""
+        return self.importance.min_angle
 
     @classmethod
     def of(
@@ -87,8 +95,7 @@ class Priorities(Need):
                 given=len(weights),
                 available=len(fine.vertices),
             )
-        importance = Importance(fine, weights, _places(*places, fine, symmetry), symmetry)
-        return cls(importance, *limits)
+        return cls(Importance(fine, weights, _places(*places, fine, symmetry), symmetry, *limits))
 
     @property
     def places(self) -> FloatArray:
@@ -105,13 +112,11 @@ class Priorities(Need):
         return plan if self.importance.weights is None else replace(plan, weight_at=self.importance.at)
 
     def applied(self, settings: Chosen) -> Chosen:
-        """The settings with hulls that respect the priorities."""
-        fallback = settings.fallback
-        return replace(
-            settings,
-            decimation=self._applied(settings.decimation),
-            fallback=None if fallback is None else self._applied(fallback),
-        )
+        """The settings with line cycles that respect the priorities."""
+        decimation = settings.decimation
+        if isinstance(decimation, LineCycles):
+            decimation = replace(decimation, importance=self.importance)
+        return replace(settings, decimation=decimation)
 
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
         """The number of vertices, reduced if edges of the least length do not allow that many; and a note if so."""
@@ -125,15 +130,6 @@ class Priorities(Need):
             return count, ()
         said = f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}."
         return most, (Fault(said, "note.count", asked=count, given=most),)
-
-    def _applied(self, decimation: Decimation) -> Decimation:
-        if isinstance(decimation, LineCycles):
-            decimation = OnCurve()
-        if isinstance(decimation, OnCurve):
-            return replace(decimation, hull=replace(decimation.hull, importance=self.importance))
-        if isinstance(decimation, OuterHull):
-            return replace(decimation, importance=self.importance)
-        return decimation
 
     def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
         """An energy of a cage with the priorities; see `Need.energy`."""
