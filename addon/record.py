@@ -146,9 +146,9 @@ def notes(found: Any) -> list[tuple[str, dict[str, Any]]]:
     return [(item.code, _data(item.data)) for item in found.notes]
 
 
-def sentences(found: Any, *, checks: bool = False) -> list[str]:
-    """The notes on a member, as sentences; those of Verify Cages only if ``checks``."""
-    return [sentence(*each) for each in notes(found) if checks or not each[0].startswith(CHECK)]
+def sentences(found: Any, *, checks: bool = False, others: bool = True) -> list[str]:
+    """The notes on a member, as sentences: those of Verify Cages only if ``checks``, and all ``others``."""
+    return [sentence(*each) for each in notes(found) if (checks if each[0].startswith(CHECK) else others)]
 
 
 def verdict(found: Any) -> str:
@@ -197,6 +197,12 @@ def is_edited(obj: bpy.types.Object) -> bool:
     """Whether a cage is not the one that was certified any more."""
     found = member(obj)
     return found.role == CAGE and bool(found.stamp) and found.stamp != stamp(obj)
+
+
+def is_judged(obj: bpy.types.Object) -> bool:
+    """Whether the last check was of a cage as it is now."""
+    found = member(obj)
+    return found.check in (HOLDS, FAULT) and found.judged == stamp(obj)
 
 
 def stamp(obj: bpy.types.Object) -> str:

@@ -94,6 +94,7 @@ def _remember(cage: bpy.types.Object, holds: bool, finding: core.Fault, frames: 
     if home is not None:
         record.written(home)
     found.check, found.checked = record.HOLDS if holds else record.FAULT, frames
+    found.judged = record.stamp(cage)
     record.set_check(found, finding)
     record.publish(cage)
 

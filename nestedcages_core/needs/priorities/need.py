@@ -152,10 +152,9 @@ class Priorities(Need):
             return BoundSum(tuple((w, self._weighted(term, coarse, inner, units, inside)) for w, term in energy.terms))
         if not isinstance(energy, Area):
             return energy
-        successor = coarse.predecessor if inside else coarse.successor
         return WeightedArea.of(
             coarse.vertices,
-            successor,
+            coarse.loop_order.walked(-1 if inside else 1).successor,
             inner,
             lambda points: self.importance.at(units.to_input(points)),
             inside=inside,
@@ -171,8 +170,8 @@ class Priorities(Need):
         mitre = (normal + before) / np.maximum(1.0 + (normal * before).sum(axis=1), 1.0 / MAX_MITRE**2)[:, None]
         length = norm(mitre)
         mitre *= np.minimum(1.0, MAX_MITRE / np.maximum(length, TINY))[:, None]
-        close = EdgeSearch(inner.vertices, inner.edge_ends).closest(pins)
-        on_edge = inner.vertices[close.edge] + close.parameter[:, None] * ahead[close.edge]
+        close = EdgeSearch.of(inner).closest(pins)
+        on_edge = close.between(inner.vertices, inner.edge_ends)
         target, away = np.empty_like(pins), np.empty(len(pins))
         for k, pin in enumerate(pins):
             distance = norm(inner.vertices - pin)
@@ -235,7 +234,7 @@ def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntAr
 
 def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
     """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
-    edges = EdgeSearch(fine.vertices, fine.edge_ends)
+    edges = EdgeSearch.of(fine)
     places: list[FloatArray] = []
     for pin in pins:
         if isinstance(pin, int):
@@ -248,7 +247,7 @@ def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -
                 )
             places.append(fine.vertices[pin])
         else:
-            places.append(_closest(edges, np.asarray(pin, np.float64)))
+            places.append(edges.nearest(np.asarray([pin], np.float64))[0])
     for joint in joints:
         places += _across(fine, edges, np.asarray(joint, np.float64))
     apart: list[FloatArray] = []
@@ -266,16 +265,9 @@ def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -
     return np.array(apart).reshape(-1, 2)
 
 
-def _closest(edges: EdgeSearch, point: FloatArray) -> FloatArray:
-    close = edges.closest(point[None])
-    start = edges.starts[close.edge[0]]
-    nearest: FloatArray = start + close.parameter[0] * (edges.ends[close.edge[0]] - start)
-    return nearest
-
-
 def _across(fine: Mesh, edges: EdgeSearch, joint: FloatArray) -> list[FloatArray]:
     """The closest place on the outline to a joint and, for a joint inside, the place straight across from it."""
-    near = _closest(edges, joint)
+    near: FloatArray = edges.nearest(joint[None])[0]
     away = joint - near
     if winding_number(joint[None], edges.starts, edges.ends)[0] != 1 or not away.any():
         return [near]
