@@ -13,7 +13,7 @@ from .errors import UserError
 if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
-    from nestedcages_core import tolerance
+    from nestedcages_core import tasks, tolerance
     from nestedcages_core.exchange import pictures
     from nestedcages_core.geometry import predicates, triangulation
 else:
@@ -44,7 +44,8 @@ else:
     memory = _LazyModule("cache")
     pictures = _LazyModule("exchange.pictures")
     predicates = _LazyModule("geometry.predicates")
+    tasks = _LazyModule("tasks")
     tolerance = _LazyModule("tolerance")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "memory", "pictures", "predicates", "tolerance", "triangulation"]
+__all__ = ["core", "memory", "pictures", "predicates", "tasks", "tolerance", "triangulation"]

@@ -176,6 +176,12 @@ def is_edited(obj: bpy.types.Object) -> bool:
     return found.role == CAGE and bool(found.stamp) and found.stamp != stamp(obj)
 
 
+def is_judged(obj: bpy.types.Object) -> bool:
+    """Whether the last check was of a cage as it is now."""
+    found = member(obj)
+    return found.check in (HOLDS, FAULT) and found.judged == stamp(obj)
+
+
 def stamp(obj: bpy.types.Object) -> str:
     """A digest of the coordinates of an object's mesh."""
     points = np.empty(3 * len(obj.data.vertices), np.float32)

@@ -92,6 +92,7 @@ def _remember(cage: bpy.types.Object, holds: bool, sentence: str, frames: tuple[
     if home is not None:
         record.written(home)
     found.check, found.checked, found.finding = record.HOLDS if holds else record.FAULT, frames, sentence
+    found.judged = record.stamp(cage)
     record.publish(cage)
 
 

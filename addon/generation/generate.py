@@ -33,6 +33,10 @@ MARGINS = (1.0, 64.0)
 # How much stricter, in these margins, a distance or an excess is asked for with each of them.
 SLACKS = (0.0, 64.0)
 
+# Factors on the automatic clearance from one level to the one inside it, which may leave the next one no room between
+# its loops.
+ROOMS = (1.0, 10.0)
+
 # Size in bytes of the advice on a level, for the memory.
 ADVICE_BYTES = 1000
 
@@ -175,10 +179,22 @@ class Generation:
 
     def _levels(self, plan: Plan, finished: list[CageLevel]) -> Iterator[Progress]:
         """Fills `finished`; the fraction of the progress is in levels. Raises: UserError."""
-        inner = plan.fine
+        for room in ROOMS:
+            finished.clear()
+            try:
+                yield from self._levels_with(plan, finished, room)
+                return
+            except _NoRoomError:
+                if not finished or len(plan.clearances) == 1 or room == ROOMS[-1]:
+                    raise
+
+    def _levels_with(self, plan: Plan, finished: list[CageLevel], room: float) -> Iterator[Progress]:
+        """The same, with a factor on the clearance from one level to the one inside it."""
+        inner, given = plan.fine, plan.clearances
         for number, wanted in enumerate(plan.levels, 1):
             name = f"{plan.request.fine.name}, level {number}"
             yield Progress(number - 1.0, name)  # shown before anything is computed
+            plan = replace(plan, clearances=tuple(room ** (len(plan.levels) - number) * each for each in given))
             for step in self._known_or_made(plan, name, inner, wanted.level):
                 if isinstance(step, CageLevel):
                     cage = step.mesh
@@ -225,7 +241,7 @@ class Generation:
         self, plan: Plan, name: str, fine: core.Mesh, wanted: int | core.Mesh | core.Within
     ) -> Iterator[core.Progress | CageLevel]:
         """Yields the core's progress of one level, and returns its `CageLevel`. Raises: UserError."""
-        problem = ""
+        problem, kind = "", UserError
         margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
         cages_run = core.InnerCagesRun if self.options.inside else core.NestedCagesRun
         for clearance in plan.clearances:
@@ -239,6 +255,7 @@ class Generation:
                     found = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
                 except core.NestedCagesError as error:
                     problem = problem or str(error)
+                    kind = _NoRoomError if error.code == "clearance.no_room" else UserError
                     break
                 finally:
                     run.close()
@@ -251,7 +268,11 @@ class Generation:
                     f"({'; '.join(found.certificate.problems)}); move the drawing closer to its object's origin, or "
                     "ask for more clearance"
                 )
-        raise UserError(f"'{name}': {problem}")
+        raise kind(f"'{name}': {problem}")
+
+
+class _NoRoomError(UserError):
+    """A clearance that the gaps in what is to be enclosed have no room for."""
 
 
 def _advice(plan: Plan, cage: core.Mesh, wanted: int | core.Mesh | core.Within) -> tuple[str, ...]:

@@ -144,7 +144,7 @@ class LevelBuilder:
         """The tightest cage from any of the coarse meshes that can be certified."""
         errors: list[NestedCagesError] = []
         cages: list[CageInProgress] = []
-        turn = in_turn(self.starts, self.outline, attempt, self.symmetry)
+        turn = in_turn(self.starts, self.outline, attempt)
         start: Start | None = next(turn)
         tried: list[str] = []
         while start is not None:
@@ -288,7 +288,7 @@ class LevelBuilder:
 
     def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
         """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
-        successor = cage.unit_coarse.predecessor if self.plan.inside else cage.unit_coarse.successor
+        successor = cage.unit_coarse.loop_order.walked(self.plan.side).successor
         if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / self.unit_fine.area
         excess = self.plan.side * (abs(signed_area(vertices, successor)) / self.unit_fine.area - 1.0)

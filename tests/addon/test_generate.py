@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drawings import circle, poly_curve, star
+from drawings import text as word
 
 UNITS = {"m": 1.0, "mm": 0.001, "u": 1.0}
 
@@ -171,3 +172,9 @@ def test_the_first_attempt_leaves_room_for_single_precision(addon, core, monkeyp
     bpy.ops.object.nested_cages_generate(levels="20", clearance=0.001)
     lost = np.sqrt(2.0) * 1001.0 * np.finfo(np.float32).eps / 2.0
     assert asked[0] - 0.001 > lost
+
+
+def test_letters_that_interlock_leave_room_for_the_next_cage() -> None:
+    word("Word", "Hifly")
+    assert bpy.ops.object.nested_cages_generate() == {"FINISHED"}
+    assert [obj["nested_cages_level"] for obj in bpy.data.collections["Word Cages"].objects] == [0, 1, 2]

@@ -234,7 +234,7 @@ class _Solver:
             shift = min(
                 range(count), key=lambda k: float(np.abs(turns[(np.arange(count) + k) % count, range(count)]).sum())
             )
-            starts.append(hull.polygon(start.at((np.arange(count) + shift) % count)))
+            starts.append(hull.polygon(start.take((np.arange(count) + shift) % count)))
         vertices = np.concatenate(starts)
         steps = np.stack([vertices, cage.vertices])
         if np.array_equal(*steps) or not verify(cage.moved(vertices), self.fine, same_loops=False):

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from ...contact import SequentialQP
-from ...decimation import Decimation, LineCycles, OnCurve, OuterHull
+from ...decimation import Decimation, LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.group import Symmetry
@@ -120,20 +120,14 @@ def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
         choices,
         contact=tuple(several),
         decimation=_alike(choices.decimation, symmetry),
-        fallback=None if choices.fallback is None else _alike(choices.fallback, symmetry),
+        fallback=None if choices.fallback is None else LineCycles(on_curve=False, symmetry=symmetry),
     )
 
 
 def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
     if isinstance(decimation, LineCycles):
-        decimation = OnCurve()
-    if isinstance(decimation, OnCurve):
-        return replace(decimation, hull=replace(decimation.hull, symmetry=symmetry))
-    if isinstance(decimation, OuterHull):
         return replace(decimation, symmetry=symmetry)
-    raise NestingError(
-        f"Symmetric cages need decimation=OnCurve() or OuterHull(), not {decimation!r}.", code="setting.conflict"
-    )
+    raise NestingError(f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict")
 
 
 def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[Fault, ...]]:
