@@ -36,10 +36,6 @@ MAX_IPC_PAIRS = 10.0
 QUICK_PATIENCE = 6
 """Patience of the contact where hulls compete, with which as many cages come from the flow as with the usual one."""
 
-OUTSIDE_FROM = 20_000
-"""Number of fine vertices from which a start outside alone replaces starts on the curve, unless there is no
-fallback: from 30,000 vertices on it takes less than half of the time, and cages are as tight (benchmarks/growth.py)."""
-
 LOOSE = 0.5
 """Excess of a cage from a user's own coarse mesh above which the next contact is tried too: around needles the contacts
 end in different minima."""
@@ -101,9 +97,6 @@ def attempts(
     else:
         decimation, starts = settings.decimation, settings.starts
         may_fall_back = settings.fallback is not None
-        prefers_curve = _prefers_curve(decimation) and may_fall_back
-        if prefers_curve and isinstance(decimation, CurveStarts) and len(fine.vertices) >= OUTSIDE_FROM:
-            decimation = decimation.outside
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
         quick = may_fall_back and settings.contact is None
         contacts = (SequentialQP(patience=QUICK_PATIENCE),) if quick else contacts_for(settings)

@@ -28,7 +28,6 @@ from nestedcages_core.decimation import Start
 from nestedcages_core.level.attempts import (
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
-    OUTSIDE_FROM,
     Attempt,
     attempts,
     clearances_for,
@@ -57,11 +56,6 @@ class TestOrder:
             ("OuterHull", True, True),
             ("OuterHull", True, False),
         ]
-
-    def test_large_shapes_start_outside(self) -> None:
-        large = Mesh.from_loops([ring(OUTSIDE_FROM)])
-        assert tried(Settings(), 12, large)[0].source == LineCycles(on_curve=False)
-        assert tried(Settings(fallback=None), 12, large)[0].source == LineCycles()
 
     def test_another_decimation_is_followed_by_the_fallback_and_that_untightened(self) -> None:
         found = tried(Settings(decimation=DouglasPeucker()), 12)
