@@ -35,7 +35,7 @@ from ..outline import Outline
 from ..request import Request
 from .candidates import candidates
 from .chain import Chain, Lines, without_doubles
-from .crossings import Choice, Search, give_way
+from .crossings import Choice, Search, again, give_way
 from .frame import Frame
 from .free_rays import Obstacles
 from .images import Images
@@ -197,8 +197,8 @@ def _best(method: LineCycles, request: Request, outline: Outline, shift: float) 
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
+    around = _Around(method, request, outline, shift)
     for bias in BIASES:
-        around = _Around(method, request, outline, shift)
         try:
             area, mesh = yield from around.run(bias)
         except NoCyclesError as failure:
@@ -223,14 +223,17 @@ class _Around:
         self.images = None if method.symmetry is None else Images.of(outline, method.symmetry, self.frame)
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
+        self.searches: dict[int, Search] = {}
         self.rounds = 0
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
-        searches: dict[int, Search] = {}
-        for loop, search in self._searches():
-            searches[loop] = search
-            yield len(searches) / (len(self.outline.sizes) + 1)
+        if not self.searches:
+            for loop, search in self._searches():
+                self.searches[loop] = search
+                yield len(self.searches) / (len(self.outline.sizes) + 1)
+        searches = {loop: again(search) for loop, search in self.searches.items()}
+        self.rounds = 0
         numbers = self._shares(searches)
         for _ in range(MAX_CLEARINGS):
             yield len(searches) / (len(self.outline.sizes) + 1)
