@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -83,6 +83,9 @@ BIASES = (1.0, 1e9, 0.3)
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
 
+MAX_AREA_OF_SYMMETRY, MAX_EXCESS_OF_SYMMETRY = 0.005, 0.008
+"""Fractions of the area of the fine mesh, and of the area beyond it, that a preferred symmetry may cost."""
+
 MAX_CLEARINGS = 12
 """Number of times that crossings are cleared."""
 
@@ -101,6 +104,8 @@ class LineCycles:
     """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
     importance: Importance | None = None
     """Where vertices matter; None: everywhere alike."""
+    preferred: Symmetry | None = None
+    """A symmetry that the cycles have where it costs little area."""
 
     def __post_init__(self) -> None:
         check_flag(self, "on_curve")
@@ -118,9 +123,16 @@ class LineCycles:
         A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
         then there may be an outer hull.
         """
-        mesh, source = yield from self.found(Request.of(fine, count), clearance)
+        request, symmetry = Request.of(fine, count), self.symmetry
+        mesh, source = yield from self.found(request, clearance)
+        if self.preferred is not None and request.per_loop is None:
+            with suppress(NestingError):
+                alike, _ = yield from cycles_around(replace(self, symmetry=self.preferred), request, clearance)
+                room = MAX_AREA_OF_SYMMETRY * fine.area, MAX_EXCESS_OF_SYMMETRY * (mesh.area - fine.area)
+                if alike.area <= mesh.area + min(room):
+                    mesh, source, symmetry = alike, SOURCE, self.preferred
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
-        return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry) if near else None)]
+        return [Start(mesh, source, closest_on_curve(mesh, fine, symmetry) if near else None)]
 
     def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
         """The mesh of the best cycles and its source; where they were kept from crossing, of the hull if smaller."""
