@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from .. import keys
 from ..animation import shape_keys
+from ..core import outlines
 from ..scene import placement
 from ..scene.filling import loop_edges, mesh_of, points_of
 from ..scene.plane import size
-from .outline_map import Outline, outline_map
 from .rig import rest_points
 
 # The properties of parenting, in the order in which they are set.
@@ -57,7 +57,7 @@ class Pose:
     own_parent: bool
     rest: Matrix | None
     basis: Matrix
-    outline: Outline
+    outline: outlines.Outline
     offsets: NDArray[np.float64]
 
     @classmethod
@@ -70,7 +70,7 @@ class Pose:
             obj.parent is not None and obj.parent != source,
             Matrix(np.reshape(state[:16], (4, 4)).tolist()) if state is not None else None,
             obj.matrix_basis.copy(),
-            Outline.of(rest, loop_edges(mesh)),
+            outlines.Outline.of(rest, loop_edges(mesh)),
             points_of(mesh) - rest,
         )
 
@@ -92,8 +92,8 @@ class Pose:
             obj.matrix_basis = self.rest.inverted_safe() @ self.basis
         if bound and self.bends:
             mesh = mesh_of(obj)
-            new = Outline.of(rest_points(mesh), loop_edges(mesh))
-            move(mesh, outline_map(self.outline, new).of(self.offsets))
+            new = outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
+            move(mesh, outlines.outline_map(self.outline, new).of(self.offsets))
 
 
 def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:
