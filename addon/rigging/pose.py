@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import shape_keys
 from ..core import outlines
 from ..scene import placement
@@ -63,12 +63,12 @@ class Pose:
     @classmethod
     def of(cls, obj: bpy.types.Object, source: bpy.types.Object | None) -> Pose:
         """The pose of an object of the output of `source`."""
-        mesh, state = mesh_of(obj), keys.numbers(obj, keys.STORED_STATE, 19)
+        mesh = mesh_of(obj)
         rest = rest_points(mesh)
         return cls(
             Placement.of(obj),
             obj.parent is not None and obj.parent != source,
-            Matrix(np.reshape(state[:16], (4, 4)).tolist()) if state is not None else None,
+            record.before(obj).matrix,
             obj.matrix_basis.copy(),
             outlines.Outline.of(rest, loop_edges(mesh)),
             points_of(mesh) - rest,
@@ -84,8 +84,7 @@ class Pose:
         if self.own_parent:
             self.placement.give(obj)
             if bound and self.rest is not None:
-                state = list(keys.numbers(obj, keys.STORED_STATE, 19) or ())
-                obj[keys.STORED_STATE] = [*np.ravel(np.array(self.rest)).tolist(), *state[16:]]
+                record.set_before(obj, record.before(obj)._replace(matrix=self.rest))
         elif bound and self.rest == Matrix():
             self.placement.give(obj, placement.TRANSFORM)
         elif bound and self.rest is not None:

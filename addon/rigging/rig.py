@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import keys, record
 from ..animation import shape_keys
 from ..animation.bake import copy_keyframes
 from ..core import outlines
@@ -190,7 +190,7 @@ class Rig:
 def is_rigged(obj: bpy.types.Object) -> bool:
     """Whether an output object carries work of an artist that would be lost with it."""
     modifiers = [modifier for modifier in obj.modifiers if not display.is_ours(modifier)]
-    children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
+    children = [child for child in obj.children if not record.is_helper(child, record.FIELD, record.LINES)]
     animated = obj.animation_data is not None and obj.animation_data.action is not None
     constrained = len(obj.constraints) > (placement.constraint_of(obj) is not None)
     return bool(not Rig.of(obj).blank or constrained or modifiers or children or animated)
