@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import bpy
 import numpy as np
@@ -14,6 +15,7 @@ from ..binding import field
 from ..binding.adoption import adopt, waiting
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check, check_animation, same_frame, select_points
+from ..generation.folding import Folding
 from ..generation.job import Work, completed
 from ..io import silhouette
 from ..scene import convert, ownership
@@ -94,7 +96,7 @@ def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Obje
         or collection is None
         or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
     ):
-        return Chain(objects)
+        return Chain(objects, folding=_folding(objects))
     found = [
         original for original in ownership.originals(collection) if original not in objects and original.visible_get()
     ]
@@ -102,7 +104,13 @@ def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Obje
     if not ownership.is_bound(collection):
         return Chain(objects, [original for original in found if _is_readable(context, original)], place)
     originals = [original for original in found if field.followed(original) is not None]
-    return Chain(objects, originals, place, instead=bool(originals), seen=_displayed)
+    return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
+
+
+def _folding(objects: Sequence[bpy.types.Object]) -> list[Folding]:
+    """The fields that bound objects follow, each with the cage around them."""
+    pairs = [(inner, cage, field.field_of(cage)) for inner, cage in pairwise(objects)]
+    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == shows]
 
 
 def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
