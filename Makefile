@@ -71,6 +71,7 @@ lint: $(TEST_ENV)/ready
 docs: $(DOCS_ENV)/ready
 	$(DOCS_ENV)/bin/python packaging/docs_pages.py
 	NO_MKDOCS_2_WARNING=1 $(DOCS_ENV)/bin/python -m mkdocs build --strict --quiet
+	$(DOCS_ENV)/bin/python packaging/check_site.py
 	@echo "Open build/site/index.html"
 
 # MESHES: the folder "data" of the paper's program, to draw its own meshes in place of our drawings of them.

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from . import operators, presets
+from .following import claims
 from .properties import schema, settings
 from .ui import manual, menus, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (settings, schema, operators, presets, panels, preferences, menus, overlay, manual)
+_ROOMS = (settings, schema, operators, claims, presets, panels, preferences, menus, overlay, manual)
 
 
 def register() -> None:

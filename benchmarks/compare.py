@@ -3,7 +3,7 @@
     python benchmarks/compare.py                     # about seven minutes on two cores
     python benchmarks/compare.py --check             # do the pages hold for this code? exit status 1 if not
     python benchmarks/compare.py --smaller 10 --out build/comparison    # a tenth of the shapes, elsewhere
-    python benchmarks/compare.py --pages             # the pages anew from the runs that are there
+    python benchmarks/compare.py --pages             # the pages again, from the runs that are there
 
 An interrupted run goes on where it was. The exit status is 3 where the runs contradict a conclusion of the page.
 Needs matplotlib and shapely (``pip install nested-cages[comparison]``).

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 import clone  # noqa: F401
-from nestedcages_core import Mesh, OnCurve, OuterHull, Settings, nested_cages
+from nestedcages_core import Mesh, OuterHull, Settings, nested_cages
 from table1 import PhaseClock
 
 SIZES = (3_000, 10_000, 30_000, 100_000)
@@ -66,7 +66,7 @@ KINDS = {"fractal": fractal, "smooth": smooth, "rough": rough}
 STARTS = {
     "default": Settings(),
     "hull": Settings(decimation=OuterHull(), starts=1),
-    "curve": Settings(decimation=OnCurve(), starts=1, fallback=None),
+    "curve": Settings(fallback=None),
 }
 
 

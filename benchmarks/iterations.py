@@ -14,7 +14,7 @@ import numpy as np
 
 import clone  # noqa: F401
 from data import shape, shape_names
-from nestedcages_core import Level, OnCurve, Settings, nested_cages
+from nestedcages_core import Level, Settings, nested_cages
 from nestedcages_core.energies import signed_area
 from nestedcages_core.geometry.predicates import BoxTree
 from nestedcages_core.geometry.smallest_gap import smallest_gap
@@ -41,7 +41,7 @@ def main() -> None:
     options = parser.parse_args()
     (name,) = shape_names(options.data, [options.shape])
     fine = shape(name, options.data)
-    level = nested_cages(fine, [options.count], Settings(decimation=OnCurve())).levels[0]
+    level = nested_cages(fine, [options.count], Settings()).levels[0]
     rows = measures(level)
     start = level.reinflation.tightening_start
     print(f"{'step':>5}{'phase':>13}{'excess %':>12}{'distance':>12}{'to go':>12}")

@@ -12,15 +12,14 @@ import numpy as np
 from nestedcages_core import (
     IPC,
     ArcLength,
+    LineCycles,
     NestingError,
-    OnCurve,
     OuterHull,
     SequentialQP,
     Settings,
     Tightening,
     TwoSidedFlow,
 )
-from nestedcages_core.decimation.hull.hull_search import RESTART_WEIGHTS
 from nestedcages_core.level.attempts import MAX_IPC_PAIRS
 
 
@@ -48,21 +47,6 @@ def first(given: Any, *_: Any, **__: Any) -> Any:
     return given
 
 
-def counts_kept(hulls: Callable[..., Any]) -> Callable[..., Any]:
-    """The hulls with the counts per loop that were asked for, or none."""
-
-    def kept(self: Any, *arguments: Any) -> Any:
-        return self._best(*arguments)
-
-    return kept
-
-
-def no_hulls(*_: Any, **__: Any) -> Iterator[Any]:
-    """A search that finds nothing."""
-    return []
-    yield
-
-
 def no_stage(*_: Any, **__: Any) -> Iterator[Any]:
     """A stage that finds nothing."""
     return
@@ -80,16 +64,6 @@ def all_kept(pairs: Any, *_: Any, **__: Any) -> Any:
     return np.ones(len(pairs), bool)
 
 
-def hulls(restarts: int) -> Callable[[], Settings]:
-    """The defaults with so many restarts of the outer hull."""
-
-    def settings() -> Settings:
-        hull = OuterHull(restarts=restarts)
-        return Settings(decimation=OnCurve(hull), fallback=hull)
-
-    return settings
-
-
 def with_contacts(*contacts: Any) -> Callable[[], Settings]:
     """The defaults with these contacts in turn."""
     return lambda: Settings(contact=contacts)
@@ -97,39 +71,27 @@ def with_contacts(*contacts: Any) -> Callable[[], Settings]:
 
 MECHANISMS: dict[str, Mechanism] = {
     # where cages begin
-    "second start": Mechanism("hierarchy", partial(Settings, starts=1)),
-    "second start (2 to 3)": Mechanism("hierarchy", partial(Settings, starts=3)),
     "early stop of losing starts": Mechanism("hierarchy", patches={"level.early_stop:FIRST_LOOK": 10**9}),
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
         "hierarchy",
         patches={"level.builder:LevelBuilder._untightened": no_level},
     ),
-    "places on the curve by the hull": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
-    "the curve: outer hull alone": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
-    "restarts (3 to 1)": Mechanism("decimation", hulls(1)),
-    "restarts (3 to 6)": Mechanism("decimation", hulls(6)),
-    "endings (5 to 1)": Mechanism(
-        "decimation", patches={"decimation.hull.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:1]}
-    ),
-    "endings (5 to 3)": Mechanism(
-        "decimation", patches={"decimation.hull.hull_search:ENDING_WEIGHTS": RESTART_WEIGHTS[:3]}
-    ),
-    "further restarts for loops": Mechanism(
+    "line cycles (places by arc length)": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
+    "line cycles (outer hull)": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
+    "the curve": Mechanism("decimation", partial(Settings, decimation=LineCycles(on_curve=False))),
+    "line cycles: searches through other lines": Mechanism(
         "decimation",
-        patches={"decimation.hull.hull_search:EXTRA_RESTARTS_PER_LOOP": 0},
+        patches={
+            "decimation.line_cycles.loop_search:MAX_ACROSS": 0,
+            "decimation.line_cycles.loop_search:MAX_MORE": 0,
+        },
     ),
-    "rescues": Mechanism(
-        "decimation",
-        patches={"decimation.hull.hull_search:_rescues": no_hulls},
+    "line cycles: ways to clear crossings (3 to 1)": Mechanism(
+        "decimation", patches={"decimation.line_cycles.method:BIASES": (1.0,)}
     ),
-    "early end of hopeless hull searches": Mechanism(
-        "decimation",
-        patches={"decimation.hull.hull_search:HOPELESS_NUMBER": 10**9},
-    ),
-    "counts shared out anew": Mechanism(
-        "decimation",
-        patches={"decimation.hull.outer_hull:OuterHull.hulls": Around(counts_kept)},
+    "line cycles: places (3 to 2 per vertex)": Mechanism(
+        "decimation", patches={"decimation.line_cycles.method:PLACES_PER_VERTEX": 2.0}
     ),
     "clearing": Mechanism(
         "decimation",
@@ -173,7 +135,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "sequential QPs (IPC only)": Mechanism("contact", with_contacts(IPC())),
     "IPC behind sequential QPs": Mechanism("contact", with_contacts(SequentialQP())),
-    "IPC gives way in crowds": Mechanism("contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}),
+    "IPC ends in crowds": Mechanism("contact", patches={"level.attempts:MAX_IPC_PAIRS": np.inf}),
     "IPC: stiffening": Mechanism("contact", patches={"contact.ipc:MAX_STIFFENINGS": 0}),
     "IPC: shorter ranges": Mechanism(
         "contact",

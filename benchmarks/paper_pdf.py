@@ -2,7 +2,7 @@
 
     python benchmarks/paper_pdf.py [--meshes FOLDER] [--out build/paper.pdf]
 
-Figures 1 to 5 are run anew: our drawings of them, or the paper's own meshes in a folder, ``data`` of its program.
+Figures 1 to 5 are run again: our drawings of them, or the paper's own meshes in a folder, ``data`` of its program.
 Everything else is drawn from the runs that ``benchmarks/compare.py`` made. Needs matplotlib.
 """
 

@@ -30,6 +30,7 @@ RUNS: dict[str, tuple[str, str]] = {
     "table1": ("table1.py", r"fine| +(32|512) |ratio"),
     "shapes": ("shapes.py", r"ratio|hull before"),
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
+    "corners": ("corners.py --against bb3b310", r".*"),
     "start": ("start.py", r".*"),
     "slider": ("slider.py", r".*"),
     "ipc_iteration": ("ipc_iteration.py", r".*"),

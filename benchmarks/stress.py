@@ -89,7 +89,7 @@ def run_case(seed: int) -> Case | None:
     counts = {int(c) for c in random.integers(fewest, max(fewest, min(most, 100)) + 1, random.integers(1, 4))}
     levels = tuple(sorted(counts, reverse=True))
     hull = OuterHull()
-    decimation = (hull, OnCurve(hull), ArcLength(), LineCycles())[random.integers(4)]
+    decimation = (hull, OnCurve(), ArcLength(), LineCycles())[random.integers(4)]
     case = Case(seed, kind, most, levels, type(decimation).__name__)
     settings = Settings(decimation=decimation, fallback=hull, starts=1)
     begin = time.process_time()

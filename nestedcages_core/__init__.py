@@ -17,7 +17,6 @@ from .contact import SequentialQP as SequentialQP
 from .contact import UniformGrid as UniformGrid
 from .contact.reinflation import Reinflation
 from .decimation import LineCycles as LineCycles
-from .decimation import OnCurve as OnCurve
 from .decimation import OuterHull as OuterHull
 from .energies import Area as Area
 from .energies import NoEnergy as NoEnergy
@@ -73,6 +72,7 @@ if TYPE_CHECKING:
     from .decimation.choices import ArcLength as ArcLength
     from .decimation.choices import DouglasPeucker as DouglasPeucker
     from .decimation.choices import EdgeCollapse as EdgeCollapse
+    from .decimation.choices import OnCurve as OnCurve
     from .decimation.choices import OwnDecimation as OwnDecimation
     from .decimation.choices import Visvalingam as Visvalingam
     from .energies.choices import BoundaryARAP as BoundaryARAP
@@ -196,6 +196,7 @@ _LATER = {
         "TimeOfImpact",
     ),
     "decimation.choices": (
+        "OnCurve",
         "ArcLength",
         "DouglasPeucker",
         "EdgeCollapse",

@@ -38,7 +38,7 @@ FAULTS = (
           "return moved", TESTS + "a_step_that_leaves_the_drawing_is_no_cage"),
     Fault(CORE + "batch/many.py", "known.made_of == task.made_of != \"\"", "known.made_of == task.made_of",
           TESTS + "an_outcome_made_of_nothing_is_not_reused"),
-    Fault(CORE + "command/making.py", "min_angle=given.min_angle,", "",
+    Fault(CORE + "command/making.py", '"min_edge", "min_angle")', '"min_edge")',
           TESTS + "every_option_of_the_command_reaches_the_settings"),
     Fault(CORE + "level/builder.py", "            if clearance < wanted:\n                cage =",
           "            if False:\n                cage =",

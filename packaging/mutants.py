@@ -1,26 +1,37 @@
 """Mutation tests of the exact parts: every small change of their code must make a test fail.
 
-Run as ``python packaging/mutants.py``: all files of `TESTS`, which takes hours. ``--most 20`` tries so many changes of
-each file, spread evenly, ``--changed main`` only files that differ from a commit, and names of files only these.
-``--by-hand`` puts in the faults of `by_hand.py`, which went unnoticed once. Exit status 1 if a change survives that is
-not in `survivors.json`, which says of each why no test can see it. Needs fork, so Linux or macOS.
+Run as ``python packaging/mutants.py``: all files of `TESTS`. Names of files try only these, ``--changed main`` only
+files that differ from a commit, and ``--most 20`` so many changes of each, spread evenly. ``--by-hand`` puts in the
+faults of `by_hand.py`, which went unnoticed once. Exit status 1 if a change survives that is not in `survivors.json`,
+which says of each why no test can see it. Needs fork, so Linux or macOS.
+
+Tests run once with the code as it is, to learn which of them pass which line. A change in a function gets a fork of a
+process that has read the tests, in which these run, fastest first, until one fails. What is decided on import is tried
+in a process that has imported nothing.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
-import difflib
+import functools
+import gc
+import inspect
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
+from types import CodeType, FrameType, FunctionType
 from typing import Any, NamedTuple
+
+from changes import Mutant, mutants, plain
 
 ROOT = Path(__file__).resolve().parents[1]
 CORE = "nestedcages_core/"
@@ -32,152 +43,188 @@ TESTS = {
     "verification/certificate.py": "test_verification.py",
     "verification/motion.py": "test_motion.py test_deliberate_faults.py",
     "verification/linear_motion.py": "test_motion.py",
-    "tolerance/": "test_deliberate_faults.py test_checker.py",
+    "tolerance/": "test_tolerance.py",
     "checker.py": "test_checker.py",
     "checker_distance.py": "test_checker.py",
 }
 """Tests of each file, or of each file of a folder; the first one that fails is enough."""
 
-SURVIVED, SECONDS = 0, 30
-"""Exit status of pytest where all tests pass, and time beyond three times that of the tests without a change."""
-
-SWAPS: dict[type, type] = {
-    ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
-    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.And: ast.Or, ast.Or: ast.And,
-    ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.USub: ast.UAdd,
-    ast.FloorDiv: ast.Mult, ast.Pow: ast.Mult,
-}  # fmt: skip
-"""What each operator becomes."""
-
-SCALE = 1.02
-"""Factor on floating-point constants."""
-
-
-class Mutant(NamedTuple):
-    """One change of a file."""
-
-    path: str
-    line: int
-    before: str
-    after: str
-    source: str
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.line}: {self.before}  ->  {self.after}"
-
-
-def mutants(path: str, source: str) -> Iterator[Mutant]:
-    """Every change of a file, each alone."""
-    count = sum(1 for _ in _changes(ast.parse(source)))
-    original = ast.unparse(ast.parse(source)).splitlines()
-    for number in range(count):
-        tree = ast.parse(source)
-        line, change = next(each for k, each in enumerate(_changes(tree)) if k == number)
-        change()
-        changed = ast.unparse(ast.fix_missing_locations(tree))
-        lines = [each for each in difflib.ndiff(original, changed.splitlines()) if each[0] in "-+"]
-        before, after = (" ".join(each[2:].strip() for each in lines if each[0] == sign) for sign in "-+")
-        if before != after:
-            yield Mutant(path, line, before, after, changed)
-
-
-def _changes(tree: ast.AST) -> Iterator[tuple[int, Callable[[], object]]]:
-    """Line and action of each change of a tree; messages, annotations and docstrings stay."""
-    for node in _judged(tree):
-        line = getattr(node, "lineno", 0)
-        if isinstance(node, ast.Compare):
-            for k, operator in enumerate(node.ops):
-                if type(operator) in SWAPS:
-                    yield line, lambda n=node, k=k, o=operator: n.ops.__setitem__(k, SWAPS[type(o)]())
-        elif isinstance(node, ast.BinOp | ast.BoolOp | ast.UnaryOp | ast.AugAssign) and type(node.op) in SWAPS:
-            yield line, lambda n=node: setattr(n, "op", SWAPS[type(n.op)]())
-        elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
-            yield line, lambda n=node: setattr(n, "value", not n.value)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
-            new = node.value + 1 if isinstance(node.value, int) or node.value == 0.0 else node.value * SCALE
-            yield line, lambda n=node, new=new: setattr(n, "value", new)
-        if isinstance(node, ast.If | ast.IfExp | ast.While):
-            for value in (True, False) if not isinstance(node, ast.While) else (False,):
-                yield line, lambda n=node, value=value: setattr(n, "test", ast.Constant(value))
-        for name in ("body", "orelse"):
-            block = getattr(node, name, None)
-            for k, statement in enumerate(block if isinstance(block, list) else ()):
-                if isinstance(statement, ast.AugAssign) or (
-                    isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call | ast.Yield)
-                ):
-                    yield statement.lineno, lambda b=block, k=k: b.__setitem__(k, ast.Pass())
-
-
-def _judged(node: ast.AST) -> Iterator[ast.AST]:
-    """The node and all below it whose change a test should see."""
-    if isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert):
-        return
-    yield node
-    for name, value in ast.iter_fields(node):
-        if name in {"annotation", "returns", "decorator_list"}:
-            continue
-        for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, ast.AST):
-                yield from _judged(child)
+SURVIVED, FACTOR, SECONDS, HOURS = 0, 5.0, 30.0, 7200
+"""Exit status where all tests pass, and the time that tests of changed code get: so many times what they took, and so
+much more; and seconds that all of it gets."""
 
 
 class Trial(NamedTuple):
-    """A process that runs tests on changed code."""
+    """Tests on changed code: `run` returns pytest's exit status."""
 
-    mutant: Mutant
-    began: float
+    what: Any
+    limit: float
+    run: Callable[[], int]
 
 
-def start(mutant: Mutant, tests: list[str], limit: float) -> int:
-    """The process that runs tests on the changed code; it ends with pytest's exit status, or at the limit."""
+def tried(trials: list[Trial], jobs: int) -> Iterator[tuple[Any, bool]]:
+    """What is tried with whether it survives, as they end, in processes of their own."""
+    waiting, running = list(trials), {}
+    while waiting or running:
+        while waiting and len(running) < jobs:
+            trial = waiting.pop(0)
+            running[_forked(trial)] = trial.what
+        process, status = os.wait()
+        if process in running:
+            yield running.pop(process), status == SURVIVED
+
+
+def _forked(trial: Trial) -> int:
+    """The process of a trial, which is ended at the limit."""
     process = os.fork()
     if process:
         return process
     try:
-        signal.alarm(int(limit))
-        quiet = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(quiet, 1)
-        os.dup2(quiet, 2)
-        target, read = str(ROOT / mutant.path), SourceFileLoader.get_code
-
-        def get_code(loader: SourceFileLoader, name: str) -> Any:
-            changed = mutant.source and loader.path == target
-            return compile(mutant.source, target, "exec") if changed else read(loader, name)
-
-        SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
-        import pytest
-
-        chosen = [
-            "-x",
-            "-q",
-            "-m",
-            "not slow and not thorough",
-            "-p",
-            "no:cacheprovider",
-            "-p",
-            "no:xdist",
-            "--timeout",
-            "0",
-        ]
-        os._exit(int(pytest.main([*chosen, *tests])))
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(int(trial.limit) + 1)
+        os._exit(trial.run())
     except BaseException:  # a fork must never go on as its parent would
         os._exit(70)
 
 
-def tried(each: list[Mutant], tests: list[str], jobs: int) -> Iterator[tuple[Mutant, bool]]:
-    """Each change with whether it survives, as they end. Raises SystemExit if the tests fail without a change."""
-    began = time.monotonic()
-    _, status = os.waitpid(start(Mutant("", 0, "", "", ""), tests, 3600), 0)
-    if status != SURVIVED:
-        raise SystemExit(f"The tests fail without any change: {' '.join(tests)}")
-    limit = 3.0 * (time.monotonic() - began) + SECONDS
-    waiting, running = list(each), {}
-    while waiting or running:
-        while waiting and len(running) < jobs:
-            mutant = waiting.pop(0)
-            running[start(mutant, tests, limit)] = mutant
-        process, status = os.wait()
-        yield running.pop(process), status == SURVIVED
+def fresh(mutant: Mutant | None, tests: list[str], seconds: float) -> Trial:
+    """Tests that import the changed code, until one fails."""
+    target, read = mutant and str(ROOT / mutant.path), SourceFileLoader.get_code
+
+    def get_code(loader: SourceFileLoader, name: str) -> Any:
+        return compile(mutant.source, target, "exec") if mutant and loader.path == target else read(loader, name)
+
+    def run() -> int:
+        SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
+        return _pytest(["-x", "-m", "not slow and not thorough", *tests])
+
+    return Trial(mutant, FACTOR * seconds + SECONDS, run)
+
+
+def _pytest(words: list[str], *plugins: object) -> int:
+    """pytest's exit status, without a word of it."""
+    import pytest
+
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)
+    os.dup2(quiet, 2)
+    options = ["-q", "-s", "-p", "no:cacheprovider", "-p", "no:xdist", "--timeout=0", f"--session-timeout={HOURS}"]
+    return int(pytest.main([*options, *words], plugins=list(plugins)))
+
+
+class Session:
+    """A plugin of pytest that tries changes of one file in forks, by the tests that pass their lines."""
+
+    def __init__(self, mutants: list[Mutant], jobs: int) -> None:
+        self.mutants, self.jobs = mutants, jobs
+        self.target = str(ROOT / mutants[0].path)
+        self.failed = False
+        self.survivors: list[int] = []
+        self.on_import: list[int] = []
+        """Changes that can only be tried by importing them."""
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        self.failed |= report.failed
+
+    def pytest_runtestloop(self, session: Any) -> bool:
+        with tempfile.NamedTemporaryFile() as file:
+            self._require(lambda: self._observed(session, file.name))
+            passed, seconds = pickle.loads(Path(file.name).read_bytes())
+        before, rest = _taken_apart(self._compiled(plain((ROOT / self.mutants[0].path).read_text(encoding="utf-8"))))
+        self._require(lambda: self._caught(session, range(len(seconds)), before))
+        trials = []
+        for number, mutant in enumerate(self.mutants):
+            after, other = _taken_apart(self._compiled(mutant.source))
+            if rest != other:
+                self.on_import.append(number)
+                continue
+            order = sorted(set().union(*(passed.get(line, ()) for line in mutant.lines)), key=seconds.__getitem__)
+            limit = FACTOR * sum(seconds[test] for test in order) + SECONDS
+            trials.append(Trial(number, limit, functools.partial(self._caught, session, order, after)))
+        self.survivors = [number for number, survives in tried(trials, self.jobs) if survives]
+        return True
+
+    def _require(self, run: Callable[[], int]) -> None:
+        require([Trial(None, HOURS, run)])
+
+    def _run(self, session: Any, number: int) -> None:
+        item = session.items[number]
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+
+    def _observed(self, session: Any, path: str) -> int:
+        """Writes which tests pass each line, and the seconds that each takes; 1 if one of them fails."""
+        passed, seconds = defaultdict(set), []
+
+        def called(frame: FrameType, event: str, _: object) -> Any:
+            return at_line if frame.f_code.co_filename == self.target else None
+
+        def at_line(frame: FrameType, event: str, _: object) -> Any:
+            passed[frame.f_lineno].add(len(seconds))
+            return at_line
+
+        for number in range(len(session.items)):
+            began = time.monotonic()
+            sys.settrace(called)
+            self._run(session, number)
+            sys.settrace(None)
+            seconds.append(time.monotonic() - began)
+        Path(path).write_bytes(pickle.dumps((dict(passed), seconds)))
+        return int(self.failed)
+
+    def _compiled(self, source: str) -> CodeType:
+        return compile(source, self.target, "exec")
+
+    def _caught(self, session: Any, order: Iterable[int], functions: dict[str, CodeType]) -> int:
+        """1 if one of the tests fails with these functions, else 0."""
+        for each in gc.get_objects():
+            if isinstance(each, FunctionType) and each.__code__.co_filename == self.target:
+                each.__code__ = functions.get(each.__code__.co_qualname, each.__code__)
+        for number in order:
+            self._run(session, number)
+            if self.failed:
+                return 1
+        return SURVIVED
+
+
+def _taken_apart(code: CodeType) -> tuple[dict[str, CodeType], list[Any]]:
+    """The functions of a module or class by name, and all that is decided on import."""
+    functions, rest = {}, [code.co_code, code.co_names]
+    for constant in code.co_consts:
+        if not isinstance(constant, CodeType):
+            rest.append(repr(constant))
+        elif constant.co_flags & inspect.CO_OPTIMIZED:
+            functions[constant.co_qualname] = constant
+        else:
+            inner, others = _taken_apart(constant)
+            functions |= inner
+            rest += others
+    return functions, rest
+
+
+def survivors(path: str, each: list[Mutant], jobs: int) -> Iterator[Mutant]:
+    """The changes of a file that survive. Raises SystemExit if the tests fail without a change."""
+    tests = tests_of(path)
+    with tempfile.NamedTemporaryFile() as file:
+
+        def run() -> int:
+            session = Session(each, jobs)
+            status = _pytest(tests, session)
+            Path(file.name).write_bytes(pickle.dumps((session.survivors, session.on_import)))
+            return status
+
+        require([Trial(None, HOURS, run)])
+        found, on_import = pickle.loads(Path(file.name).read_bytes())
+    yield from (each[number] for number in found)
+    again = [fresh(each[number], tests, SECONDS) for number in on_import]
+    if again:
+        require([fresh(None, tests, HOURS)])
+    yield from (mutant for mutant, survives in tried(again, jobs) if survives)
+
+
+def require(trials: list[Trial]) -> None:
+    """Raise SystemExit if tests fail without any change, which would count as a catch."""
+    if not all(passed for _, passed in tried(trials, 1)):
+        raise SystemExit("The tests fail without any change.")
 
 
 def tests_of(path: str) -> list[str]:
@@ -186,20 +233,23 @@ def tests_of(path: str) -> list[str]:
     return [str(ROOT / "tests" / "core" / name) for name in names.split()]
 
 
-def by_hand(jobs: int) -> list[Mutant]:
-    """The faults put in by hand that survive the test which is to catch them."""
+def by_hand(jobs: int) -> int:
+    """How many of the faults put in by hand survive the test which is to catch them."""
     from by_hand import FAULTS
 
-    survivors = []
+    trials = []
     for fault in FAULTS:
         source = (ROOT / fault.path).read_text(encoding="utf-8")
         if source.count(fault.before) != 1:
             raise SystemExit(f"{fault.path} has {source.count(fault.before)} places for the fault {fault.before!r}")
-        mutant = Mutant(fault.path, 0, fault.before, fault.after, source.replace(fault.before, fault.after))
-        for _, survives in tried([mutant], [str(ROOT / fault.test)], jobs):
-            print(f"{'SURVIVES' if survives else 'caught'}: {mutant}", flush=True)
-            survivors += [mutant] if survives else []
-    return survivors
+        changed = source.replace(fault.before, fault.after)
+        trials.append(fresh(Mutant(fault.path, range(0), fault.before, fault.after, changed), [fault.test], 60.0))
+    require([fresh(None, sorted({fault.test for fault in FAULTS}), HOURS)])
+    count = 0
+    for mutant, survives in tried(trials, jobs):
+        print(f"{'SURVIVES' if survives else 'caught'}: {mutant.path}: {mutant}", flush=True)
+        count += survives
+    return count
 
 
 def main() -> int:
@@ -221,28 +271,31 @@ def main() -> int:
 
     assert all((hypothesis, pytest, scipy, shapely))  # imported once, before the forks
     if given.by_hand:
-        return int(bool(by_hand(given.jobs)))
+        return int(by_hand(given.jobs) > 0)
     files = given.files or [path.as_posix() for path in sorted(Path(CORE).rglob("*.py"))]
     if given.changed:
         command = ["git", "diff", "--name-only", given.changed, "--", CORE]
         differing = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         files = [path for path in files if path in differing]
     explained = json.loads(SURVIVORS.read_text(encoding="utf-8"))
-    known = {(each["file"], each["before"], each["after"]) for each in explained}
     new = total = 0
-    for path in files:
-        if not tests_of(path):
-            continue
-        each = list(mutants(path, Path(path).read_text(encoding="utf-8")))
+    for path in (path for path in files if tests_of(path)):
+        began = time.monotonic()
+        known = {change for changes in explained.get(path, {}).values() for change in changes}
+        every = list(mutants(path, Path(path).read_text(encoding="utf-8")))
+        for change in known - {str(mutant) for mutant in every}:
+            print(f"NO LONGER A CHANGE: {path}: {change}", flush=True)
+            new += 1
+        each = [mutant for mutant in every if str(mutant) not in known]
         each = each[:: max(1, -(-len(each) // given.most))] if given.most else each
-        killed = 0
-        for mutant, survives in tried(each, tests_of(path), given.jobs):
-            killed += not survives
-            if survives and (mutant.path, mutant.before, mutant.after) not in known:
-                new += 1
-                print(f"SURVIVES: {mutant}", flush=True)
+        found = 0
+        for mutant in survivors(path, each, given.jobs) if each else ():
+            print(f"SURVIVES: {path}:{mutant.lines.start}: {mutant}", flush=True)
+            found += 1
+        new += found
         total += len(each)
-        print(f"{path}: {killed} of {len(each)} caught", flush=True)
+        seconds = time.monotonic() - began
+        print(f"{path}: {len(each) - found} of {len(each)} caught, {len(known)} explained, {seconds:.0f} s", flush=True)
     print(f"{total} changes tried, {new} survive unexplained.")
     return int(bool(new))
 

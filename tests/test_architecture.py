@@ -51,6 +51,7 @@ ROOMS = (
 ADDON_ROOMS = (
     "errors",
     "core",
+    "notes",
     "keys",
     "record",
     "scene",
@@ -58,8 +59,8 @@ ADDON_ROOMS = (
     "rigging",
     "generation",
     "binding",
-    "following",
     "io",
+    "following",
     "characters",
     "properties",
     "presets",

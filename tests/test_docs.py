@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
 import os
@@ -88,10 +89,40 @@ def numbers_are_those_that_were_measured(page: Path) -> None:
         assert [line for line in lines[:-1] if line not in whole] == [], name
 
 
+STRANGE = re.compile(
+    r"\b(beside|besides|anew|refus\w+|hardly|trifl\w+|dear|nobody|so (many|few) |at the most|in (the|each other's) way|"
+    r"way back|on (the|its|their) way|giv\w+ way|makes way|half-way|shall|whatsoever|thereof)\b",
+    re.IGNORECASE,
+)
+"""Words that technical English of this field has better ones for."""
+
+
+def words_are_plain(page: Path) -> None:
+    text = re.sub(r"```.*?```|`[^`]*`|\]\([^)]*\)", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert [found[0] for found in STRANGE.finditer(text)] == []
+
+
+def test_messages_and_tooltips_use_plain_words() -> None:
+    """Every text of the core and the add-on that is not a docstring, and the docstrings that Blender shows."""
+    found = []
+    for path in sorted([*(ROOT / "nestedcages_core").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        shown = {
+            id(node.body[0]) for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and path.parent.name == "ui"
+        }
+        hidden = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr) and id(node) not in shown}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in hidden:
+                words = STRANGE.finditer(node.value) if " " in node.value else ()
+                found += [f"{path.name}:{node.lineno}: {word[0]}" for word in words]
+    assert found == []
+
+
 @pytest.mark.parametrize(
     "hold",
     [
         links_lead_somewhere,
+        words_are_plain,
         pages_look_alike_on_code_hosts_and_on_the_site,
         pictures_have_a_text,
         numbers_are_those_that_were_measured,
@@ -126,6 +157,35 @@ def test_the_picture_of_the_rooms_is_the_one_of_today(packaging: ModuleType, nam
     assert set(re.findall(r'class="room" id="([\w-]+)"', drawn)) == set(rooms), again
     arrows = {f"{room}-{other}" for room, others in packaging.draw_rooms.arrows(rooms).items() for other in others}
     assert set(re.findall(r'class="arrow" id="([\w-]+)"', drawn)) == arrows, again
+
+
+def test_faults_of_the_built_site_are_found(packaging: ModuleType, tmp_path: Path) -> None:
+    """`make docs` checks every page that mkdocs has made; here the check itself."""
+    check = importlib.import_module("check_site")
+    for name in (*check.DOORS, "errors/mesh.open.html"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text('<h2 id="there">A</h2><ol><li>1. a</li></ol><pre>- a</pre>', encoding="utf-8")
+    doors = "".join(f'<a href="{door}">door</a><a href="{door}#there">part</a>' for door in check.DOORS)
+    front = (
+        f'<body data-md-color-scheme="slate">{doors}<img src="docs/python.html" alt="x"><a href="https://a.b/c">web</a>'
+    )
+    (tmp_path / "search").mkdir()
+    (tmp_path / "search" / "search_index.json").write_text('{"docs": [1]}', encoding="utf-8")
+    (tmp_path / "index.html").write_text(front, encoding="utf-8")
+    assert check.problems(tmp_path, ["mesh.open"]) == []
+    for fault, said in (
+        ("<p>text\n2. Press it</p>", "a list or table is plain text"),
+        ("<p>| a | b |</p>", "a list or table is plain text"),
+        ('<img src="docs/python.html">', "has no alternative text"),
+        ('<a href="gone.html">x</a>', "gone.html leads nowhere"),
+        ('<a href="docs/python.html#gone">x</a>', "names a place that is not there"),
+    ):
+        (tmp_path / "index.html").write_text(front + fault, encoding="utf-8")
+        (problem,) = check.problems(tmp_path, ["mesh.open"])
+        assert said in problem
+    (tmp_path / "index.html").write_text("<p>empty</p>", encoding="utf-8")
+    (tmp_path / "search" / "search_index.json").unlink()
+    assert len(check.problems(tmp_path, ["mesh.gone"])) == len(check.DOORS) + 3
 
 
 def test_every_code_of_an_error_has_a_page(packaging: ModuleType) -> None:

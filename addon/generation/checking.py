@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..core import core, predicates
 from ..errors import UserError
+from ..notes import note
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from ..scene.plane import Frame
 from .folding import Fold, Folding
@@ -23,14 +24,14 @@ from .job import Progress, Work
 
 @dataclass(frozen=True)
 class Finding:
-    """The finding for one cage and the mesh in it from the first to the last of `frames`: a sentence, the smallest
+    """The finding for one cage and the mesh in it from the first to the last of `frames`: a note, the smallest
     clearance in scene units, and the points at fault, (k, 3) in each object's space, on the last frame.
     """
 
     cage: str
     fine: str
     holds: bool
-    sentence: str
+    note: core.Fault
     clearance: float
     frames: tuple[int, int]
     cage_faults: NDArray[np.float32]
@@ -64,10 +65,11 @@ class Chain:
 
 def check(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
     """Checks each object of each chain against the one before it, evaluated on the current frame, and the neighbours of
-    a copy also against its originals; these findings come first, folds last. Raises: UserError.
+    a copy also against its originals; these findings come first, only folds before them. Raises: UserError.
     """
-    found, frame = _enclosures(context, chains), context.scene.frame_current
-    return found + [_fold(each, fold, (frame, frame)) for each, fold in _folds(context, chains)]
+    frame = context.scene.frame_current
+    folds = [_fold(each, fold, (frame, frame)) for each, fold in _folds(context, chains)]
+    return folds + _enclosures(context, chains)
 
 
 def _enclosures(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
@@ -82,10 +84,10 @@ def _folds(context: bpy.types.Context, chains: Sequence[Chain]) -> list[tuple[Fo
 
 def _fold(folding: Folding, fold: Fold, frames: tuple[int, int]) -> Finding:
     """The finding of a fold on the last of some frames."""
-    limb = f"bends '{fold.bone}' over itself" if fold.bone else "lies over itself"
-    sentence = f"'{folding.inner.name}' {limb} at {fold.where}: {100.0 * fold.share:.2g} % of its area"
+    how = f"bends '{fold.bone}' over itself" if fold.bone else "lies over itself"
+    said = note("check.folded", inner=folding.inner.name, how=how, where=fold.where, share=fold.share, when="", more="")
     nothing = np.empty((0, 3), np.float32)
-    return Finding(folding.cage.name, folding.inner.name, False, sentence, 0.0, frames, nothing, nothing)
+    return Finding(folding.cage.name, folding.inner.name, False, said, 0.0, frames, nothing, nothing)
 
 
 def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, Drawing, Outline, Drawing]]:
@@ -122,9 +124,9 @@ def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work
         for each, fold in _folds(context, chains):
             folds.setdefault(each, []).append((frame, fold))
         if not all(finding.holds for finding in found):
-            return [_on(finding, first, frame) for finding in found] + _largest(folds, first)
+            return _largest(folds, first) + [_on(finding, first, frame) for finding in found]
         findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
-    return [_enclosing(finding, first, last) for finding in findings] + _largest(folds, first)
+    return _largest(folds, first) + [_enclosing(finding, first, last) for finding in findings]
 
 
 def _largest(folds: dict[Folding, list[tuple[int, Fold]]], first: int) -> list[Finding]:
@@ -134,23 +136,21 @@ def _largest(folds: dict[Folding, list[tuple[int, Fold]]], first: int) -> list[F
         frame, worst = max(on, key=lambda each: each[1].share)
         finding = _on(_fold(folding, worst, (frame, frame)), first, frame)
         more = f"; {len(on)} frames from {on[0][0]} to {on[-1][0]} have folds" if len(on) > 1 else ""
-        found.append(replace(finding, sentence=finding.sentence + more))
+        found.append(replace(finding, note=note(finding.note.code, **{**finding.note.data, "more": more})))
     return found
 
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:
-    """The finding of the first frame with a fault; its sentence names the frame."""
-    sentence = f"Frame {frame}: {finding.sentence}"
-    return replace(finding, frames=(first, frame), sentence=sentence)
+    """The finding of the first frame with a fault; its note names the frame."""
+    said = note(finding.note.code, **{**finding.note.data, "when": f"Frame {frame}: "})
+    return replace(finding, frames=(first, frame), note=said)
 
 
 def _enclosing(finding: Finding, first: int, last: int) -> Finding:
-    """The finding of smallest clearance; its sentence is about all frames."""
-    sentence = (
-        f"'{finding.cage}' encloses '{finding.fine}' on all frames from {first} to {last}: "
-        f"clearance {finding.clearance:.3g} at least"
+    """The finding of smallest clearance; its note is about all frames."""
+    return replace(
+        finding, frames=(first, last), note=note("check.frames", **finding.note.data, first=first, last=last)
     )
-    return replace(finding, frames=(first, last), sentence=sentence)
 
 
 @contextmanager
@@ -169,20 +169,21 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
         outside, inside = cage.mesh(), fine.mesh()
         certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
     except UserError as error:
-        holds, sentence = False, str(error)
+        holds, said = False, note("check.invalid", text=str(error), when="")
     else:
         holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
+        names = {"outer": outer.name, "inner": inner.name, "when": ""}
         if holds:
-            excess = 100.0 * certificate.excess
-            sentence = f"'{outer.name}' encloses '{inner.name}': clearance {clearance:.3g}, excess {excess:.2f} %"
+            said = note("check.holds", **names, clearance=clearance, excess=float(certificate.excess))
         else:
-            sentence = f"'{outer.name}' does not enclose '{inner.name}'. {' '.join(certificate.problems)}"
+            codes = [problem.code for problem in certificate.problems]
+            said = note("check.broken", **names, text=" ".join(certificate.problems), codes=codes)
     cage_faults, fine_faults = _faults(cage, fine)
     return Finding(
         outer.name,
         inner.name,
         holds,
-        sentence,
+        said,
         clearance,
         (frame, frame),
         outer.points[cage_faults].astype(np.float32),

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ..core import core, predicates
 from ..errors import UserError
-from ..scene import display, filling
+from ..scene import display, filling, ownership
 from ..scene.plane import PLANARITY, Frame, world_matrix
+from ..scene.selection import scene_of
 
 Points = NDArray[np.float64]
 
@@ -219,6 +220,6 @@ def place(
 ) -> bpy.types.Object:
     """A new object with the mesh in its frame, in the collection of the object that showed the picture, if any."""
     obj = bpy.data.objects.new(name, data)
-    (beside.users_collection[0] if beside is not None else context.collection).objects.link(obj)
+    (ownership.home_of(scene_of(context), beside) if beside is not None else context.collection).objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
     return obj

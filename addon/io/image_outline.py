@@ -9,12 +9,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core, memory, pictures
+from ..core import core, memory, pictures, tasks
 from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
 from ..generation.memory import known
-from ..scene import display, placement
+from ..scene import display, ownership, placement
+from ..scene.selection import scene_of
 
 
 @dataclass(frozen=True)
@@ -57,14 +58,11 @@ class Picture:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
         try:
-            steps = pictures.picture_cages_run(self.alpha, [vertices], **options)
-            while True:
-                try:
-                    step = next(steps)
-                except StopIteration as done:
-                    found = done.value.cages[0]
-                    break
-                yield Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}")
+            made = yield from tasks.mapped(
+                pictures.picture_cages_run(self.alpha, [vertices], **options),
+                lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
+            )
+            found = made.cages[0]
             traced = core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
             known().put(key, traced, found.vertices.nbytes)
             return traced
@@ -88,12 +86,9 @@ def place(
     data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), mesh.edges.tolist(), [])
     obj = bpy.data.objects.new(name, data)
     display.apply_display(obj, 1)
-    (target.users_collection[0] if target is not None else context.collection).objects.link(obj)
+    (ownership.home_of(scene_of(context), target) if target is not None else context.collection).objects.link(obj)
     if target is not None:
-        if target.parent is None and not target.constraints:
-            placement.copy_transform(target, obj)
-        else:
-            obj.matrix_world = target.matrix_world
+        placement.stand_as(target, obj)
     return obj
 
 

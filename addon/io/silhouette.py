@@ -14,10 +14,11 @@ from .. import keys
 from ..core import core
 from ..errors import UserError
 from ..generation.job import Progress, Work
-from ..scene import filling
+from ..scene import filling, ownership
 from ..scene.areas import Area, Faces, Patch, areas_of, loops_of
 from ..scene.plane import Frame, fitted_frame, own_frame, world_matrix
 from ..scene.reading import READERS, lines_of
+from ..scene.selection import scene_of
 from ..scene.uniting import united
 
 # Directions of the x and y axes of planes facing a world axis.
@@ -139,7 +140,7 @@ def place(
     obj = bpy.data.objects.new(name, filling.filled(name, frame.points(mesh.vertices), mesh))
     if active.active_material is not None and active.type != "GREASEPENCIL":
         obj.data.materials.append(active.active_material)
-    (active.users_collection or [context.scene.collection])[0].objects.link(obj)
+    ownership.home_of(scene_of(context), active).objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
     obj[keys.OTHERS] = {str(number): part for number, part in enumerate(parts)}
     return obj

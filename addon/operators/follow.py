@@ -8,12 +8,15 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
+from .. import record
 from ..errors import UserError, counted
 from ..following import moving, poses, writing
 from ..generation.job import Work, part
+from ..generation.levels import OWN, are_counts, parse_levels
 from ..properties import conversion, groups
 from ..properties.settings import OperatorProperties
-from ..scene.selection import scene_of
+from ..scene import ownership, units
+from ..scene.selection import collection_of_active, scene_of
 from .base import DialogJobOperator, Outcome
 from .generate import sources, why_nothing
 
@@ -52,10 +55,22 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         return "" if sources(context) else why_nothing(context)
 
     def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
-        self._set_range(scene_of(context))
-        self.take_from_panel(context, groups.NOT_MOVING)
+        self.prepare(context)
         asked: Any = context.window_manager.invoke_props_dialog(self)
         return {*asked}
+
+    def prepare(self, context: bpy.types.Context) -> None:
+        """Takes what is not given from the cages that the active drawing has, or else from the panel."""
+        self._set_range(scene_of(context))
+        collection = collection_of_active(context)
+        found = record.of(collection) if collection is not None else None
+        if collection is None or found is None or not found.known or found.inside:
+            self.take_from_panel(context, groups.NOT_MOVING)
+            return
+        given = self.properties.is_property_set("levels")
+        self.take_from_panel(context, groups.NOT_MOVING, found.settings)
+        if not given and not _has_counts(self.levels, scene_of(context)):
+            self.levels = ", ".join(str(len(cage.data.vertices)) for cage in ownership.members(collection)[1:])
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
@@ -117,11 +132,18 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
 
     def _tell(self, results: list[moving.Moving]) -> None:
         cages = [cage for result in results for cage in result.cages]
-        for note in dict.fromkeys(note for cage in cages for note in cage.notes):
+        for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
             self.report({"WARNING"}, note)
-        shown = ", ".join(f"{100.0 * cage.excess.mean():.2f} %" for cage in cages)
+        means = [sum(each.excess for each in c.report.certificates) / len(c.report.certificates) for c in cages]
+        shown = ", ".join(f"{100.0 * mean:.2f} %" for mean in means)
         certified = f"certified on {counted(len(results[0].poses.frames), 'frame')} and between them"
         self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; mean excess {shown}")
+
+
+def _has_counts(levels: str, scene: bpy.types.Scene) -> bool:
+    """Whether all levels of a text are numbers or shares of vertices."""
+    found = parse_levels(levels, units.lengths(scene))
+    return OWN not in found and are_counts(found)
 
 
 CLASSES = (OBJECT_OT_nested_cages_follow,)

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
 from .. import record
-from ..animation import bake, shape_keys
-from ..binding import field
+from ..animation import bake
 from ..binding.adoption import adopt, waiting
 from ..errors import UserError
-from ..generation.checking import Chain, Finding, check, check_animation, same_frame, select_points
-from ..generation.folding import Folding
-from ..generation.job import Work, completed
-from ..io import silhouette
+from ..following import claims
+from ..generation.checking import Finding, check, check_animation, same_frame, select_points
+from ..generation.job import Work
 from ..scene import convert, ownership
-from ..scene.convert import Drawing, Outline
-from ..scene.plane import Frame, transform, world_matrix
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
 from .base import JobOperator, Outcome
 
@@ -56,7 +51,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> Work[Outcome]:
         scene = scene_of(context)
         adopt(scene, chosen(context))
-        chains = [_with_originals(context, objects) for objects in _nested(context, self.whole)]
+        chains = [claims.chain_of(context, objects) for objects in _nested(context, self.whole)]
         objects = [obj for chain in chains for obj in chain.objects]
         originals = list(dict.fromkeys(obj for chain in chains for obj in chain.originals))
         checked = [*objects, *originals]
@@ -70,68 +65,14 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             at_fault = _select_faults(context, checked, findings)
         # Failures last: the status bar shows, and the cage keeps, the last finding.
         findings.sort(key=lambda finding: not finding.holds)
-        by_name = {obj.name: obj for obj in checked}
-        for finding in findings:
-            outer, inner = by_name[finding.cage], by_name[finding.fine]
-            cage = outer if ownership.depth_of(outer) > 0 else inner
-            if ownership.level_of(cage) is not None:
-                _remember(cage, finding)
+        claims.remember(checked, findings)
         names = {original.name for original in originals}
         shown = [found for found in findings if not found.holds or names.isdisjoint((found.fine, found.cage))]
-        for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in shown):
+        for holds, sentence in dict.fromkeys((finding.holds, finding.note) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
         return {"FINISHED"}
-
-
-def _with_originals(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Chain:
-    """The objects with the originals of the fine mesh among them, if they are visible too: not while the animation
-    plays on a copy, nor if they cannot follow exactly.
-    """
-    fine = next((obj for obj in objects if ownership.level_of(obj) == 0), None)
-    collection = ownership.collection_about(scene_of(context), fine) if fine is not None else None
-    if (
-        fine is None
-        or collection is None
-        or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
-    ):
-        return Chain(objects, folding=_folding(objects))
-    found = [
-        original for original in ownership.originals(collection) if original not in objects and original.visible_get()
-    ]
-    place = objects.index(fine)
-    if not ownership.is_bound(collection):
-        return Chain(objects, [original for original in found if _is_readable(context, original)], place)
-    originals = [original for original in found if field.followed(original) is not None]
-    return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
-
-
-def _folding(objects: Sequence[bpy.types.Object]) -> list[Folding]:
-    """The fields that bound objects follow, each with the cage around them."""
-    pairs = [(inner, cage, field.field_of(cage)) for inner, cage in pairwise(objects)]
-    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == shows]
-
-
-def _is_readable(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-    try:
-        convert.read(context, obj)
-    except UserError:
-        return False
-    return True
-
-
-def _displayed(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) -> tuple[Outline, Drawing]:
-    """The outline of a bound drawing, or of the area that it paints if it has none. Raises: UserError."""
-    try:
-        outline = convert.read(context, obj)
-    except UserError:
-        shown = field.shown_by(obj)
-        loops, _ = completed(silhouette.outline(context, [shown], frame, silhouette.Options(closed=True)))
-        back = np.linalg.inv(world_matrix(shown)) @ frame.matrix
-        own = tuple(transform(back, frame.points(loop)).astype(np.float32) for loop in loops)
-        return Outline(obj.name, own, world_matrix(shown), obj.session_uid), Drawing(obj.name, frame, loops)
-    return outline, convert.drawing_in(frame, outline, layer=True)
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:
@@ -159,17 +100,6 @@ def _select_faults(
         if editable and select_points(context, obj, np.concatenate([np.empty((0, 3), np.float32), *points])):
             found.append(obj)
     return found
-
-
-def _remember(cage: bpy.types.Object, finding: Finding) -> None:
-    """Stores a finding for the panel."""
-    home = ownership.home_of_member(cage)
-    if home is not None:
-        record.written(home)
-        found = record.described(cage)
-        found.check, found.checked = record.HOLDS if finding.holds else record.FAULT, finding.frames
-        found.finding = finding.sentence
-        record.publish(cage)
 
 
 def _nested(context: bpy.types.Context, hidden: bool = False) -> list[list[bpy.types.Object]]:

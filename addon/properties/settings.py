@@ -303,11 +303,13 @@ class OperatorProperties(GenerationProperties):
     if not TYPE_CHECKING:
         __annotations__ = {name: _forgotten(each) for name, each in get_type_hints(GenerationProperties).items()}
 
-    def take_from_panel(self, context: bpy.types.Context, leave: Iterable[str] = ()) -> None:
-        """Sets what is neither given nor to be left as the panel shows it."""
+    def take_from_panel(
+        self, context: bpy.types.Context, leave: Iterable[str] = (), instead: GenerationProperties | None = None
+    ) -> None:
+        """Sets what is neither given nor to be left as the panel shows it, or other settings `instead`."""
         properties: Any = self.properties  # type: ignore[attr-defined]
         kept = {name: getattr(self, name) for name in NAMES if name in leave or properties.is_property_set(name)}
-        copy_values(settings_of(context), self)
+        copy_values(instead or settings_of(context), self)
         for name, value in kept.items():
             setattr(self, name, value)
 

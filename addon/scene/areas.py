@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import bpy
 import numpy as np
@@ -15,8 +14,8 @@ from ..errors import UserError
 from .chains import SMALLEST_LOOP, chains
 from .convert import read
 from .plane import transform, world_matrix
-from .reading import READERS
-from .strokes import SMOOTH, STRAIGHT
+from .reading import READERS, has_nodes, realized
+from .strokes import SMOOTH, STRAIGHT, style_of, unseen
 
 Points = NDArray[np.float64]
 
@@ -87,8 +86,8 @@ def instances_collection(obj: bpy.types.Object) -> bool:
 
 
 def _instances(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
-    """The areas of what an object instances: a collection, or geometry of its nodes."""
-    for found in context.evaluated_depsgraph_get().object_instances:
+    """The areas of what an object instances: a collection, or its children on its vertices or faces."""
+    for found in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
         if found.is_instance and found.parent is not None and found.parent.original == obj:
             matrix = np.array(found.matrix_world, dtype=np.float64)
             if found.object is not None and found.object.type in SOLID:
@@ -96,8 +95,11 @@ def _instances(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Ar
 
 
 def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
-    """The faces of the evaluated object, and the inside of its closed lines."""
+    """The faces of the evaluated object, its instances included, and the inside of its closed lines."""
     yield from _faces(obj.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj))
+    if has_nodes(obj):
+        with realized(context, obj, 0, bpy.data.batch_remove) as shape:
+            yield from _faces(shape.evaluated_get(context.evaluated_depsgraph_get()), world_matrix(obj))
 
 
 def _faces(evaluated: bpy.types.Object, matrix: Points) -> Iterator[Area]:
@@ -138,20 +140,11 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool, clo
     Raises: UserError for strokes that are not made of straight pieces.
     """
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    data: Any = evaluated.data
-    drawings = [frame.drawing for layer in data.layers if (frame := layer.current_frame()) is not None]
-    # Strokes made by scripts have no opacity unless it is set, and are meant to be seen.
-    opaque = any(_is_seen(stroke) for drawing in drawings if drawing is not None for stroke in drawing.strokes)
-    for layer in data.layers:
-        frame = layer.current_frame()
-        if layer.hide or layer.opacity <= 0.0 or frame is None or frame.drawing is None:
-            continue
-        if layer.use_masks and any(not mask.hide for mask in layer.mask_layers):
-            raise UserError(f"layer '{layer.name}' of '{obj.name}' has masks: switch them off, or cut the strokes")
+    for layer, hidden in unseen(evaluated).items():
         matrix = world_matrix(obj) @ np.array(layer.matrix_local)
         scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
-        for stroke in frame.drawing.strokes:
-            if opaque and not _is_seen(stroke):
+        for number, stroke in enumerate(layer.current_frame().drawing.strokes):
+            if number in hidden:
                 continue
             drawn = np.array([(*point.position, point.radius) for point in stroke.points], np.float64).reshape(-1, 4)
             kind = getattr(stroke, "curve_type", STRAIGHT)
@@ -163,7 +156,7 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool, clo
                     "Curve Type)"
                 )
             points, radii = transform(matrix, drawn[:, :3]), scale * np.maximum(drawn[:, 3], 0.0)
-            style = _style(evaluated, stroke.material_index)
+            style = style_of(evaluated, stroke)
             filled = (style is not None and style.show_fill) or (stroke.cyclic and closed)
             if filled and len(points) >= SMALLEST_LOOP:
                 yield Patch((points,), evenodd=True)
@@ -184,18 +177,6 @@ def _smooth(values: Points, cyclic: bool) -> Points:
     slope, bend, twist = end - before, 2 * before - 5 * start + 4 * end - after, 3 * (start - end) + after - before
     found = (start + 0.5 * t * (slope + t * (bend + t * twist))).reshape(-1, values.shape[1])
     return found if cyclic else np.concatenate([found, values[-1:]])
-
-
-def _is_seen(stroke: Any) -> bool:
-    """Whether a stroke has any opacity."""
-    return stroke.fill_opacity > 0.0 or any(point.opacity > 0.0 for point in stroke.points)
-
-
-def _style(obj: bpy.types.Object, index: int) -> Any:
-    """The Grease Pencil style of a material slot, None without a material."""
-    slots = obj.material_slots
-    material = slots[index].material if index < len(slots) else None
-    return material.grease_pencil if material is not None else None
 
 
 def loops_of(stroke: Points, radii: Points) -> list[Points]:

@@ -15,7 +15,7 @@ from ..errors import Fault, UserError
 from . import faults
 from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform, world_matrix
-from .reading import READERS, Lines, lines_of
+from .reading import READERS, Lines, has_nodes, lines_of
 from .uniting import outline_of, united
 
 # Smallest part of the area of several drawings that is missing from their sum if one lies in another.
@@ -36,7 +36,7 @@ class ReadingOptions:
 @dataclass(frozen=True)
 class Outline:
     """The evaluated outline of an object: closed loops (k, 3) in its own space, float32, its matrix (4, 4), and its
-    session ID. ``letters``: its loops may cross and touch, as those of a text do. ``filled``: it has faces.
+    session ID. ``letters``: its loops may cross and touch, as those of texts and instances. ``filled``: it has faces.
     """
 
     name: str
@@ -115,7 +115,8 @@ def read(
     if lost.any():
         axes = " and ".join(axis for axis, gone in zip("XYZ", lost, strict=True) if gone)
         raise UserError(f"'{obj.name}' is scaled to nothing along {axes}: give it a scale first")
-    return Outline(obj.name, loops, matrix, obj.session_uid, letters=obj.type == "FONT", filled=_is_filled(obj))
+    letters = obj.type == "FONT" or has_nodes(obj)
+    return Outline(obj.name, loops, matrix, obj.session_uid, letters=letters, filled=_is_filled(obj))
 
 
 def fine_drawing(outline: Outline, options: ReadingOptions = ReadingOptions()) -> Drawing:

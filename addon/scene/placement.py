@@ -69,6 +69,12 @@ def carry(obj: bpy.types.Object, carrier: bpy.types.Object | None, inverse: Matr
         obj.matrix_parent_inverse = inverse or Matrix()
 
 
+def keep_carried(obj: bpy.types.Object, source: bpy.types.Object) -> None:
+    """Lets a drawing carry an object by a constraint once its children stand elsewhere than in its space."""
+    if obj.parent == source and obj.parent_type == "OBJECT" and _displaces(source):
+        carry(obj, *carrier_of(obj))
+
+
 def accompany(obj: bpy.types.Object, other: bpy.types.Object, at: Matrix = HERE) -> None:
     """Puts an object at a place in the space of another one, and lets the same drawing carry both."""
     carry(obj, *carrier_of(other))
@@ -112,6 +118,15 @@ def copy_transform(source: bpy.types.Object, target: bpy.types.Object) -> None:
     """Copies the exact transform of an object to another one."""
     for channel in TRANSFORM:
         setattr(target, channel, getattr(source, channel))
+
+
+def stand_as(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Puts a new object where another one is displayed: with its transform, parent and constraints."""
+    copy_transform(source, target)
+    for name in ("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse"):
+        setattr(target, name, getattr(source, name))
+    for constraint in source.constraints:
+        target.constraints.copy(constraint)
 
 
 def _inverse(matrix: Matrix) -> Matrix | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from typing import Any, NamedTuple
 
 import bmesh
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from .display import add_nodes_modifier, new_node
+from . import strokes
+from .display import add_nodes_modifier, is_ours, new_node
 from .filling import mesh_of
 
 # Removes temporary blocks, now or later.
@@ -41,7 +42,7 @@ def lines_of(context: bpy.types.Context, obj: bpy.types.Object, resolution: int 
         raise UserError(
             f"'{obj.name}' is of a kind without an outline: select a curve, a text, a Grease Pencil or a mesh"
         )
-    with READERS[obj.type](context, obj, resolution, bpy.data.batch_remove) as subject:
+    with _with_lines(context, obj, resolution, bpy.data.batch_remove) as subject:
         return _evaluated_lines(context, subject)
 
 
@@ -49,17 +50,17 @@ def lines_of_all(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], resolution: int = 0
 ) -> dict[bpy.types.Object, Lines]:
     """`lines_of` several objects by one evaluation of the scene, which takes as long as it has objects; without those
-    that have to be read by themselves, as in Edit Mode.
+    that have to be read by themselves, as in Edit Mode, or cannot be.
     """
     found, garbage = {}, list[Any]()
     meshes_first = sorted(objects, key=lambda obj: obj.type != "MESH")  # these need no copy, which would be evaluated
     with ExitStack() as stack:
         stack.callback(lambda: bpy.data.batch_remove(garbage) if garbage else None)
-        subjects = {
-            obj: stack.enter_context(READERS[obj.type](context, obj, resolution, garbage.extend))
-            for obj in meshes_first
-            if obj.type in READERS and obj.mode != "EDIT"
-        }
+        subjects = {}
+        for obj in meshes_first:
+            if obj.type in READERS and obj.mode != "EDIT":
+                with suppress(UserError):
+                    subjects[obj] = stack.enter_context(_with_lines(context, obj, resolution, garbage.extend))
         for obj, subject in subjects.items():
             found[obj] = _evaluated_lines(context, subject)
     return found
@@ -113,10 +114,27 @@ def _plain_copy(
 
 
 @contextmanager
-def _meshed(
+def _shown_strokes(
+    _context: bpy.types.Context, obj: bpy.types.Object, _resolution: int, remove: Remove
+) -> Iterator[bpy.types.Object]:
+    """A Grease Pencil object itself, or a temporary copy without what it hides. Raises: UserError for masks."""
+    if not strokes.hides(obj):
+        yield obj
+        return
+    copy, data = obj.copy(), obj.data.copy()
+    try:
+        copy.data = data
+        strokes.remove_hidden(copy)
+        yield copy
+    finally:
+        remove([copy, data])
+
+
+@contextmanager
+def realized(
     context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
 ) -> Iterator[bpy.types.Object]:
-    """A temporary mesh object with the curves of an object that has no mesh: hair and Grease Pencil."""
+    """A temporary mesh object with the faces and lines that an object displays, its instances included."""
     tree = bpy.data.node_groups.new(obj.name, "GeometryNodeTree")
     mesh = bpy.data.meshes.new(obj.name)
     helper = bpy.data.objects.new(obj.name, mesh)
@@ -125,20 +143,26 @@ def _meshed(
         source = new_node(tree, "GeometryNodeObjectInfo")
         source.transform_space = "ORIGINAL"
         source.inputs["Object"].default_value = obj
-        chain = ["GeometryNodeCurveToMesh"]
-        if resolution:
-            chain.insert(0, "GeometryNodeSetSplineResolution")
-        if obj.type == "GREASEPENCIL":
-            # Its layers, with their own transforms, come as instances.
-            chain = ["GeometryNodeGreasePencilToCurves", "GeometryNodeRealizeInstances", *chain]
-        geometry = source.outputs["Geometry"]
-        for kind in chain:
-            node = new_node(tree, kind)
-            if kind == "GeometryNodeSetSplineResolution":
-                node.inputs["Resolution"].default_value = resolution
-            tree.links.new(geometry, node.inputs[0])
-            geometry = node.outputs[0]
-        tree.links.new(geometry, new_node(tree, "NodeGroupOutput").inputs[0])
+
+        def then(geometry: Any, *kinds: str) -> Any:
+            for kind in kinds:
+                node = new_node(tree, kind)
+                if kind == "GeometryNodeSetSplineResolution":
+                    node.inputs["Resolution"].default_value = resolution
+                tree.links.new(geometry, node.inputs[0])
+                geometry = node.outputs[0]
+            return geometry
+
+        # The layers of Grease Pencil, with their own transforms, come as instances.
+        layers = ["GeometryNodeGreasePencilToCurves"] if obj.type == "GREASEPENCIL" else []
+        real = then(source.outputs["Geometry"], *layers, "GeometryNodeRealizeInstances")
+        parts, both = new_node(tree, "GeometryNodeSeparateComponents"), new_node(tree, "GeometryNodeJoinGeometry")
+        tree.links.new(real, parts.inputs[0])
+        finer = ["GeometryNodeSetSplineResolution"] if resolution else []
+        lines = then(parts.outputs["Curve"], *finer, "GeometryNodeCurveToMesh")
+        for geometry in (parts.outputs["Mesh"], lines):
+            tree.links.new(geometry, both.inputs[0])
+        tree.links.new(both.outputs[0], new_node(tree, "NodeGroupOutput").inputs[0])
         add_nodes_modifier(helper, "Curves", tree)
         context.scene.collection.objects.link(helper)
         yield helper
@@ -146,12 +170,30 @@ def _meshed(
         remove([helper, mesh, tree])
 
 
+@contextmanager
+def _with_lines(
+    context: bpy.types.Context, obj: bpy.types.Object, resolution: int, remove: Remove
+) -> Iterator[bpy.types.Object]:
+    """An object, maybe a temporary one, whose evaluated mesh has the lines of another one."""
+    with READERS[obj.type](context, obj, resolution, remove) as found:
+        if obj.type in {"CURVES", "GREASEPENCIL"} or has_nodes(obj):
+            with realized(context, found, resolution, remove) as mesh:
+                yield mesh
+        else:
+            yield found
+
+
+def has_nodes(obj: bpy.types.Object) -> bool:
+    """Whether Geometry Nodes of the user's add to what an object displays: instances, which are not in its mesh."""
+    return any(each.type == "NODES" and each.show_viewport and not is_ours(each) for each in obj.modifiers)
+
+
 READERS: dict[str, Reader] = {
     "MESH": _itself,
     "CURVE": _plain_copy,
     "FONT": _plain_copy,
-    "CURVES": _meshed,
-    "GREASEPENCIL": _meshed,
+    "CURVES": _itself,
+    "GREASEPENCIL": _shown_strokes,
 }
 
 

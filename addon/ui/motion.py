@@ -3,21 +3,10 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any
 
 import bpy
 
 from ..following import live
-from ..properties import groups
-from ..properties.settings import copy_values, settings_of
-
-
-def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The button that follows an animation."""
-    button: Any = layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
-    copy_values(settings_of(context), button)
-    for name in groups.NOT_MOVING:
-        button.property_unset(name)
 
 
 def draw_live(layout: bpy.types.UILayout, width: int) -> None:

@@ -148,8 +148,7 @@ class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout: Any = self.layout
-        motion.draw(layout, context)
+        self.layout.operator("object.nested_cages_follow", icon="ARMATURE_DATA")
 
 
 class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):

@@ -1,4 +1,4 @@
-"""The shapes of the paper's figures, drawn anew: pairs of a fine and a coarse mesh."""
+"""The shapes of the paper's figures, redrawn: pairs of a fine and a coarse mesh."""
 
 from __future__ import annotations
 

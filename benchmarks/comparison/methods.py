@@ -74,7 +74,7 @@ LADDER: dict[str, Settings] = {
     "+ exact parity": (PARITY := replace(
         PUBLISHED, flow=PaperFlow(exact_parity=True), contact=PaperContact(repairs=Repairs(parity=True))
     )),
-    "+ infinite energies refused": (FINITE := replace(
+    "+ infinite energies rejected": (FINITE := replace(
         PARITY, contact=PaperContact(solver=GradientDescent(refuse_infinite=True), repairs=Repairs(parity=True))
     )),
     "+ exact return": (HOME := replace(FINITE, contact=REPAIRED_CONTACT)),

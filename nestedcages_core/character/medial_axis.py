@@ -69,7 +69,7 @@ def medial_axis(mesh: Mesh) -> MedialAxis:
 
 
 def pruned(axis: MedialAxis, protrudes: float) -> MedialAxis:
-    """The axis without branches that reach less than `reach` radii beyond the disc of their fork, least reach first."""
+    """The axis without branches that reach less than `protrudes` radii beyond their fork, shortest first."""
     links = {point: set(others) for point, others in axis.links.items()}
     while True:
         worst, least = None, protrudes

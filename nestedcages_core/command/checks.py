@@ -64,8 +64,8 @@ def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths
         given.grid = Grid.of_decimals(given.decimals).spacing
     if given.convex and (given.inside or borders):
         options.error(f"--convex is for cages around a shape; leave out {'--inside' if given.inside else '--borders'}")
-    if given.convex and (given.symmetry or given.min_edge or given.min_angle):
-        options.error("--convex takes no --symmetry, --min-edge and --min-angle; leave out one of them")
+    if given.convex and (given.min_edge or given.min_angle):
+        options.error("--convex takes no --min-edge and --min-angle; leave out one of them")
     apart = [name for name in ("inside", "convex", "borders", "symmetry", "min_edge", "min_angle")
              if getattr(given, name) not in (None, False)]  # fmt: skip
     if given.merge is not None and apart:

@@ -3,7 +3,6 @@
 - `Decimation`: the interface, with `Count`, the vertices of a level; `SeveralStarts` for methods that offer several
   coarse meshes.
 - `LineCycles`: the lines of least area around each loop; put on the curve.
-- `OnCurve`: vertices on the fine mesh, distributed like those of the outer hull.
 - `OuterHull`: strictly encloses the fine mesh from the start; works for any count down to a triangle per loop.
 - `choices/`: others.
 """
@@ -13,13 +12,11 @@ from __future__ import annotations
 from .base import Count, Decimation, SeveralStarts, Start
 from .hull.outer_hull import OuterHull
 from .line_cycles import LineCycles
-from .on_curve import OnCurve
 
 __all__ = [
     "Count",
     "Decimation",
     "LineCycles",
-    "OnCurve",
     "OuterHull",
     "SeveralStarts",
     "Start",

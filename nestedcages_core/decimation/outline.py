@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from ..cache import Key, key_of
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.predicates import BoxTree
 from ..geometry.vectors import cross, norm
@@ -15,15 +14,13 @@ from ..geometry.vectors import cross, norm
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """Closed loops with the solid on their left, one after the other, and the stretch that each vertex stands for.
+    """Closed loops with the solid on their left, one after the other.
 
     vertices: (n, 2). sizes: vertices per loop.
-    spans: (n, 2) the first and the last vertex of the fine loop that a vertex replaces, as positions in that loop.
     """
 
     vertices: FloatArray
     sizes: tuple[int, ...]
-    spans: IntArray
 
     @cached_property
     def begins(self) -> IntArray:
@@ -73,11 +70,6 @@ class Outline:
         """Diameter of the circle around the centre that holds the loops."""
         return 2.0 * float(norm(self.vertices - self.centre).max())
 
-    @cached_property
-    def key(self) -> Key:
-        """What tells it from other outlines, in a `Memory`."""
-        return key_of(self.vertices, self.sizes, self.spans)
-
     @property
     def area(self) -> float:
         """Area of the solid; clockwise loops count negative."""
@@ -87,4 +79,4 @@ class Outline:
 
     def moved(self, vertices: FloatArray) -> Outline:
         """The same loops with other vertices (n, 2)."""
-        return Outline(vertices, self.sizes, self.spans)
+        return Outline(vertices, self.sizes)

@@ -123,8 +123,4 @@ def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
         keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - corner) / tie)))
     order = np.array(sorted(range(len(rings)), key=keys.__getitem__), dtype=np.int64)
     ordered = tuple(rings[k] for k in order)
-    places = np.concatenate([np.arange(len(ring)) for ring in ordered])
-    outline = Outline(
-        fine.vertices[np.concatenate(ordered)], tuple(len(ring) for ring in ordered), np.stack((places, places), axis=1)
-    )
-    return outline, order
+    return Outline(fine.vertices[np.concatenate(ordered)], tuple(len(ring) for ring in ordered)), order

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.mesh import Mesh
 
@@ -120,13 +120,29 @@ def _spikes(shapely: Any, region: Any, width: float) -> list[Any]:
     if found.is_empty:
         return []
     body = _offset(shapely, core, reach)
-    spikes = []
-    for part in _parts_at(shapely, _overlaid(shapely, "difference", region, body, width), found):
-        contacts = _overlaid(shapely, "intersection", shapely.buffer(part, margin), body, width)
-        speck = contacts.is_empty and not core.is_empty and max(np.ptp(np.reshape(part.bounds, (2, 2)), axis=0)) < width
-        if speck or (not contacts.is_empty and shapely.get_num_geometries(contacts) == 1):
-            spikes.append(part)
-    return spikes
+    parts = _parts_at(shapely, _overlaid(shapely, "difference", region, body, width), found)
+    if not parts:
+        return []
+    contacts = _contacts(shapely, shapely.buffer(parts, margin), body)
+    extent = np.ptp(shapely.bounds(parts).reshape(-1, 2, 2), axis=1).max(axis=1)
+    specks = (contacts == 0) & (extent < width) & (not core.is_empty)
+    return [part for part, ends in zip(parts, specks | (contacts == 1), strict=True) if ends]
+
+
+def _contacts(shapely: Any, parts: Any, body: Any) -> IntArray:
+    """(P,) number of stretches of a body's boundary within each part."""
+    points, ring = shapely.get_coordinates(shapely.get_rings(shapely.get_parts(body)), return_index=True)
+    edges = shapely.linestrings(np.stack((points[:-1], points[1:]), axis=1)[ring[1:] == ring[:-1]])
+    part, edge = shapely.STRtree(edges).query(parts, predicate="intersects")
+    pieces, index = shapely.get_parts(shapely.intersection(edges[edge], parts[part]), return_index=True)
+    part = part[index]
+    stretches = shapely.length(pieces) > 0.0
+    number = np.zeros(len(parts), dtype=np.int64)
+    if stretches.any():
+        near, index = np.unique(part[stretches], return_inverse=True)
+        lines = shapely.multilinestrings(pieces[stretches], indices=index)
+        number[near] = shapely.get_num_geometries(shapely.line_merge(lines))
+    return number
 
 
 def _offset(shapely: Any, region: Any, distance: float) -> Any:

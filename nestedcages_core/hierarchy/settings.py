@@ -102,6 +102,7 @@ class Settings(Choices):
                 f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.",
                 code="setting.invalid",
             )
+        object.__setattr__(self, "stored", type_name(self.stored))  # a name, so that levels are remembered
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
             raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")
@@ -113,14 +114,9 @@ class Settings(Choices):
                 f"not {symmetry!r}.",
                 code="setting.invalid",
             )
-        if self.has_priorities and self.convex:
+        if self.convex and (self.pins or self.joints or self.min_edge is not None or self.min_angle is not None):
             raise NestedCagesError(
-                "Convex cages have no weights, pins, joints or limits; leave these out or convex.",
-                code="setting.conflict",
-            )
-        if symmetry is not None and self.convex:
-            raise NestedCagesError(
-                "Convex cages have no symmetry of their own; leave out the symmetry or convex.", code="setting.conflict"
+                "Convex cages have no pins, joints or limits; leave these out or convex.", code="setting.conflict"
             )
 
     @property

@@ -57,7 +57,7 @@ class Assembly:
 
     def exact(self, solver: ExactSolver, wanted: int | Mesh, clearances: tuple[float, ...]) -> Stage[Progress, Level]:
         """The level of a solver of its own."""
-        found = yield from solver(self.fine, wanted, clearances, self.progress)
+        found = yield from solver(self.plan, wanted, clearances, self.progress)
         counts = {"flow": 0, "reinflation": 0, "tightening": len(found.steps) - 1}
         coarse, way = found.cage.moved(found.steps[0]).validated(), self.resting(found.steps)
         notes = (*self.plan.remarks, *found.notes)

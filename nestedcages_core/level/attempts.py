@@ -13,15 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contact import Contact, SequentialQP
-from ..decimation import Count, Decimation, LineCycles, OnCurve, OuterHull, Start
+from ..decimation import Count, Decimation, LineCycles, Start
 from ..decimation.hull.inner_hull import InnerHull
 from ..decimation.line_cycles import InnerCycles
-from ..decimation.on_curve import closest_on_curve
 from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod, TwoSidedFlow
 from ..flow.loop_matching import match_loops
-from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
 from .choices import DEFAULT_CLEARANCE, Choices
 
@@ -36,15 +34,11 @@ MAX_CLEARANCE = 1e6
 
 MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
-140, and an iteration takes fifty times as long (docs/ablation.md: IPC gives way in crowds)."""
+140, and an iteration takes fifty times as long (docs/ablation.md: IPC ends in crowds)."""
 
 QUICK_LIMIT, QUICK_PATIENCE = 10, 6
 """Maximum number of steps of a descent of the flow where hulls compete, half the usual one; patience of the contact
 there, with which as many cages come from the flow as with the usual one."""
-
-OUTSIDE_FROM = 20_000
-"""Number of fine vertices from which a start outside alone replaces starts on the curve, unless there is no
-fallback: from 30,000 vertices on it takes less than half of the time, and cages are as tight (benchmarks/growth.py)."""
 
 LOOSE = 0.5
 """Excess of a cage from a user's own coarse mesh above which the next contact is tried too: around needles the contacts
@@ -95,10 +89,7 @@ class Attempt:
 def attempts(
     settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...], side: int = 1
 ) -> Iterator[Attempt]:
-    """The attempts for the level around ``fine``, or inside it, with a vertex count or the user's own coarse mesh.
-
-    The fallback is left out where it has been searched already: the starts on the curve come from outer hulls.
-    """
+    """The attempts for the level around ``fine``, or inside it, with a vertex count or the user's own coarse mesh."""
     if side < 0:
         yield from _attempts_inside(settings, fine, wanted, clearances)
         return
@@ -110,9 +101,6 @@ def attempts(
     else:
         decimation, starts = settings.decimation, settings.starts
         may_fall_back = settings.fallback is not None
-        prefers_curve = _prefers_curve(decimation) and may_fall_back
-        if prefers_curve and len(fine.vertices) >= OUTSIDE_FROM:
-            decimation, starts = _outside(decimation), 1
         # hulls need neither flow nor contact and lead to cages as tight: give up on these early
         quick = may_fall_back and settings.contact is None
         contacts = (SequentialQP(patience=QUICK_PATIENCE),) if quick else contacts_for(settings)
@@ -121,10 +109,13 @@ def attempts(
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
     last = replace(last, seeks_area=isinstance(settings.energy, Area))
     yield last
-    searched = (last.source, last.source.hull) if isinstance(last.source, OnCurve) else (last.source,)
-    if settings.fallback is not None and settings.fallback not in searched:
+    if settings.fallback is not None and settings.fallback != last.source:
         counts = _counts(fine, wanted)
         last = Attempt(settings.fallback, counts, settings.starts, flow, contacts, clearances, fallback=True)
+        if isinstance(wanted, Mesh) and isinstance(settings.decimation, LineCycles):  # tighter, where there are any
+            around = replace(settings.decimation, on_curve=False)
+            if around != settings.fallback:
+                yield replace(last, source=around)
         yield last
     if not isinstance(last.source, Mesh):
         yield replace(last, tightened=False)
@@ -134,9 +125,9 @@ def _attempts_inside(
     settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]
 ) -> Iterator[Attempt]:
     """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
-    chosen = settings.decimation.hull if isinstance(settings.decimation, OnCurve) else settings.decimation
-    hull = InnerHull(chosen if isinstance(chosen, OuterHull) else OuterHull())
-    first = InnerCycles() if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh) else hull
+    first: Decimation = InnerHull()
+    if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh):
+        first = InnerCycles(settings.decimation)
     count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
     last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
     if isinstance(wanted, Mesh):
@@ -158,33 +149,20 @@ class StartOutcome(NamedTuple):
     cage: Mesh | None = None
 
 
-def in_turn(
-    starts: Sequence[Start], fine: Mesh, attempt: Attempt, symmetry: Symmetry | None = None
-) -> Generator[Start, StartOutcome, None]:
+def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, StartOutcome, None]:
     """The starts of an attempt that are worth trying; a generator that is sent the outcome of each.
 
-    First the best one, on the curve, as in the paper; then the others as hulls, which is faster. If one of these leads
-    to a better cage, that cage is put on the curve, from where flow and reinflation lead back to it. See
-    docs/ablation.md: second start.
+    First the best one, on the curve, as in the paper; then the others as they are, which is faster.
     """
-    least, better = inf, None
-    prefers_curve = starts[0].on_curve is not None
     for number, start in enumerate(starts):
         if number == 0 and start.on_curve is not None:
-            outcome = yield Start(start.on_curve, "on the curve")
-            least = outcome.rank
+            least = (yield Start(start.on_curve, "on the curve")).rank
             # a single start is tried itself where even its coarse mesh is tighter than the cage from the curve
             if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= _excess(start, fine)):
                 continue
             if not attempt.may_fall_back:
                 return
-        outcome = yield start
-        if outcome.rank < least:
-            least, better = outcome
-    if prefers_curve and better is not None and len(starts) > 1:
-        coarse = closest_on_curve(better, fine, symmetry)
-        if coarse is not None:
-            yield Start(coarse, "on the curve")
+        yield start
 
 
 def contacts_for(settings: Choices) -> tuple[Contact, ...]:
@@ -203,12 +181,7 @@ def contacts_for(settings: Choices) -> tuple[Contact, ...]:
 
 def _prefers_curve(source: Mesh | Decimation) -> bool:
     """Whether starts come with meshes on the curve."""
-    return isinstance(source, OnCurve) or (isinstance(source, LineCycles) and source.on_curve)
-
-
-def _outside(decimation: Decimation) -> Decimation:
-    """The same search without meshes on the curve."""
-    return decimation.hull if isinstance(decimation, OnCurve) else LineCycles(on_curve=False)
+    return isinstance(source, LineCycles) and source.on_curve
 
 
 def _excess(start: Start, fine: Mesh) -> float:

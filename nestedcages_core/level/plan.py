@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeAlias
 
+import numpy as np
+
 from ..decimation.base import clamped
 from ..energies import CageEnergy
 from ..errors import Fault
@@ -38,7 +40,6 @@ class Numbers(Protocol):
     @property
     def room(self) -> float:
         """Clearance that all cages have in reserve for these numbers; 0 where few need it."""
-        ...
 
     @property
     def stored(self) -> str | None:
@@ -79,12 +80,17 @@ class Solution:
     notes: tuple[Fault, ...]
 
 
-ExactSolver: TypeAlias = Callable[[Mesh, int | Mesh, tuple[float, ...], LevelProgress], Stage[Progress, Solution]]
-"""Solves a level for a fine mesh, a count, and clearances to try in turn."""
+ExactSolver: TypeAlias = "Callable[[Plan, int | Mesh, tuple[float, ...], LevelProgress], Stage[Progress, Solution]]"
+"""Solves a level of a plan for a count, and clearances to try in turn."""
 
 
 class Need:
     """A promise in addition to the number of vertices. It sees the plan, never another need."""
+
+    @property
+    def places(self) -> FloatArray:
+        """(P, 2) places on the outline that this need is about."""
+        return np.empty((0, 2))
 
     def fill(self, plan: Plan) -> Plan:
         """The plan with the slots of this need filled. Raises NestingError where it has no cage."""
@@ -130,6 +136,8 @@ class Plan:
     """What coordinates may be; None: all doubles."""
     group: Symmetry | None = None
     """Symmetries that cages have exactly."""
+    weight_at: Callable[[FloatArray], FloatArray] | None = None
+    """Weights (P,) of the area next to points (P, 2) in input units; None: equal ones."""
     exact: ExactSolver | None = None
     """Used instead of starts and tightening."""
     remarks: tuple[Fault, ...] = ()

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..energies import Area, inwards
+from ..energies import Area, Energy, inwards
 from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
@@ -23,7 +22,6 @@ from .choices import Choices
 from .plan import EdgeCost, Numbers, Plan
 from .progress import LevelProgress
 from .report import Level, Progress
-from .steps import with_stored_steps
 from .symmetrised_start import orbits_of
 from .units import SolverUnits
 
@@ -62,7 +60,10 @@ class Settling:
             return None
         self.progress.stop_clock()
         notes = self._noted(level, found)
-        found = with_stored_steps(found) if found.report.stored is not None else found
+        if found.report.stored is not None:
+            from .steps import with_stored_steps
+
+            found = with_stored_steps(found)
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
     def failure(self, level: Level) -> Stage[Progress, NestingError]:
@@ -93,15 +94,10 @@ class Settling:
     def _moved(self, level: Level, numbers: Numbers) -> Stage[Progress, Level | None]:
         """The level with its cage on some numbers, certified; None if there is none."""
         plan, wanted = replace(self.plan, numbers=numbers), level.report.wanted_clearance
-        units = SolverUnits.of(level.fine)
-        search = numbers.settled(
-            level.cage, plan.outline, units.clearance(wanted) * units.scale, plan.side, self._edge_cost(level, units)
-        )
-        vertices = yield from self.progress.follow(search, lambda done: (done, "grid"))
-        if vertices is None:
-            return None
+        search = placements(plan, self.choices.energy, level.cage, wanted)
+        found = yield from self.progress.follow(search, lambda done: (done, "grid"))
         same_loops = level.coarse.has_loops_like(level.fine)
-        for points in self._with_images(level, vertices, numbers):
+        for points in found:
             cage = level.coarse.moved(points)
             mended = plan.mended(cage)
             if mended is not None:
@@ -121,35 +117,6 @@ class Settling:
             return replace(level, cage=cage, reinflation=path, report=report)
         return None
 
-    def _with_images(self, level: Level, vertices: FloatArray, numbers: Numbers) -> Iterator[FloatArray]:
-        """The vertices (m, 2); with a symmetry, those of each sector in turn with their images."""
-        group = self.plan.group
-        if group is None:
-            yield vertices
-            return
-        orbits = orbits_of(level.cage, group)
-        for k in range(group.order if orbits is not None else 0):
-            assert orbits is not None
-            yield numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k))
-
-    def _edge_cost(self, level: Level, units: SolverUnits) -> EdgeCost | None:
-        """What edges add to the energy of the plan; None if that is the area."""
-        cage, inside = units.from_input(level.cage), self.plan.inside
-        energy = self.choices.energy.at(cage)
-        energy = inwards(energy, units.from_input(level.fine).area) if inside else energy
-        bound, is_measure = self.plan.energy(energy, cage, units, units.clearance(level.report.wanted_clearance))
-        if not is_measure:
-            return None
-        at_cage, area = bound.after(cage.vertices), units.scale * units.scale
-
-        def cost(vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
-            one, other = units.points(start), units.points(end)
-            if inside:  # walked the other way, the edge starts at its end
-                return area * at_cage.on_edge(int(cage.successor[vertex]), other, one)
-            return area * at_cage.on_edge(vertex, one, other)
-
-        return cost
-
     def _widened(self, level: Level) -> Level:
         """The level tightened with more clearance."""
         units = SolverUnits.of(level.fine)
@@ -163,6 +130,45 @@ class Settling:
         if not wider:
             return level
         return replace(level, cage=level.coarse.moved(wider[-1]), reinflation=level.reinflation.with_tightening(wider))
+
+
+def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[float, list[FloatArray]]:
+    """Vertices (m, 2) on the numbers of a plan for a cage, of least energy, at a clearance that they may miss.
+
+    With a symmetry, those of each sector with their images: one to verify after the other.
+    """
+    numbers, group = plan.numbers, plan.group
+    assert numbers is not None
+    units = SolverUnits.of(plan.fine)
+    clearance = units.clearance(wanted) * units.scale
+    vertices = yield from numbers.settled(
+        cage, plan.outline, clearance, plan.side, _edge_cost(plan, energy, cage, units, wanted)
+    )
+    if vertices is None or group is None:
+        return [] if vertices is None else [vertices]
+    orbits = orbits_of(cage, group)
+    if orbits is None:
+        return []
+    return [numbers.nearest(_from_sector(numbers.exact(vertices), orbits, k)) for k in range(group.order)]
+
+
+def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits, wanted: float) -> EdgeCost | None:
+    """What edges add to the energy of a plan; None if that is the area."""
+    unit_cage, inside = units.from_input(cage), plan.inside
+    bound = energy.at(unit_cage)
+    bound = inwards(bound, units.from_input(plan.fine).area) if inside else bound
+    bound, is_measure = plan.energy(bound, unit_cage, units, units.clearance(wanted))
+    if not is_measure:
+        return None
+    at_cage, area = bound.after(unit_cage.vertices), units.scale * units.scale
+
+    def cost(vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
+        one, other = units.points(start), units.points(end)
+        if inside:  # walked the other way, the edge starts at its end
+            return area * at_cage.on_edge(int(unit_cage.successor[vertex]), other, one)
+        return area * at_cage.on_edge(vertex, one, other)
+
+    return cost
 
 
 def _standing(level: Level, cage: Mesh, note: Fault) -> Level:

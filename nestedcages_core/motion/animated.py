@@ -88,12 +88,12 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
 
     def _run(self) -> Stage[Progress, MovingCages]:
         finished: list[MovingLevel] = []
-        inner, read = self._fine, self._read
+        inner, read, settings = self._fine, self._read, self._settings
         for index, wanted in enumerate(self._levels):
-            level, keys, seconds = yield from self._level(index, inner, wanted, read, finished)
+            level, keys, seconds = yield from self._level(index, inner, wanted, settings, read, finished)
             finished.append(_finished(level, keys, seconds))
             poses = [Pose(key.number, key.time, key.cage, key.given) for key in keys]
-            inner, read = level.topology, partial(iter, poses)
+            inner, read, settings = level.topology, partial(iter, poses), level.promises.of_next_level(level.topology)
             self._again, self._count = True, keys[-1].number + 1
         return MovingCages(self._fine, tuple(finished))
 
@@ -102,6 +102,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         index: int,
         inner: Mesh,
         wanted: int | Mesh,
+        settings: Settings,
         read: Callable[[], Iterator[Pose]],
         finished: list[MovingLevel],
     ) -> Stage[Progress, tuple[LevelMotion, list[Key], float]]:
@@ -109,7 +110,7 @@ class AnimatedCagesRun(Run[Progress, MovingCages]):
         first: NestedCagesError | None = None
         allowance: Allowance | None = Allowance()
         while allowance is not None:
-            level = LevelMotion(inner, wanted, self._settings, cyclic=self._cyclic, allowance=allowance)
+            level = LevelMotion(inner, wanted, settings, cyclic=self._cyclic, allowance=allowance)
             keys, began = [], perf_counter()
             try:
                 for key in level.keys(read()):

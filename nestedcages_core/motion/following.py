@@ -14,16 +14,19 @@ import numpy as np
 from ..contact import SequentialQP
 from ..contact.linearisation import measure
 from ..contact.pairs import Bodies, Pairs, find_pairs
-from ..energies import CageEnergy
+from ..energies import CageEnergy, signed_area
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings
+from ..geometry.orbits import Orbits
+from ..level.settling import placements
+from ..level.symmetrised_start import orbits_of
 from ..level.units import SolverUnits
+from ..solver.reduction import Tie
 from ..tasks import drain
-from ..tightening import Tightening
 from ..tightening.restore_feasibility import restore
 from ..verification import verify
 from .carrying import carried
+from .promises import Promises
 
 WAY_PARTS = (1, 2, 4, 8)
 """Numbers of parts that a motion is divided into, tried in turn until the carried cage can be restored in each."""
@@ -49,16 +52,37 @@ class Follower:
     """The drawing's."""
     bodies: Bodies
     clearance: float
+    """With room for rounding to certain numbers."""
     energy: CageEnergy
-    tightening: Tightening
+    promises: Promises
+    orbits: Orbits | None = None
+    """Of the vertices of a symmetric cage."""
     contact: SequentialQP = field(default_factory=SequentialQP)
 
     @classmethod
-    def of(cls, cage: Mesh, fine: Mesh, units: SolverUnits, clearance: float, settings: Settings) -> Follower:
+    def of(cls, cage: Mesh, fine: Mesh, units: SolverUnits, clearance: float, promises: Promises) -> Follower:
         """For a cage and a pose that it encloses, and a clearance, in the input's units."""
         unit_cage, unit_fine = units.from_input(cage), units.from_input(fine)
-        bodies, energy = Bodies.of(unit_cage, unit_fine), settings.energy.at(unit_cage)
-        return cls(units, unit_cage, unit_fine, bodies, units.clearance(clearance), energy, settings.tightening)
+        group = promises.plan.group
+        orbits = None if group is None else orbits_of(cage, group)
+        tie = None if orbits is None else Tie.of(orbits, cage.successor)
+        bodies, energy = Bodies.of(unit_cage, unit_fine, tie), promises.settings.energy.at(unit_cage)
+        kept = units.clearance(clearance + promises.room)
+        return cls(units, unit_cage, unit_fine, bodies, kept, energy, promises, orbits)
+
+    def stored(self, cage: FloatArray) -> FloatArray:
+        """(m, 2) a cage in the input's units, as symmetric and on the numbers as promised."""
+        points, numbers = self.units.to_input(cage), self.promises.plan.numbers
+        points = points if numbers is None else numbers.exact(points)
+        points = points if self.orbits is None else self.orbits.symmetrised(points)
+        return points if numbers is None else numbers.nearest(points)
+
+    def cost(self, cage: FloatArray, fine: FloatArray) -> float:
+        """What cages (m, 2) of a pose (n, 2) are compared by: their area, or the energy with the terms of needs."""
+        successor = self.bodies.cage.successor
+        if not self.promises.settings.has_priorities:
+            return signed_area(cage, successor)
+        return self._energy(cage, fine).after(cage).value(cage, successor)
 
     def next(self, cage: FloatArray, before: FloatArray, after: FloatArray) -> list[FloatArray] | None:
         """Cages (m, 2) of the pose ``after`` (n, 2) from that of ``before``, from the loosest to the tight one.
@@ -74,8 +98,9 @@ class Follower:
 
     def tightened(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
         """The cage (m, 2), which must enclose a pose (n, 2), and those after each step to its optimum."""
-        run = self.tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=self.energy)
-        return [cage, *run]
+        energy, tightening = self._energy(cage, fine), self.promises.settings.tightening
+        cages = [cage, *tightening.run(self.bodies, cage, fine, clearance=self.clearance, energy=energy)]
+        return cages if self.promises.settings.grid is None else [*cages, *self._on_grid(cages[-1], fine)]
 
     def restored(self, cage: FloatArray, before: FloatArray, guess: FloatArray, after: FloatArray) -> FloatArray | None:
         """(m, 2) a cage of the pose ``after`` near a guess; None if restoration fails.
@@ -83,6 +108,8 @@ class Follower:
         cage, before: the cage of another pose and that pose; they define the correct sides.
         """
         bodies = self.bodies
+        if self.orbits is not None:
+            guess = self.units.points(self.orbits.symmetrised(self.units.to_input(guess)))
         old, new = np.concatenate([cage, before]), np.concatenate([guess, after])
         pairs = find_pairs(bodies, new, RESTORED_REACH * bodies.cage_edge_length)
         required = np.full(len(pairs), AIM * self.clearance)
@@ -96,6 +123,26 @@ class Follower:
     def encloses(self, cage: FloatArray, fine: FloatArray, clearance: float = 0.0) -> bool:
         """Whether a cage (m, 2) strictly encloses a pose (n, 2), by exact predicates, and keeps a clearance."""
         return verify(self.topology.moved(cage), self.fine.moved(fine), clearance).holds
+
+    def _pose(self, fine: FloatArray) -> Mesh:
+        """A pose (n, 2) in the input's units."""
+        return self.fine.moved(self.units.to_input(fine))
+
+    def _energy(self, cage: FloatArray, fine: FloatArray) -> CageEnergy:
+        """The energy with the terms of needs at a cage (m, 2) of a pose (n, 2)."""
+        if not self.promises.settings.has_priorities:
+            return self.energy
+        plan = self.promises.plan_at(self._pose(fine))
+        return plan.energy(self.energy, self.topology.moved(cage), self.units, self.clearance)[0]
+
+    def _on_grid(self, cage: FloatArray, fine: FloatArray) -> list[FloatArray]:
+        """The first cage (m, 2) searched on the grid that keeps the clearance; where there is none, rounding does."""
+        plan, mesh = self.promises.plan_at(self._pose(fine)), self.topology.moved(self.units.to_input(cage))
+        wanted = self.clearance * self.units.scale - self.promises.room
+        for points in drain(placements(plan, self.promises.settings.energy, mesh, wanted)):
+            if plan.verify(mesh.moved(points), wanted) and plan.fault(mesh.moved(points)) is None:
+                return [self.units.points(points)]
+        return []
 
     def _carried(self, cage: FloatArray, before: FloatArray, after: FloatArray, parts: int) -> FloatArray | None:
         """The cage carried along the straight motion in ``parts`` steps, restored after each."""

@@ -8,18 +8,18 @@ from itertools import chain, islice
 
 import numpy as np
 
-from ..errors import Fault, NestedCagesError, NestingError
+from ..errors import Fault, NestedCagesError, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..hierarchy.settings import type_name
 from ..level.attempts import clearances_for
-from ..level.steps import as_stored
 from ..level.units import SolverUnits
 from ..verification import verify, verify_motion
 from .between import Instant, Straightener, around
 from .following import Follower
 from .poses import Pose
+from .promises import Promises
 from .results import Key
 from .starts import first_cage
 
@@ -51,19 +51,6 @@ class LevelMotion:
     def __init__(
         self, fine: Mesh, wanted: int | Mesh, settings: Settings, *, cyclic: bool, allowance: Allowance = Allowance()
     ) -> None:
-        if settings.symmetry is not None:
-            raise NestingError("A cage that follows a motion has no symmetry; leave it out.", code="setting.conflict")
-        if settings.has_priorities:
-            raise NestingError(
-                "A cage that follows a motion has no weights, pins, joints or limits; leave them out.",
-                code="setting.conflict",
-            )
-        if settings.grid is not None:
-            raise NestingError(
-                "A cage that follows a motion leaves its grid between the keys, where it moves on straight lines; "
-                "leave out the grid.",
-                code="setting.conflict",
-            )
         if isinstance(wanted, Within):
             raise NestingError(f"A moving cage needs a number of vertices, not {wanted!r}.", code="level.invalid")
         if settings.convex:
@@ -80,13 +67,15 @@ class LevelMotion:
         first = self.fine.moved(ahead[0].vertices).validated()
         self.clearance = clearances_for(self.settings, first)[self.allowance.reductions]
         self.settings = replace(self.settings, clearance=self.clearance) if self.allowance.reductions else self.settings
+        self.promises = Promises.of(self.settings, first)
+        self.notes += self.promises.notes
         self.units = SolverUnits.of(first, self._room(ahead))
 
         def follower(cage: Mesh, pose: Mesh) -> Follower:
-            return Follower.of(cage, pose, self.units, self.clearance, self.settings)
+            return Follower.of(cage, pose, self.units, self.clearance, self.promises)
 
         meshes = [self.fine.moved(pose.vertices).validated() for pose in ahead]
-        self.topology = first_cage(meshes, self.wanted, self.settings, follower)
+        self.topology = first_cage(meshes, self.wanted, self.promises, follower)
         self._follower = follower(self.topology, first)
         self._straightener = Straightener(self._follower, self._is_free)
         keys = self._ring([*ahead, *poses]) if self.cyclic else self._stream(chain(ahead, poses))
@@ -166,7 +155,8 @@ class LevelMotion:
         fine = self.fine.moved(pose.vertices).validated()
         try:
             coarse = self.topology.moved(self.units.to_input(cage)).validated()
-            level = nested_cages(fine, [coarse], replace(self.settings, fallback=None)).levels[0]
+            settings = replace(self.promises.settings_at(fine), fallback=None)
+            level = nested_cages(fine, [coarse], settings).levels[0]
         except NestedCagesError as error:
             raise NestingError(
                 f"The cage cannot follow to pose {pose.number}: the drawing blocks its path, and no cage with the same "
@@ -174,19 +164,18 @@ class LevelMotion:
                 code="motion.blocked",
                 pose=pose.number,
             ) from error
-        said = f"The path to pose {pose.number} is blocked: a new cage was made there."
-        self.notes.append(Fault(said, "note.pose", pose=pose.number))
+        self.notes.append(note("note.pose", pose=pose.number))
         return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:
         """Certify the straight motion between two keys in the input's units."""
-        cages = as_stored(self.units.to_input(np.stack([begin.cage, end.cage])), self.stored)
+        cages = np.stack([self._follower.stored(begin.cage), self._follower.stored(end.cage)])
         fines = np.stack([begin.pose.vertices, end.pose.vertices])
         return bool(verify_motion(self.topology, self.fine, cages, fines))
 
     def _certified(self, key: Instant) -> Key:
         """The key in the input's units. Raises NestingError if it does not hold."""
-        pose, cage = key.pose, as_stored(self.units.to_input(key.cage), self.stored)
+        pose, cage = key.pose, self._follower.stored(key.cage)
         wanted = 0.0 if self.settings.clearance is None else self.clearance
         certificate = verify(self.topology.moved(cage), self.fine.moved(pose.vertices), wanted)
         if not certificate:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ..energies import signed_area
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
-from ..hierarchy import Settings, nested_cages
+from ..hierarchy import nested_cages
 from .following import Follower
+from .promises import Promises
 
 CANDIDATES = 3
 """Number of poses, spread over the motion, whose cages are candidates for the first cage."""
@@ -22,45 +22,45 @@ SAMPLE_POSES = 4
 def first_cage(
     poses: Sequence[Mesh],
     wanted: int | Mesh,
-    settings: Settings,
+    promises: Promises,
     follower: Callable[[Mesh, Mesh], Follower],
 ) -> Mesh:
-    """A cage of the first pose whose mean area over the poses is small. Raises NestedCagesError.
+    """A cage of the first pose whose mean cost over the poses is small. Raises NestedCagesError.
 
     poses: meshes of the first poses; follower: makes a follower from a cage and the pose that it encloses.
     """
-    first = nested_cages(poses[0], [wanted], settings).levels[0].cage
+    first = nested_cages(poses[0], [wanted], promises.settings).levels[0].cage
     if isinstance(wanted, Mesh):
         return first
-    best, best_area = first, _mean_area(follower(first, poses[0]), first, poses, 0)
+    best, least = first, _mean_cost(follower(first, poses[0]), first, poses, 0)
     for at in sorted({round(k * (len(poses) - 1) / CANDIDATES) for k in range(1, CANDIDATES)} - {0}):
         try:
-            cage = nested_cages(poses[at], [wanted], settings).levels[0].cage
+            cage = nested_cages(poses[at], [wanted], promises.settings_at(poses[at])).levels[0].cage
         except NestedCagesError:
             continue
         moving = follower(cage, poses[at])
-        if _mean_area(moving, cage, poses, at) >= best_area:
+        if _mean_cost(moving, cage, poses, at) >= least:
             continue
         back = _followed_back(moving, cage, poses[: at + 1])
-        area = np.inf if back is None else _mean_area(follower(back, poses[0]), back, poses, 0)
-        if back is not None and area < best_area:
-            best, best_area = back, area
+        cost = np.inf if back is None else _mean_cost(follower(back, poses[0]), back, poses, 0)
+        if back is not None and cost < least:
+            best, least = back, cost
     return best
 
 
-def _mean_area(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -> float:
-    """Mean area of a cage of pose ``at`` that follows directly to each of some poses; infinite if it cannot."""
-    unit, successor = follower.units.points, cage.successor
-    areas = []
+def _mean_cost(follower: Follower, cage: Mesh, poses: Sequence[Mesh], at: int) -> float:
+    """Mean cost of a cage of pose ``at`` that follows directly to each of some poses; infinite if it cannot."""
+    unit = follower.units.points
+    costs = []
     for k in sorted({round(s * (len(poses) - 1) / SAMPLE_POSES) for s in range(SAMPLE_POSES)}):
         if k == at:
-            areas.append(signed_area(unit(cage.vertices), successor))
+            costs.append(follower.cost(unit(cage.vertices), unit(poses[k].vertices)))
             continue
         cages = follower.next(unit(cage.vertices), unit(poses[at].vertices), unit(poses[k].vertices))
         if cages is None:
             return np.inf
-        areas.append(signed_area(cages[-1], successor))
-    return float(np.mean(areas))
+        costs.append(follower.cost(cages[-1], unit(poses[k].vertices)))
+    return float(np.mean(costs))
 
 
 def _followed_back(follower: Follower, cage: Mesh, poses: Sequence[Mesh]) -> Mesh | None:
@@ -72,4 +72,4 @@ def _followed_back(follower: Follower, cage: Mesh, poses: Sequence[Mesh]) -> Mes
         if cages is None:
             return None
         vertices = cages[-1]
-    return cage.moved(follower.units.to_input(vertices))
+    return cage.moved(follower.stored(vertices))

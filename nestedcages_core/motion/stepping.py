@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
-from ..hierarchy.settings import type_name
-from ..level.steps import as_stored
 from ..level.units import SolverUnits
-from ..needs.grid.need import StoredNumbers
 from ..verification import verify
 from .following import Follower
+from .promises import Promises
 
 
 def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: Settings | None = None) -> Mesh | None:
@@ -21,12 +17,11 @@ def followed(cage: Mesh, before: Mesh, after: Mesh, clearance: float, settings: 
     result is certified by `verify`, on the numbers of ``settings.stored``. To certify the instants in between too, see
     `animated_cages`.
     """
-    settings = settings if settings is not None else Settings()
-    stored, largest = type_name(settings.stored), float(np.abs(after.vertices).max())
-    units = SolverUnits.of(after, 0.0 if stored is None else StoredNumbers(stored, largest).room)
-    follower = Follower.of(cage, before, units, clearance, settings)
+    promises = Promises.of(settings if settings is not None else Settings(), after)
+    units = SolverUnits.of(after, 0.0 if promises.plan.numbers is None else promises.plan.numbers.room)
+    follower = Follower.of(cage, before, units, clearance, promises)
     cages = follower.next(*(units.points(mesh.vertices) for mesh in (cage, before, after)))
     if cages is None:
         return None
-    moved = cage.moved(as_stored(units.to_input(cages[-1]), stored))
+    moved = cage.moved(follower.stored(cages[-1]))
     return moved if verify(moved, after, clearance).holds else None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drawings import at_frame, evaluated, grease_pencil, in_world, star, wire
+from drawings import at_frame, circle, evaluated, grease_pencil, in_world, solid, star, text, wire
 
 
 def bezier():
@@ -81,6 +81,72 @@ def test_cages_lie_and_stay_around_what_is_displayed(kind) -> None:
     assert cage["nested_cages_check"].startswith("Holds")
 
 
+def test_path_animation_switched_on_later_moves_no_cage() -> None:
+    bezier()
+    source = bpy.context.object
+    source.data.use_path = False
+    assert bpy.ops.object.nested_cages_generate(levels="12") == {"FINISHED"} == bpy.ops.object.nested_cages_bind()
+    cage = bpy.data.objects[f"{source.name} Cage 1"]
+    assert cage.parent == source
+    source.data.use_path = True
+    for frame in (100, 150):
+        check_enclosed(source, cage, frame)
+    source.location.x += 2.0
+    check_enclosed(source, cage, 150)
+    assert cage.matrix_world == source.matrix_world
+
+
+def bent(obj):
+    obj.modifiers.new("Bend", "SIMPLE_DEFORM").angle = 2.0
+
+
+CHANGES = {
+    "longer": lambda obj: setattr(obj.data, "body", "Hello"),
+    "no letters": lambda obj: setattr(obj.data, "body", ""),
+    "size": lambda obj: setattr(obj.data, "size", 1.5),
+    "modifier": bent,
+}
+
+
+@pytest.mark.parametrize("bound", [True, False])
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound) -> None:
+    claims, source = addon.following.claims, text("Word", "Hi")
+    assert bpy.ops.object.nested_cages_generate(levels="40, 20") == {"FINISHED"}
+    cage, outer = (bpy.data.objects[f"Word Cage {level}"] for level in (1, 2))
+    if bound:
+        bpy.ops.object.nested_cages_bind()
+        outer.location.x += 0.1
+        bpy.context.view_layer.update()
+        claims.check_changed(bpy.context)
+    assert "nested_cages_check" not in cage
+    CHANGES[change](source)
+    bpy.context.view_layer.update()
+    claims.check_changed(bpy.context)
+    assert cage["nested_cages_check"].startswith("Broken") and "Word" in cage["nested_cages_finding"]
+    source.data.body, source.data.size = "Hi", 1.0
+    if "Bend" in source.modifiers:
+        source.modifiers.remove(source.modifiers["Bend"])
+    bpy.context.view_layer.update()
+    claims.check_changed(bpy.context)
+    assert cage["nested_cages_check"].startswith("Holds")
+
+
+def test_a_scale_that_is_applied_to_a_bound_drawing_changes_nothing() -> None:
+    source = wire("Drawing", [star()])
+    source.scale = (2.0, 2.0, 2.0)
+    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"} == bpy.ops.object.nested_cages_bind()
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    source.select_set(True)
+    bpy.context.view_layer.objects.active = source
+    bpy.ops.object.transform_apply()
+    cage = bpy.data.objects["Drawing Cage 2"]
+    for point in cage.data.vertices:
+        point.co.x += 0.3 * point.co.y
+    check_enclosed(source, bpy.data.objects["Drawing Cage 1"], 200)
+
+
 def closed_curve(add):
     """A curve of the menu that is open, closed and flat."""
     add()
@@ -96,7 +162,37 @@ def stroke():
     grease_pencil("Stroke", [star()])
 
 
+def picture():
+    """An image empty with an opaque disc."""
+    bpy.ops.object.empty_add(type="IMAGE")
+    image = bpy.data.images.new("Disc", 32, 16, alpha=True)
+    image.pixels.foreach_set(np.repeat(opaque(), 4).astype(np.float32))
+    bpy.context.object.data, bpy.context.object.empty_display_size = image, 2.0
+
+
+def opaque():
+    """Which pixels (16, 32) of the picture are opaque."""
+    y, x = np.mgrid[:16, :32]
+    return np.hypot(x - 12.0, y - 8.0) < 6.0
+
+
+def outlined(empty):
+    """The outline of the picture of an empty, which encloses its opaque pixels as they are displayed."""
+    assert bpy.ops.object.nested_cages_from_image(vertices=24) == {"FINISHED"}
+    outline = bpy.context.object
+    y, x = np.nonzero(opaque())
+    pixels = np.stack([x + 0.5 - 16.0, y + 0.5 - 8.0, 0.0 * x], axis=1) * (2.0 / 32.0)
+    for frame in (1, 150):
+        depsgraph = at_frame(frame)
+        back = np.linalg.inv(np.array(outline.evaluated_get(depsgraph).matrix_world))
+        places = in_world(empty.evaluated_get(depsgraph), pixels) @ back[:3, :3].T + back[:3, 3]
+        assert np.abs(places[:, 2]).max() < 1e-4
+        assert solid(outline, depsgraph).contains(shapely.multipoints(places[:, :2]))
+    return outline
+
+
 ADD = {
+    "image empty": picture,
     "bezier circle": bpy.ops.curve.primitive_bezier_circle_add,
     "nurbs circle": bpy.ops.curve.primitive_nurbs_circle_add,
     "bezier": lambda: closed_curve(bpy.ops.curve.primitive_bezier_curve_add),
@@ -144,6 +240,7 @@ def test_what_users_add_and_place_stays_in_its_displayed_cage(kind, seed, tmp_pa
     ADD[kind]()
     source = bpy.context.object
     carried(random, source)
+    source = outlined(source) if source.type == "EMPTY" else source
     assert bpy.ops.object.nested_cages_generate(levels="16, 8") == {"FINISHED"}
     name, cages = source.name, [f"{source.name} Cage {number}" for number in (1, 2)]
     end = bpy.context.scene.frame_current
@@ -177,21 +274,78 @@ def test_a_drawing_in_two_scenes_has_no_ghost_in_the_other() -> None:
     assert not source.hide_viewport and not source.hide_render
 
 
-def test_text_of_instances_and_hidden_strokes_are_read_as_displayed(addon) -> None:
-    instanced = wire("Drawing", [star()])
+def word(obj, fill):
+    """Makes an object display letters by Geometry Nodes, as instances."""
     tree = bpy.data.node_groups.new("Text", "GeometryNodeTree")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    letters, fill = tree.nodes.new("GeometryNodeStringToCurves"), tree.nodes.new("GeometryNodeFillCurve")
-    letters.inputs["String"].default_value = "o"
-    tree.links.new(letters.outputs[0], fill.inputs[0])
-    tree.links.new(fill.outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
-    instanced.modifiers.new("Text", "NODES").node_group = tree
+    letters, filled = tree.nodes.new("GeometryNodeStringToCurves"), tree.nodes.new("GeometryNodeFillCurve")
+    letters.inputs["String"].default_value = "oi"
+    tree.links.new(letters.outputs[0], filled.inputs[0])
+    tree.links.new((filled if fill else letters).outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
+    obj.modifiers.new("Text", "NODES").node_group = tree
     bpy.context.view_layer.update()
-    (face,) = addon.scene.areas.areas_of(bpy.context, instanced)
-    assert len(face.triangles) > 10 and np.ptp(face.points[:, 0]) < 1.0
-    if hasattr(bpy.types, "GreasePencilDrawing"):
-        drawn = grease_pencil("Strokes", [star(), star() * 0.5])
-        for layer in drawn.data.layers:
-            layer.opacity = 0.0
-        with pytest.raises(addon.errors.UserError, match="no silhouette"):
-            addon.scene.areas.areas_of(bpy.context, drawn)
+
+
+@pytest.mark.parametrize("fill", [True, False])
+@pytest.mark.parametrize("kind", ["wire", "text", "bezier"])
+def test_instances_of_nodes_are_read_as_displayed(addon, kind, fill) -> None:
+    drawing = {"wire": lambda: wire("Drawing", [star()]), "text": lambda: text("Drawing", "x"), "bezier": bezier}
+    drawing[kind]()
+    source = bpy.context.object
+    word(source, fill)
+    loops = addon.scene.convert.read(bpy.context, source).loops
+    assert len(loops) == 4 and np.ptp(np.concatenate(loops)[:, 0]) == pytest.approx(0.8, abs=0.2)
+    areas = addon.scene.areas.areas_of(bpy.context, source)
+    assert max(np.ptp(area.points[:, 0]) for area in areas if hasattr(area, "triangles")) < 1.0 if fill else areas
+    assert bpy.ops.object.nested_cages_generate(levels="24, 16") == {"FINISHED"}
+    outer = bpy.data.objects[f"{source.name} Cage 1"]
+    assert np.ptp(evaluated(outer)[:, 0]) < 1.2
+    assert bpy.ops.object.nested_cages_bind() == {"FINISHED"} == bpy.ops.object.nested_cages_verify()
+    assert outer["nested_cages_check"].startswith("Holds")
+
+
+def transparent(drawn):
+    stroke = drawn.data.layers[0].current_frame().drawing.strokes[0]
+    stroke.fill_opacity = 0.0
+    for point in stroke.points:
+        point.opacity = 0.0
+
+
+HIDING = {
+    "opacity": lambda drawn: setattr(drawn.data.layers[0], "opacity", 0.0),
+    "layer": lambda drawn: setattr(drawn.data.layers[0], "hide", True),
+    "group": lambda drawn: setattr(drawn.data.layers[0].parent_group, "hide", True),
+    "material": lambda drawn: setattr(drawn.material_slots[0].material.grease_pencil, "hide", True),
+    "strokes": transparent,
+}
+
+
+@pytest.mark.parametrize("way", HIDING)
+def test_hidden_strokes_are_not_read(addon, way) -> None:
+    drawn = grease_pencil("Strokes", [star()])
+    data = drawn.data
+    shown = data.layers.new("Shown").frames.new(1).drawing
+    shown.add_strokes([24])
+    for layer in data.layers:
+        data.layers.move_to_layer_group(layer, data.layer_groups.new("Group"))
+        style = bpy.data.materials.new(layer.name)
+        bpy.data.materials.create_gpencil_data(style)
+        data.materials.append(style)
+    for number, drawing in enumerate(layer.current_frame().drawing for layer in data.layers):
+        drawing.strokes[0].material_index, drawing.strokes[0].cyclic = number, True
+        for point in drawing.strokes[0].points:
+            point.opacity, point.radius = 1.0, 0.01
+    for point, place in zip(shown.strokes[0].points, circle(24, 0.5), strict=True):
+        point.position = (*place, 0.0)
+    assert len(addon.scene.convert.read(bpy.context, drawn).loops) == 2
+    HIDING[way](drawn)
+    (loop,) = addon.scene.convert.read(bpy.context, drawn).loops
+    assert len(loop) == 24 and len(data.layers) == 2 and len(bpy.data.objects) == 1
+    areas = addon.scene.areas.areas_of(bpy.context, drawn, strokes=False, closed=True)
+    assert [len(area.loops[0]) for area in areas] == [24]
+    data.layers.active = data.layers["Shown"]
+    bpy.ops.grease_pencil.layer_mask_add(name="Lines")
+    data.layers["Shown"].use_masks = True
+    for reader in (addon.scene.convert.read, addon.scene.areas.areas_of):
+        with pytest.raises(addon.errors.UserError, match="has masks"):
+            reader(bpy.context, drawn)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -284,17 +285,25 @@ def test_the_range_is_the_scenes_if_it_is_not_given(addon) -> None:
     assert (cage[addon.keys.FLOW_START], cage[addon.keys.END]) == (2, 6)
 
 
-@pytest.mark.parametrize("steps", [0, 1, 3, 12, 30])
+def follower(addon, **values):
+    """The class of the operator, and what stands for one with the panel's settings and these."""
+    kind = next(c for c in addon.operators.CLASSES if c.bl_idname == "object.nested_cages_follow")
+    panel = {name: getattr(bpy.context.scene.nested_cages, name) for name in addon.properties.settings.NAMES}
+    given = {"frame_start": 1, "frame_end": 9, "frame_step": 1, "cyclic": False, "still": False} | values
+    operator = SimpleNamespace(**panel | given, _set_range=lambda _scene: None)
+    operator.properties = SimpleNamespace(is_property_set=given.__contains__)
+    operator.take_from_panel = partial(kind.take_from_panel, operator)
+    return kind, operator
+
+
+@pytest.mark.parametrize("steps", [0, 1, 3, 12, 24])
 def test_cancelling_leaves_the_scene(addon, steps) -> None:
     obj = shaped()
     only(obj)
     bpy.context.scene.frame_set(3)
     bpy.context.view_layer.update()
     before = snapshot()
-    kind = next(c for c in addon.operators.CLASSES if c.bl_idname == "object.nested_cages_follow")
-    defaults = {name: getattr(bpy.context.scene.nested_cages, name) for name in addon.properties.settings.NAMES}
-    values = {"frame_start": 1, "frame_end": 9, "frame_step": 1, "cyclic": False, "still": False, "levels": "16, 10"}
-    operator = SimpleNamespace(**defaults | values, _set_range=lambda _scene: None)
+    kind, operator = follower(addon, levels="16, 10")
     work = addon.generation.job.Job(kind.work(operator, bpy.context))
     for _ in range(steps + 1):
         assert not work.advance(0.0)
@@ -311,3 +320,21 @@ def test_a_motion_too_fast_for_its_step_names_the_step() -> None:
     key(shape, "value", [0.0, 1.0])
     sentence = refused(obj, levels="12", frame_start=1, frame_end=6, frame_step=5)
     assert "frame 1: the cage cannot follow the drawing here; lower Step, or use more vertices" in sentence
+
+
+@pytest.mark.parametrize("levels", ["14, 9", "14, +60%"])
+def test_a_user_s_following_begins_with_the_settings_of_the_cages(addon, levels) -> None:
+    obj = keyed_points()
+    bpy.ops.object.nested_cages_generate(levels=levels, clearance=0.02, energy="SHAPE_KEEPING")
+    found = bpy.data.collections["Keyed Cages"]
+    counts = [len(each.data.vertices) for each in found.objects][1:]
+    bpy.context.scene.nested_cages.levels, bpy.context.scene.nested_cages.clearance = "33", 0.5
+    only(obj)
+    kind, operator = follower(addon)
+    kind.prepare(operator, bpy.context)
+    assert operator.levels in (levels, ", ".join(map(str, counts)))
+    assert (operator.clearance, operator.energy) == (pytest.approx(0.02), "SHAPE_KEEPING")
+    follow(obj, levels=operator.levels)
+    poly_curve("Uncaged", [circle(40)])
+    kind.prepare(operator, bpy.context)
+    assert (operator.levels, operator.clearance) == ("33", 0.5)

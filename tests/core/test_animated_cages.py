@@ -82,6 +82,21 @@ def test_a_cyclic_motion_closes() -> None:
     assert opened.times[-1] == pytest.approx(8.0 / 24.0)
 
 
+def test_pins_and_weights_go_with_the_drawing_and_from_level_to_level() -> None:
+    fine, poses = waving(5)
+    spike = int(np.hypot(*fine.vertices.T).argmax())
+    other = (spike + len(fine.vertices) // 2) % len(fine.vertices)
+    weights = 1.0 + (fine.vertices[:, 0] > 0.0)
+    settings = Settings(clearance=1e-3, pins=[spike, tuple(fine.vertices[other])], weights=weights)
+    inner, outer = animated_cages(fine, poses, [20, 14], settings).levels
+    check(inner, fine, poses, 1e-3)
+    check(outer, inner.cage, inner.cage_steps, 1e-3)
+    for level, reach in ((inner, 0.02), (outer, 0.04)):
+        for given, pose in zip(level.report.given, poses, strict=True):
+            for pin in (spike, other):
+                assert np.hypot(*(level.cage_steps[given] - pose[pin]).T).min() < reach * fine.diagonal
+
+
 def test_a_rigid_motion_takes_the_cage_along() -> None:
     fine = star()
     poses = np.array([turned(fine.vertices, 0.3 * k) + np.array([2.0 * k, 0.0]) for k in range(5)])

@@ -17,7 +17,6 @@ from nestedcages_core import (
     LineCycles,
     Mesh,
     NestingError,
-    OnCurve,
     OuterHull,
     SequentialQP,
     Settings,
@@ -29,7 +28,6 @@ from nestedcages_core.decimation import Start
 from nestedcages_core.level.attempts import (
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
-    OUTSIDE_FROM,
     Attempt,
     StartOutcome,
     attempts,
@@ -58,32 +56,6 @@ class TestOrder:
             ("LineCycles", False, True),
             ("OuterHull", True, True),
             ("OuterHull", True, False),
-        ]
-
-    def test_meshes_on_the_curve_have_searched_the_fallback_already(self) -> None:
-        found = tried(Settings(decimation=OnCurve()), 12)
-        assert kinds(found) == [("OnCurve", False, True), ("OnCurve", False, False)]
-
-    def test_large_shapes_start_from_the_best_hull(self) -> None:
-        large = Mesh.from_loops([ring(OUTSIDE_FROM)])
-        found = tried(Settings(decimation=OnCurve(OuterHull(seed=3)), fallback=OuterHull(seed=3)), 12, large)
-        assert kinds(found) == [("OuterHull", False, True), ("OuterHull", False, False)]
-        assert found[0].source == OuterHull(seed=3)
-        assert found[0].starts == 1
-        assert found[0].flow == Settings().flow
-        (first, _) = tried(Settings(fallback=None), 12, large)
-        assert first.source == LineCycles()
-        assert first.starts == Settings().starts
-        assert tried(Settings(), 12, large)[0].source == LineCycles(on_curve=False)
-
-    def test_another_hull_than_that_of_the_decimation_is_tried(self) -> None:
-        found = tried(Settings(decimation=OnCurve(), fallback=OuterHull(restarts=7)), 12)
-        assert [attempt.source for attempt in found] == [OnCurve(), *2 * [OuterHull(restarts=7)]]
-        assert kinds(
-            tried(Settings(decimation=OnCurve(OuterHull(restarts=7)), fallback=OuterHull(restarts=7)), 12)
-        ) == [
-            ("OnCurve", False, True),
-            ("OnCurve", False, False),
         ]
 
     def test_another_decimation_is_followed_by_the_fallback_and_that_untightened(self) -> None:
@@ -115,7 +87,7 @@ class TestOwnMeshes:
     def test_they_are_tried_once_then_the_fallback_with_as_many_vertices_per_loop(self) -> None:
         own = Mesh.from_loops([ring(9, 1.2), 0.4 * ring(4)])
         found = tried(Settings(), own)
-        assert [attempt.source for attempt in found] == [own, OuterHull(), OuterHull()]
+        assert [attempt.source for attempt in found] == [own, LineCycles(on_curve=False), *2 * [OuterHull()]]
         assert found[0].starts == 1 and found[0].flow == TwoSidedFlow()
         assert list(found[1].count) == [9, 4]  # type: ignore[arg-type]
 
@@ -134,7 +106,7 @@ class TestOwnMeshes:
 
 class TestFlowAndContact:
     def test_where_hulls_compete_flow_and_contact_are_given_up_early(self) -> None:
-        quick, untightened = tried(Settings(decimation=OnCurve()), 12)
+        quick, untightened = tried(Settings(fallback=OuterHull()), 12)[:2]
         assert isinstance(quick.flow, TwoSidedFlow)
         assert quick.flow.limit < TwoSidedFlow().limit and not quick.flow.detours
         assert len(quick.contacts) == 1 and untightened.flow == quick.flow
@@ -191,7 +163,7 @@ def starts_for(*, on_curve: bool) -> tuple[list[Start], Mesh]:
 
 def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> list[str]:
     """The starts that are tried if they have these ranks, by name and number."""
-    attempt = Attempt(OnCurve(), 9, 3, TwoSidedFlow(), (SequentialQP(),), CLEARANCES, **options)
+    attempt = Attempt(LineCycles(), 9, 3, TwoSidedFlow(), (SequentialQP(),), CLEARANCES, **options)
     turn = in_turn(starts, fine, attempt)
     names, start = [], next(turn)
     while True:
@@ -232,11 +204,6 @@ class TestInTurn:
         starts, fine = starts_for(on_curve=True)
         assert ran(starts, fine, [inf], may_fall_back=False) == ["on the curve None"]
 
-    def test_a_better_cage_from_a_hull_is_put_on_the_curve(self) -> None:
-        starts, fine = starts_for(on_curve=True)
-        names = ran(starts, fine, [0.3, 0.2, 0.25])
-        assert names == ["on the curve None", "outer hull 1", "outer hull 2", "on the curve None"]
-
 
 @dataclass(frozen=True)
 class Failing:
@@ -266,19 +233,6 @@ class TestRun:
     def test_the_tightest_energy_is_that_of_the_settings(self) -> None:
         level = nested_cages(letter_a(2), [24], Settings(energy=Area(), contact=SequentialQP())).levels[0]
         assert level.report.start in ("flow", "outer hull")
-
-
-class TestNotes:
-    def test_a_hull_that_would_cross_itself_on_the_curve_says_so(self) -> None:
-        turn = np.linspace(0.0, 6.0 * np.pi, 120)
-        ray = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        middle = (0.2 + 0.8 * turn / turn[-1])[:, None] * ray
-        spiral = Mesh.from_loops([np.concatenate([middle + 0.05 * ray, (middle - 0.05 * ray)[::-1]])])
-        assert nested_cages(spiral, [20]).levels[0].report.start == "line cycles"
-        report = nested_cages(spiral, [20], Settings(decimation=OnCurve())).levels[0].report
-        assert report.start == "outer hull"
-        assert report.notes == ("Started from the outer hull: with its vertices on the curve it would cross itself.",)
-        assert nested_cages(spiral, [20], Settings(decimation=OuterHull())).levels[0].report.notes == ()
 
 
 def test_a_loose_cage_from_an_own_mesh_is_compared_with_that_of_the_other_contact() -> None:

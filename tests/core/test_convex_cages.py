@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nestedcages_core import (
-    Found,
     Level,
     Mesh,
+    Mirror,
     NestedCagesError,
     NestingError,
+    Rotation,
     Settings,
     Within,
     animated_cages,
@@ -27,7 +28,9 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.command import main
-from nestedcages_core.needs.convex.least_polygon import Hull, convex_hull, least_polygon
+from nestedcages_core.level.symmetrised_start import orbits_of
+from nestedcages_core.needs.convex.hull import Hull, convex_hull
+from nestedcages_core.needs.convex.least_polygon import least_polygon
 from nestedcages_core.needs.convex.need import is_convex
 from shapes import annulus, disc, islands, letter_a, polygon, ring, star
 
@@ -162,8 +165,35 @@ def test_what_does_not_go_together() -> None:
         nested_cages(fine, [2], Settings(convex=True))
     with pytest.raises(NestedCagesError, match="convex"):
         Settings(convex=1)
-    with pytest.raises(NestedCagesError, match="leave out the symmetry or convex"):
-        Settings(convex=True, symmetry=Found())
+
+
+def test_symmetric_polygons_are_the_least_where_these_are_symmetric() -> None:
+    """Of a shape with four rotations and mirrors, and in pairs next to an axis."""
+    turn = 2.0 * np.pi * np.arange(120) / 120
+    fine = Mesh.from_loops([ring(120) * (1.0 + 0.3 * np.cos(4.0 * turn))[:, None]])
+    best = cage_of(fine, 8).excess
+    mirrors = [Mirror((0.0, 0.0), along) for along in ((0.0, 1.0), (1.0, 1.0))]
+    for symmetry in (Rotation((0.0, 0.0), 4), Rotation((0.0, 0.0), 2), *mirrors):
+        settings = Settings(convex=True, symmetry=symmetry, clearance=1e-9)
+        for count in (8, 9):
+            level = nested_cages(fine, [count], settings).levels[0]
+            orbits = orbits_of(level.cage, symmetry)
+            assert is_convex(level.cage) and orbits is not None
+            assert np.abs(orbits.symmetrised(level.cage.vertices) - level.cage.vertices).max() < 1e-15
+            assert len(level.cage.vertices) == count - (count % 2 and isinstance(symmetry, Rotation))
+            assert cage_of(fine, count).excess <= level.excess + 1e-9 <= best * (1.0 + 1e-3)
+    pair = nested_cages(disc(40, 0.5, 2.0, 0.0), [6], Settings(convex=True, symmetry=Mirror((1.0, 0.0)))).levels[0]
+    assert [len(loop) for loop in pair.cage.loops] == [6, 6]
+
+
+def test_weights_move_convex_cages() -> None:
+    fine = Mesh.from_loops([ring(120)])
+    weights = 1.0 + 99.0 * (fine.vertices[:, 0] > 0.5)
+    heavy, light = nested_cages(fine, [5], Settings(convex=True, weights=weights)).cages[0], cage_of(fine, 5).cage
+    right = shapely.box(0.5, -9.0, 9.0, 9.0) - polygon(fine)
+    assert is_convex(heavy)
+    assert (polygon(heavy) & right).area < 0.5 * (polygon(light) & right).area
+    assert heavy.area > light.area
 
 
 def test_polygons_do_not_depend_on_place_or_scale() -> None:

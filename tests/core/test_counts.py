@@ -39,7 +39,7 @@ def test_clamping_is_noted() -> None:
 
 @pytest.mark.parametrize("levels", [[64], [64, 500], [12, 16]])
 def test_levels_above_the_drawings_own_are_clamped(levels: list[int]) -> None:
-    hierarchy = nested_cages(annulus(8), levels, Settings(decimation=OuterHull(restarts=1), starts=1))
+    hierarchy = nested_cages(annulus(8), levels, Settings(decimation=OuterHull(), starts=1))
     inside = 16
     for level, wanted in zip(hierarchy.levels, levels, strict=True):
         assert_nested(level.cage, level.fine)
@@ -58,7 +58,7 @@ def test_numbers_per_loop_that_do_not_fit_are_shared_out_anew() -> None:
     """Nested rings with gaps: with 14 and 6 vertices the inner ones block each other, with 60 in all they do not."""
     fine = Mesh.from_loops([banana(0.9, 1.1, 60), banana(0.6, 0.8, 40), banana(0.3, 0.5, 30)])
     wanted = [40, 14, 6]
-    coarse = OuterHull(restarts=2).decimate(fine, wanted)
+    coarse = OuterHull().decimate(fine, wanted)
     sizes = [len(loop) for loop in coarse.loops]
     assert sum(sizes) == 60
     assert sizes != wanted

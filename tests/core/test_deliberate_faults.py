@@ -30,8 +30,6 @@ from nestedcages_core.batch.tasks import Outcome, Task
 from nestedcages_core.checker import faults_of_motion
 from nestedcages_core.command import main, making
 from nestedcages_core.decimation import Start
-from nestedcages_core.decimation.hull import thinning
-from nestedcages_core.decimation.request import canonical_order
 from nestedcages_core.geometry.predicates import orientation
 from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.level.early_stop import EarlyStop
@@ -303,17 +301,6 @@ def test_radii_grow_after_good_steps(gain: float, growth: float) -> None:
     trial = Trial(cage + step, np.ones(3), -gain, accepted=True)
     region.update(QPSolution(step, np.zeros(0), 1.0, 5, True, None), trial, 0.0)  # type: ignore[arg-type]
     assert region.radius == pytest.approx(0.1 * growth)
-
-
-def test_of_two_moves_in_each_others_way_the_cheaper_one_stays() -> None:
-    bay = Mesh.from_loops([np.array([[0, 0], [9, 0], [9, 5], [6, 5], [5, 4.2], [4, 4], [3, 5], [0, 5]], float)])
-    outline = canonical_order(bay)[0]
-    vertex = np.flatnonzero((outline.vertices[:, 0] == 4.0) | (outline.vertices[:, 0] == 5.0))
-    cost = np.where(outline.vertices[vertex, 0] == 4.0, 1.0, 0.1)
-    no = np.zeros(2, bool)
-    moves = thinning._Moves(vertex, no, no, outline.vertices[vertex], cost)
-    kept = thinning._unblocked(outline, moves, 1e-9)
-    assert kept.cost.tolist() == [0.1]
 
 
 def test_quadratic_programs_take_few_iterations() -> None:

@@ -20,7 +20,6 @@ from nestedcages_core import (
     NestingError,
     Settings,
     Within,
-    animated_cages,
     check,
     from_engine_json,
     from_geojson,
@@ -194,8 +193,6 @@ def test_where_there_is_no_cage_a_grid_is_named_that_works() -> None:
     for wrong in (0.0, -1.0, float("nan"), "0.1"):
         with pytest.raises(NestedCagesError, match="grid"):
             Settings(grid=wrong)
-    with pytest.raises(NestingError, match="leaves its grid"):
-        animated_cages(fine, [fine.vertices, fine.vertices + 0.1], [12], Settings(grid=0.1))
 
 
 @settings(max_examples=12, deadline=None)

@@ -43,13 +43,13 @@ SUB_FRAMES = 1000
 LARGEST = 250
 """Vertices of the largest random shape here; the stress program takes larger ones."""
 
-FAST = Settings(starts=1, decimation=OuterHull(restarts=2), fallback=OuterHull(restarts=2))
+FAST = Settings(starts=1, decimation=OuterHull(), fallback=OuterHull())
 SHAPES = [letter_a, star, islands, lambda: annulus(64), lambda: comb(3, 0.02)]
 
 
 @pytest.mark.slow
 @settings(max_examples=15, deadline=None)
-@given(st.integers(0, 10**6), st.sampled_from([OuterHull(restarts=2), OnCurve(), ArcLength()]))
+@given(st.integers(0, 10**6), st.sampled_from([OuterHull(), OnCurve(), ArcLength()]))
 def test_random_shapes_get_certified_cages(seed: int, decimation: object) -> None:
     """A slice of benchmarks/stress.py; a count that the loops do not allow is refused with one that they do."""
     drawn = random_shape(seed)

@@ -97,7 +97,7 @@ def test_letter_with_its_own_coarse_mesh() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("decimation", [OuterHull(restarts=4), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
+@pytest.mark.parametrize("decimation", [OuterHull(), OnCurve(), ArcLength()], ids=lambda d: type(d).__name__)
 @pytest.mark.parametrize("shape", [letter_a, star, islands], ids=lambda s: s.__name__)
 def test_several_levels_by_every_decimation(shape: object, decimation: object) -> None:
     fine = shape()  # type: ignore[operator]
@@ -175,11 +175,11 @@ def far_away() -> Mesh:
     return Mesh(coarse.vertices + 100.0, coarse.edges)
 
 
-def test_a_stuck_flow_falls_back_to_the_hull_and_says_so() -> None:
+def test_a_stuck_flow_falls_back_to_line_cycles_and_says_so() -> None:
     level = nested_cages(letter_a(), [far_away()]).levels[0]
-    assert level.report.start == "outer hull"
+    assert level.report.start == "line cycles"
     assert len(level.report.notes) == 1
-    assert "outer hull" in level.report.notes[0]
+    assert "line cycles" in level.report.notes[0]
     assert [len(loop) for loop in level.cage.loops] == [len(loop) for loop in far_away().loops]
     assert_nested(level.cage, level.fine)
 

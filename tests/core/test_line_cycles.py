@@ -66,7 +66,7 @@ def test_lines_are_shared_between_loops_as_if_all_ways_were_tried() -> None:
         count = int(RANDOM.integers(5, 14))
         ways = [w for w in product(range(6), repeat=3) if sum(w) <= count]
         best = min((sum(t[k] for t, k in zip(totals, way, strict=True)) for way in ways), default=np.inf)
-        numbers = shares(totals, count)
+        numbers = shares(totals, count, [1] * len(totals))
         if numbers is None:
             assert best == np.inf
         else:
@@ -100,14 +100,14 @@ def test_areas_of_cycles_are_those_between_cage_and_outline(monkeypatch: pytest.
     seen: list[float] = []
     choose = method.Choice.of.__func__  # type: ignore[attr-defined]
 
-    def watched(cls: type, searches: list, numbers: list) -> object:
-        seen.append(sum(float(search.totals[k]) for search, k in zip(searches, numbers, strict=True)))
-        return choose(cls, searches, numbers)
+    def watched(cls: type, searches: dict, numbers: dict, images: None) -> object:
+        seen.append(sum(float(search.totals[k]) for search, k in zip(searches.values(), numbers.values(), strict=True)))
+        return choose(cls, searches, numbers, images)
 
     monkeypatch.setattr(method.Choice, "of", classmethod(watched))
     for fine, count in ((letter_a(), 16), (star(), 20), (annulus(60), 12)):
         request = Request.of(fine, count)
-        mesh, _ = drain(cycles_around(request, 0.0))
+        mesh, _ = drain(cycles_around(LineCycles(), request, 0.0))
         added = (mesh.area - fine.area) / request.outline.diameter**2
         assert seen[-1] == pytest.approx(added, rel=1e-3, abs=1e-6)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +12,13 @@ import pytest
 from nestedcages_core import (
     IPC,
     Area,
+    Found,
+    InteriorARAP,
     LineCycles,
     Mesh,
     Mirror,
     NestedCagesError,
     NoEnergy,
-    OnCurve,
     OuterHull,
     SequentialQP,
     Settings,
@@ -26,8 +28,8 @@ from nestedcages_core import (
     nested_cages,
 )
 from nestedcages_core.cache import LARGEST_SHARE, Memory, forget, key_of
-from nestedcages_core.decimation.hull.hull_search import EVEN_WEIGHTS
-from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
+from nestedcages_core.decimation.hull.hull_moves import Weights
+from nestedcages_core.level.builder import LevelBuilder
 from nestedcages_core.tasks import drain
 from shapes import islands, letter_a, star
 
@@ -123,8 +125,8 @@ class Hiding:
 class TestKeys:
     def test_what_behaves_alike_has_the_same_key(self) -> None:
         for make in (
-            lambda: (OuterHull(restarts=3), TwoSidedFlow(), SequentialQP(), IPC(energy=ShapeKeeping(2.0))),
-            lambda: (WeightedSum(((1.0, Area()), (2.0, NoEnergy()))), Mirror((0.0, 0.0), (0.0, 1.0)), EVEN_WEIGHTS),
+            lambda: (OuterHull(), TwoSidedFlow(), SequentialQP(), IPC(energy=ShapeKeeping(2.0))),
+            lambda: (WeightedSum(((1.0, Area()), (2.0, NoEnergy()))), Mirror((0.0, 0.0), (0.0, 1.0)), Weights()),
             lambda: (OfOwn((1, 2.0, "three")), np.arange(3.0), None, 1e-5),
         ):
             assert key_of(*make()) == key_of(*make()) is not None
@@ -133,7 +135,8 @@ class TestKeys:
         array = np.arange(6.0)
         parts = (
             0, 0.0, -0.0, False, None, "", 1, 1.0, True, (), (1,), OfOwn(), OfOwn(1), OfOwn(True),
-            Area(), NoEnergy(), OuterHull(), OuterHull(seed=1), ShapeKeeping(1.0), ShapeKeeping(np.nextafter(1.0, 2)),
+            Area(), NoEnergy(), OuterHull(), LineCycles(), LineCycles(on_curve=False),
+            ShapeKeeping(1.0), ShapeKeeping(np.nextafter(1.0, 2)),
             array, array.reshape(2, 3), array.astype(np.float32), np.nextafter(array, 9.0), np.arange(6),
         )  # fmt: skip
         keys = [key_of(part) for part in parts]
@@ -213,21 +216,6 @@ def test_another_energy_repeats_nothing_but_the_tightening(monkeypatch) -> None:
         nested_cages(star(9, 181), [20])
 
 
-def test_a_small_clearance_shares_the_hulls_of_another_one(monkeypatch) -> None:
-    fine = star()
-    nested_cages(fine, [20], Settings(decimation=OnCurve(), clearance=1e-5 * fine.diagonal))
-
-    def fail(*_: object) -> None:
-        raise AssertionError("a move")
-
-    for move in ("_drop", "_extend", "_pivot"):
-        monkeypatch.setattr(ProgressiveHull, move, fail)
-    shared = nested_cages(fine, [20], Settings(decimation=OnCurve(), clearance=3e-5 * fine.diagonal)).levels[0]
-    assert shared.report.start == "flow"
-    with pytest.raises(AssertionError, match="a move"):
-        nested_cages(fine, [20], Settings(decimation=OnCurve(), clearance=1e-2 * fine.diagonal))
-
-
 def test_the_users_arrays_are_not_shared_with_later_results() -> None:
     fine = star()
     first = nested_cages(fine, [20]).levels[0]
@@ -237,3 +225,20 @@ def test_the_users_arrays_are_not_shared_with_later_results() -> None:
     again = nested_cages(fine, [20]).levels[0]
     assert (again.cage.vertices == kept).all()
     assert (again.flow.steps[0] == fine.vertices).all()
+
+
+@pytest.mark.parametrize("options", [{}, {"grid": 0.01}, {"symmetry": Found()}, {"energy": InteriorARAP()}])
+def test_the_very_same_request_is_answered_at_once(options: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    fine = star()
+    forget()
+    first = nested_cages(fine, [24, 12], **options)
+
+    def computed(*_: object) -> Iterator[None]:
+        pytest.fail("computed again")
+        yield
+
+    monkeypatch.setattr(LevelBuilder, "build", computed)
+    again = nested_cages(Mesh(fine.vertices, fine.edges), [24, 12], **options)
+    assert again.cages == first.cages
+    assert again[0].report == first[0].report
+    assert not np.shares_memory(again[0].flow.steps, first[0].flow.steps)

@@ -13,7 +13,6 @@ from nestedcages_core import (
     LevelSet,
     NestedCagesError,
     OnCurve,
-    OuterHull,
     OwnDecimation,
     SequentialQP,
     Tightening,
@@ -25,10 +24,7 @@ from nestedcages_core.published.li_2020 import OriginalIPC
 from nestedcages_core.published.sacht_2015 import ElTopo, VelocityFilter
 
 BAD = {
-    "restarts 0": (lambda: OuterHull(restarts=0), r"OuterHull: restarts must be a whole number of at least 1, not 0\."),
-    "restarts 2.5": (lambda: OuterHull(restarts=2.5), "at least 1, not 2.5"),  # type: ignore[arg-type]
-    "seed": (lambda: OuterHull(seed=-1), "OuterHull: seed must be a whole number of at least 0, not -1"),
-    "hull": (lambda: OnCurve(hull=8), "OnCurve: hull must be an OuterHull, not 8"),  # type: ignore[arg-type]
+    "around": (lambda: OnCurve(around=8), "OnCurve: around must be an object such as LineCycles"),  # type: ignore[arg-type]
     "function": (lambda: OwnDecimation([1]), "OwnDecimation: function must be callable"),  # type: ignore[arg-type]
     "spacing": (lambda: Harmonic(spacing=0.0), "Harmonic: spacing must be above 0 and at most 1, not 0.0"),
     "corners": (lambda: Harmonic(at_corners=2.0), "Harmonic: at_corners must be above 0 and at most 1, not 2.0"),

@@ -19,7 +19,7 @@ from nestedcages_core import (
     verify,
     verify_motion,
 )
-from nestedcages_core.decimation.hull.importance import Importance
+from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.energies import CageEnergy
 from nestedcages_core.needs.priorities.limits import sharp_angles, short_edges
 from nestedcages_core.needs.priorities.need import sharpest_angle

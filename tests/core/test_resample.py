@@ -8,8 +8,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nestedcages_core import ArcLength, Mesh, NestingError
-from nestedcages_core.decimation import Decimation, OnCurve
+from nestedcages_core import ArcLength, Mesh, NestingError, OnCurve
+from nestedcages_core.decimation import Decimation
 from shapes import annulus, islands, letter_a, polygon, ring, star
 
 BOTH = pytest.mark.parametrize("decimation", [ArcLength(), OnCurve()], ids=["ArcLength", "OnCurve"])

@@ -18,7 +18,6 @@ from nestedcages_core import (
     Mesh,
     Mirror,
     NestedCagesError,
-    OuterHull,
     Rotation,
     Settings,
     inner_cages,
@@ -204,12 +203,6 @@ def test_bad_symmetries_are_rejected() -> None:
     level = nested_cages(star(), [coarse], Settings(symmetry=Mirror((0, 0), (1, 0)))).levels[0]
     check(level, Mirror((0, 0), (1, 0)))
     assert "does not have a mirror" in level.report.notes[0]
-
-
-def test_a_symmetric_hull_is_symmetric() -> None:
-    hull = OuterHull(symmetry=Mirror()).decimate(letter_a(), 21)
-    orbits(hull, Mirror())
-    assert len(hull.vertices) == 21
 
 
 def test_a_tied_program_is_the_program_in_the_tied_unknowns() -> None:

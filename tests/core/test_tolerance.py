@@ -3,6 +3,8 @@ convex."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,7 +16,7 @@ from nestedcages_core.tolerance.minimal_nested import fewest_links, walks
 from nestedcages_core.tolerance.reach import REACH_PRECISION, reach, stays_within
 from shapes import annulus, letter_a, polygon, ring, star
 
-pytestmark = pytest.mark.slow
+slow = pytest.mark.slow
 
 FINE_BUFFER = 256
 """Segments of a quarter circle of shapely's buffers."""
@@ -29,6 +31,7 @@ def within_by_shapely(cage: Mesh, fine: Mesh, distance: float) -> bool:
     return polygon(fine).buffer(distance * (1.0 + 1e-4), quad_segs=FINE_BUFFER).contains(polygon(cage))
 
 
+@slow
 @pytest.mark.parametrize("distance", [0.2, 0.03])
 def test_the_bound_of_a_disc_is_the_regular_polygon(distance: float) -> None:
     fine = Mesh.from_loops([ring(720)])
@@ -38,6 +41,7 @@ def test_the_bound_of_a_disc_is_the_regular_polygon(distance: float) -> None:
     assert min(map(len, walks(fine, 0, distance, 0.0))) - 1 <= least
 
 
+@slow
 @pytest.mark.parametrize("distance", [0.3, 0.1])
 def test_a_convex_shape_ends_within_one_vertex_of_the_bound(distance: float) -> None:
     fine = ellipse()
@@ -51,6 +55,7 @@ def test_a_convex_shape_ends_within_one_vertex_of_the_bound(distance: float) -> 
     assert np.array_equal(level.reinflation.cage_steps[-1], level.cage.vertices)
 
 
+@slow
 def test_the_bound_undercuts_every_cage() -> None:
     fine = star(5, 60)
     for count in (10, 14, 20):
@@ -58,6 +63,7 @@ def test_the_bound_undercuts_every_cage() -> None:
         assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= count
 
 
+@slow
 @settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_the_bound_undercuts_cages_of_random_shapes(seed: int) -> None:
@@ -68,6 +74,7 @@ def test_the_bound_undercuts_cages_of_random_shapes(seed: int) -> None:
     assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= len(cage.vertices)
 
 
+@slow
 @pytest.mark.parametrize("distance", [0.3, 0.1, 0.03])
 @pytest.mark.parametrize("fine", [star(5, 200), letter_a(), annulus(60)])
 def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
@@ -79,6 +86,7 @@ def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
     assert within_by_shapely(level.cage, fine, distance)
 
 
+@slow
 def test_a_corridor_by_hand() -> None:
     """Around a square with gates of length 1 on its sides: the square itself is possible, a triangle is not."""
     square = Mesh.from_loops([[[0, 0], [4, 0], [4, 4], [0, 4]]])
@@ -92,6 +100,7 @@ def test_a_corridor_by_hand() -> None:
     assert fewest_links(corner, 0, 3.0, 0.0) < 6
 
 
+@slow
 def test_holes_and_levels() -> None:
     fine = annulus(48)
     hierarchy = nested_cages(fine, [Within(distance=0.05), Within(excess=0.4), 6])
@@ -134,21 +143,46 @@ def test_the_reach_of_random_cages(seed: int) -> None:
     assert measured >= corners
 
 
-def test_impossible_and_wrong_needs() -> None:
-    fine = ellipse(40)
-    with pytest.raises(NestingError, match="ask for more"):
-        nested_cages(fine, [Within(excess=1e-9)])
-    for wrong in (
-        {},
-        {"distance": 1.0, "excess": 1.0},
-        {"distance": -1.0},
-        {"excess": float("nan")},
-        {"distance": "2"},
+SQUARE = Mesh.from_loops([[[0, 0], [4, 0], [4, 4], [0, 4]]])
+AROUND = Mesh.from_loops([[[-0.3, -0.3], [4.3, -0.3], [4.4, 4.4], [-0.3, 4.3]]])
+
+
+def test_what_is_measured_is_compared_with_the_limit() -> None:
+    """The distance of a corner, and the excess of areas."""
+    distance, excess = np.hypot(0.4, 0.4), AROUND.area / 16.0 - 1.0
+    assert distance <= reach(AROUND, SQUARE) <= distance * (1.0 + 1.01 * REACH_PRECISION)
+    assert Within(distance=0.7).limit == 0.7
+    assert Within(excess=0.7).limit == 0.7
+    assert Within(distance=1.0).measured(AROUND, SQUARE) == reach(AROUND, SQUARE)
+    assert Within(excess=1.0).measured(AROUND, SQUARE) == excess
+    for size in (0.999, 1.001):
+        assert stays_within(AROUND, SQUARE, distance * size) == (size > 1.0)
+        assert Within(distance=distance * size).is_met(AROUND, SQUARE) == (size > 1.0)
+    assert Within(excess=excess).is_met(AROUND, SQUARE)
+    assert not Within(excess=np.nextafter(excess, 0.0)).is_met(AROUND, SQUARE)
+    assert str(Within(distance=0.5)) == "within a distance of 0.5"
+    assert str(Within(excess=0.25)) == "within an excess of 25 %"
+
+
+WRONG = [{}, {"distance": 1.0, "excess": 1.0}]
+WRONG += [{name: value} for name in ("distance", "excess") for value in (-1.0, 0.0, np.nan, np.inf, -np.inf, "2", True)]
+
+
+@pytest.mark.parametrize("wrong", WRONG, ids=str)
+def test_wrong_limits_are_rejected(wrong: dict[str, Any]) -> None:
+    with pytest.raises(
+        NestedCagesError, match="Within needs either" if len(wrong) != 1 else "Within: a .*number above 0"
     ):
-        with pytest.raises(NestedCagesError, match="Within"):
-            Within(**wrong)
+        Within(**wrong)
 
 
+@slow
+def test_an_impossible_excess_is_said() -> None:
+    with pytest.raises(NestingError, match="ask for more"):
+        nested_cages(ellipse(40), [Within(excess=1e-9)])
+
+
+@slow
 @pytest.mark.parametrize("need", [Within(distance=0.1), Within(excess=0.2)], ids=str)
 def test_inner_cages_within_a_tolerance(need: Within) -> None:
     fine = star(5)
@@ -179,6 +213,7 @@ def test_levels_as_people_write_them() -> None:
         parse_level("x", {"m": 1.0}, "* for an object")
 
 
+@slow
 def test_percentages_rise_to_the_least() -> None:
     fine = Mesh.from_loops([4.0 * ring(40), 3.9 * ring(40), 3.8 * ring(40)])  # triangles would cross each other
     level, alike = (nested_cages(fine, given).levels[0] for given in (Share(0.02), wanted_levels([Share(0.02)], fine)))
@@ -189,6 +224,7 @@ def test_percentages_rise_to_the_least() -> None:
         nested_cages(fine, [12])
 
 
+@slow
 def test_a_level_near_another_mesh_than_the_one_inside() -> None:
     fine, inner = ellipse(60), nested_cages(ellipse(60), [24]).cages[0]
     (level,) = nested_cages(inner, [Within(distance=0.2)], Settings(about=fine)).levels

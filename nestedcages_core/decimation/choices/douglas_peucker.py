@@ -105,8 +105,7 @@ class _Division:
     def outline(self, chosen: list[list[int]]) -> Outline:
         """The chosen vertices."""
         vertices = np.concatenate([loop[places] for loop, places in zip(self.loops, chosen, strict=True)])
-        spans = np.repeat(np.concatenate(chosen)[:, None], 2, axis=1)
-        return Outline(vertices, tuple(map(len, chosen)), spans)
+        return Outline(vertices, tuple(map(len, chosen)))
 
     def _triangle(self, k: int) -> list[int]:
         """The first vertex of a loop, the one farthest from it, and the one farthest from the line of both."""

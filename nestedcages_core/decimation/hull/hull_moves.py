@@ -23,7 +23,7 @@ PIVOT_RATIO_LOOP = 6
 
 @dataclass(frozen=True)
 class Weights:
-    """Cost weight per kind of move, per area added; randomised by restarts."""
+    """Cost weight per kind of move, per area added."""
 
     drop: float = 1.0
     extend: float = 1.0
@@ -34,13 +34,8 @@ class Weights:
     """None: only loops of a few vertices pivot, which may have no other move."""
     spike: float = 0.02
     """Cost of the squared height of a new corner over the edge it replaces: against spikes."""
-    noise: float = 0.0
-    """Standard deviation of the logarithm of a random factor per vertex."""
-    loops: tuple[float, ...] = ()
-    """Factor per loop; empty for none."""
     reach: float = 1.5
     """Largest distance of new vertices from the centre, in diameters."""
-    seed: int = 0
 
 
 HullMove: TypeAlias = tuple[float, int, Place]
@@ -50,16 +45,16 @@ HullMove: TypeAlias = tuple[float, int, Place]
 class HullMoves:
     """The moves of linked loops, and their costs."""
 
-    def __init__(self, loops: LinkedLoops, weights: Weights, factor: list[float], stamps: list[int]) -> None:
-        """factor: on the costs of each vertex and of its edge. stamps: number of renewals per slot, counted here."""
-        self.loops, self.weights, self.factor, self.stamps = loops, weights, factor, stamps
+    def __init__(self, loops: LinkedLoops, weights: Weights, stamps: list[int]) -> None:
+        """stamps: number of renewals per slot, counted here."""
+        self.loops, self.weights, self.stamps = loops, weights, stamps
 
     def of(self, first: int, last: int = -1) -> list[HullMove]:
         """The moves of the vertices first .. last and of the edges between them, or of all around a loop.
 
         Their slots are renewed. What lies beyond first .. last has not changed, hence neither have drops of these two.
         """
-        loops, weights, factor, stamps = self.loops, self.weights, self.factor, self.stamps
+        loops, weights, stamps = self.loops, self.weights, self.stamps
         drop_weight, spike_weight, pivot_weight = weights.drop, weights.spike, weights.pivot or 1.0
         X, Y, following, previous = loops.x, loops.y, loops.next, loops.previous
         size = loops.sizes[loops.loop_of[first]]
@@ -82,7 +77,7 @@ class HullMoves:
             if turn_b <= 0.0 or turn_b <= TURN_ROUNDING * (abs(ux * wy) + abs(uy * wx)):
                 if last < 0 or (b != first and b != last):
                     stamps[slot] += 1
-                    found.append((factor[b] * drop_weight * 0.5 * abs(turn_b), slot, ()))
+                    found.append((drop_weight * 0.5 * abs(turn_b), slot, ()))
             else:
                 stamps[slot] += 1
                 if pivots and turn_a >= 0.0 and turn_c >= 0.0:
@@ -94,7 +89,7 @@ class HullMoves:
                         if s > 0.0 and t > 0.0:
                             area = 0.5 * (s * turn_a + t * turn_c)
                             spike = 0.25 * (s * s * (fx * fx + fy * fy) + t * t * (qx * qx + qy * qy))
-                            found.append((factor[b] * (pivot_weight * area + spike_weight * spike), slot, (ratio,)))
+                            found.append((pivot_weight * area + spike_weight * spike, slot, (ratio,)))
             if b == last:
                 break
 
@@ -110,7 +105,7 @@ class HullMoves:
             if possible and (squared := wx * wx + wy * wy) >= SMALLEST_DIVISOR:
                 twice = turn_c / den * turn_b  # of the area; its square may overflow or underflow
                 cost = weight * (0.5 * twice) + spike_weight * (twice * (twice / squared))
-                found.append((factor[b] * cost, slot, ()))
+                found.append((cost, slot, ()))
             if c == first:
                 break
             a, b, c = b, c, d

@@ -5,7 +5,7 @@ mesh."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,23 +43,19 @@ class InnerRequest(Request):
 
 @dataclass(frozen=True)
 class InnerHull:
-    """Meshes strictly inside the fine one."""
-
-    hull: OuterHull = field(default_factory=OuterHull)
-    """The search."""
+    """A mesh strictly inside the fine one."""
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
-        """The hull of largest area; see `starts`."""
+        """The hull; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
 
-    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 3) -> Stage[float, list[Start]]:
-        """Up to ``most`` different meshes strictly inside the fine one, largest area first.
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+        """One mesh strictly inside the fine one.
 
         count and clearance are those of `OuterHull.starts`. Raises NestingError if the count is impossible, with the
         smallest one found.
         """
-        hulls = yield from self.hull.hulls(InnerRequest.of(fine, count), clearance, most)
-        return [Start(mesh, SOURCE) for mesh, _ in hulls]
+        return [Start((yield from OuterHull().hull(InnerRequest.of(fine, count), clearance)), SOURCE)]
 
 
 def _walked_back(outline: Outline) -> Outline:
@@ -67,4 +63,4 @@ def _walked_back(outline: Outline) -> Outline:
     order = np.concatenate(
         [begin + (-np.arange(size)) % size for begin, size in zip(outline.begins.tolist(), outline.sizes, strict=True)]
     )
-    return Outline(outline.vertices[order], outline.sizes, outline.spans[order])
+    return Outline(outline.vertices[order], outline.sizes)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import compress
-from typing import TypeAlias
 
 import numpy as np
 
@@ -13,10 +12,6 @@ from .edge_boxes import EdgeBoxes
 
 MARGIN_ULPS = 64.0
 """Margin around an added triangle, in units in the last place of the largest coordinate, for nudges."""
-
-
-Removal: TypeAlias = tuple[int, list[tuple[int, float, float, int, int]]]
-"""A vertex that was removed, and those that moved then: vertex, x, y, and the stretch that it stands for."""
 
 
 class LinkedLoops:
@@ -29,8 +24,6 @@ class LinkedLoops:
         self.total = total = len(vertices)
         self.x: list[float] = vertices[:, 0].tolist()
         self.y: list[float] = vertices[:, 1].tolist()
-        self.first: list[int] = outline.spans[:, 0].tolist()
-        self.last: list[int] = outline.spans[:, 1].tolist()
         self.loop_of: list[int] = np.repeat(np.arange(len(self.sizes)), self.sizes).tolist()
         self.entrance: list[int] = outline.begins.tolist()
         self.next: list[int] = outline.successor.tolist()
@@ -42,14 +35,11 @@ class LinkedLoops:
         self.ulp = float(np.spacing(max(np.abs(vertices).max(), far)))
         self.margin = MARGIN_ULPS * self.ulp
         self.boxes = EdgeBoxes(vertices, vertices[outline.successor])
-        self.removals: list[Removal] | None = None
-        """Filled from now on, where it is a list."""
 
     def outline(self) -> Outline:
         """The current loops, each from its first vertex that is left."""
         x, y = (np.fromiter(compress(values, self.alive), np.float64, self.total) for values in (self.x, self.y))
-        first, last = (np.fromiter(compress(end, self.alive), np.int64, self.total) for end in (self.first, self.last))
-        return Outline(np.stack((x, y), axis=1), tuple(self.sizes), np.stack((first, last), axis=1))
+        return Outline(np.stack((x, y), axis=1), tuple(self.sizes))
 
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
         """Remove a vertex, and move some right before it, in loop order: (vertex, x, y) each."""
@@ -70,8 +60,6 @@ class LinkedLoops:
             end = following[edge]
             boxes.insert(edge, X[edge], Y[edge], X[end], Y[end])
             edge = end
-        if self.removals is not None:
-            self.removals.append((vertex, [(v, x, y, self.first[v], self.last[v]) for v, x, y in moved]))
 
     def can_drop(self, b: int, *, exact: bool = False) -> bool:
         """Whether the triangle at a vertex lies outside the solid, by an exact test, and nothing else is in it."""

@@ -139,8 +139,7 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     direction[second - 1] = (n1 + h * before).take(corner, axis=0)
     direction[second] = (n2 - h * after).take(corner, axis=0)
     doubled = np.add.reduceat(np.where(cut, 2, 1), outline.begins)
-    vertices, spans = outline.vertices.take(source, axis=0), outline.spans.take(source, axis=0)
-    return Outline(vertices, tuple(doubled.tolist()), spans), source, direction
+    return Outline(outline.vertices.take(source, axis=0), tuple(doubled.tolist())), source, direction
 
 
 def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> IntArray:

@@ -13,15 +13,13 @@ progressive hulls of Sander, Gu, Gortler, Hoppe, Snyder: Silhouette Clipping (20
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Sequence
-from math import exp, hypot, inf
+from math import hypot, inf
 
 from ...geometry.predicates import orientation_sign
 from ...tasks import Stage, drain
 from ..outline import Outline
 from .hull_moves import PIVOT_RATIO_LOOP, HullMoves, Weights, corner, pivoted
-from .importance import PIN_REACH, Importance
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue, Place
 
@@ -41,29 +39,14 @@ REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
 class ProgressiveHull:
     """State of the greedy: the loops and a queue of moves, those of vertex v in slot 2 v, of its edge in 2 v + 1."""
 
-    def __init__(
-        self, outline: Outline, weights: Weights, minimum: Sequence[int], importance: Importance | None = None
-    ) -> None:
-        """minimum: vertices that each loop keeps, at least 3; importance: weights and pins of the shape."""
+    def __init__(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> None:
+        """minimum: vertices that each loop keeps, at least 3."""
         self.weights = weights
         self.minimum = list(minimum)
         self.loops = loops = LinkedLoops(outline, weights.reach)
         self.reach = weights.reach * loops.diameter
-        factor = [1.0] * loops.total
-        if weights.noise:
-            draw = random.Random(weights.seed).gauss
-            factor = [exp(weights.noise * draw(0.0, 1.0)) for _ in factor]
-        if weights.loops:
-            factor = [f * weights.loops[k] for f, k in zip(factor, loops.loop_of, strict=True)]
-        self.pinned = [False] * loops.total
-        self._pin_reach = 0.0
-        if importance is not None:
-            factors = importance.at(outline.vertices).tolist()
-            factor = [f * w for f, w in zip(factor, factors, strict=True)]
-            self.pinned = importance.pinned(outline).tolist()
-            self._pin_reach = PIN_REACH * importance.fine.diagonal
         self.queue = MoveQueue(2 * loops.total, NEGLIGIBLE_AREA * loops.diameter**2)
-        self.moves = HullMoves(loops, weights, factor, self.queue.stamps)
+        self.moves = HullMoves(loops, weights, self.queue.stamps)
         self._blocked: set[tuple[float, ...]] = set()
         self._reach_rounds, self._out_of_reach = 0, False
         self._consider_all()
@@ -77,11 +60,6 @@ class ProgressiveHull:
 
         Runs to ever smaller counts make the same moves as one to the smallest.
         """
-        yield from self._moving(count, max_cost)
-        return self.loops.outline()
-
-    def _moving(self, count: int, max_cost: float) -> Stage[float, None]:
-        """`steps` without the outline."""
         loops = self.loops
         first, moves = loops.total, 0
         while loops.total > count:
@@ -97,6 +75,7 @@ class ProgressiveHull:
                         make(b, *place)
             elif max_cost < inf or not self._farther():
                 break
+        return loops.outline()
 
     def _farther(self) -> bool:
         """Whether new vertices may lie farther out than before, where some were out of reach."""
@@ -122,18 +101,15 @@ class ProgressiveHull:
     # Where its new vertices go
 
     def _prepared(self, slot: int, ratio: Place) -> tuple[Callable[..., None], Place | None]:
-        """What makes a move, and its new vertices: x and y each; None if they are out of reach or leave a pin."""
-        b, loops, pinned = slot // 2, self.loops, self.pinned
-        a, c = loops.previous[b], loops.next[b]
+        """What makes a move, and its new vertices: x and y each; None if they are out of reach."""
+        b, loops = slot // 2, self.loops
         if slot % 2:
             x, y = corner(loops, b)
-            free = not (pinned[b] or pinned[c]) or not self._unpins(b, c, x, y)
-            return self._extend, (x, y) if free and not self._is_far(x, y) else None
+            return self._extend, None if self._is_far(x, y) else (x, y)
         if not ratio:
-            return self._drop, None if pinned[b] else ()
+            return self._drop, ()
         place = pivoted(loops, b, *ratio)
-        free = not (pinned[a] or pinned[b] or pinned[c])
-        return self._pivot, place if free and not self._is_far(*place[:2]) and not self._is_far(*place[2:]) else None
+        return self._pivot, None if self._is_far(*place[:2]) or self._is_far(*place[2:]) else place
 
     def _is_far(self, x: float, y: float) -> bool:
         """Whether a point is out of reach; noted."""
@@ -141,11 +117,6 @@ class ProgressiveHull:
         far = not x * x + y * y < self.reach * self.reach
         self._out_of_reach |= far
         return far
-
-    def _unpins(self, b: int, c: int, x: float, y: float) -> bool:
-        """Whether replacing both ends of an edge by a new vertex leaves the place of a pin, or joins two."""
-        X, Y, held = self.loops.x, self.loops.y, [v for v in (b, c) if self.pinned[v]]
-        return len(held) == 2 or any(hypot(x - X[v], y - Y[v]) > self._pin_reach for v in held)
 
     # Making a move, if nothing blocks it
 
@@ -190,8 +161,6 @@ class ProgressiveHull:
         if blocked:
             self._blocked.add(move)
             return
-        loops.last[b] = loops.last[c]
-        self.pinned[b] |= self.pinned[c]
         self._discard(c)
         loops.remove(c, (b, px, py))
         self._consider_around(loops.previous[a], following[d])
@@ -229,7 +198,6 @@ class ProgressiveHull:
             return
         if loops.edge_in_triangle(bx, by, tx, ty, cx, cy, own=(a, b, c)):
             return
-        loops.first[b], loops.last[b] = loops.first[c], loops.last[c]
         self._discard(c)
         loops.remove(c, (a, sx, sy), (b, tx, ty))
         self._consider_around(loops.previous[z], loops.next[d])

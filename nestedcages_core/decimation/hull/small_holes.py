@@ -64,7 +64,7 @@ def with_room(coarse: Mesh, fine: Mesh, clearance: float) -> Mesh:
     loops = [coarse.vertices[loop] for loop in coarse.loops]
     changed = False
     for k in np.flatnonzero(fine.loop_signs < 0).tolist():
-        single = Outline(loops[k], (len(loops[k]),), np.zeros((len(loops[k]), 2), np.int64))
+        single = Outline(loops[k], (len(loops[k]),))
         if shortfall(single, fine, clearance).max() <= MAX_SHORTFALL * clearance or (fine.parent_of_loop == k).any():
             continue
         circle = largest_circle(fine, k)

@@ -30,6 +30,9 @@ WIDE_TILT = 0.1
 MANY_PLACES = 50
 """Number of places from which tangents of stretches replace wide tilts."""
 
+PIN_STRETCHES = (1, 2, 3, 4, 6, 9, 13)
+"""Lengths of stretches, in places, that have a tangent through a pin at one of their ends."""
+
 TOUCHING = 1e-12
 """Height below the outermost vertex of a stretch, in lengths of the longest chord, up to which a vertex is touched."""
 
@@ -43,14 +46,17 @@ def candidates(chain: Chain, at: IntArray, longest: float, shift: float) -> Line
     longest: of the stretches, in places. shift: distance that lines will keep from the chain.
     """
     parts = [*_along_edges(chain, len(at)), *_over_pockets(chain, at), *_about_corners(chain, at, shift)]
+    if len(chain.pins):
+        parts.append(_through_pins(chain, at))
     for stretch in STRETCHES:
         if stretch < len(at) and stretch <= max(longest, ALWAYS):
             last = np.roll(at, -stretch)
-            parts.append(_tangents(chain, at, np.where(last <= at, last + chain.size, last)))
-    return Lines.joined(parts).ordered(chain)
+            parts.append(tangents(chain, at, np.where(last <= at, last + chain.size, last)))
+    lines = Lines.joined(parts).ordered(chain)
+    return lines.beside_pins(chain) if len(chain.pins) else lines
 
 
-def _tangents(chain: Chain, first: IntArray, last: IntArray) -> Lines:
+def tangents(chain: Chain, first: IntArray, last: IntArray) -> Lines:
     """Tangents along the chords of stretches of vertices first .. last, which may pass the end of the chain."""
     direction = chain.vertices[last % chain.size] - chain.vertices[first]
     length = norm(direction)
@@ -120,3 +126,21 @@ def _about_corners(chain: Chain, at: IntArray, shift: float) -> list[Lines]:
             direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
             parts.append(Lines.of(chain.vertices[at[some]], at[some].astype(np.float64), direction))
     return parts
+
+
+def _through_pins(chain: Chain, at: IntArray) -> Lines:
+    """Lines through the pins that touch stretches before and after them."""
+    parts = []
+    for pin in chain.pins.tolist():
+        for sign in (1, -1):
+            number = np.mod(sign * (at - pin), chain.size)
+            steps = np.unique(number[number > 0])[: max(PIN_STRETCHES)]
+            ends = steps[[k - 1 for k in PIN_STRETCHES if k <= len(steps)]]
+            to = sign * (chain.vertices[(pin + sign * np.arange(1, ends.max() + 1)) % chain.size] - chain.vertices[pin])
+            angle = np.unwrap(np.arctan2(to[:, 1], to[:, 0]))
+            steepest = np.minimum.accumulate(angle) if sign > 0 else np.maximum.accumulate(angle)
+            chosen = steepest[ends - 1]
+            direction = np.stack((np.cos(chosen), np.sin(chosen)), axis=1)
+            point = np.tile(chain.vertices[pin], (len(ends), 1))
+            parts.append(Lines.of(point, np.full(len(ends), float(pin)), direction))
+    return Lines.joined(parts)

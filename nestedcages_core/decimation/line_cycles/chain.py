@@ -12,6 +12,12 @@ from ...geometry.vectors import cross, norm, rotated_right
 SAME_LINE = 1e-6
 """Sum of differences in place, direction and height, in diameters, below which two lines are one."""
 
+BESIDE_PIN = 1e-3
+"""Distance along a loop, in edges, between a pin and the lines through it."""
+
+MEAN_LENGTH = 1e-6
+"""Part of a loop with its mean weight that counts with every stretch, since stretches may have no length."""
+
 SAME_POINT = 1e-9
 """Distance, in lengths of a ring, below which two vertices are one."""
 
@@ -19,7 +25,17 @@ SAME_POINT = 1e-9
 class Chain:
     """A closed loop with its solid on the left. Places along it: vertex k is k, the middle of its edge k + ½."""
 
-    def __init__(self, vertices: FloatArray) -> None:
+    def __init__(
+        self,
+        vertices: FloatArray,
+        weights: FloatArray | None = None,
+        pinned: BoolArray | None = None,
+        limits: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        """weights, pinned: (S,) how much each vertex matters, and whether it keeps a vertex of the cage.
+
+        limits: the least length of an edge, and angle in degrees.
+        """
         self.vertices = vertices
         """(S, 2)."""
         self.size = len(vertices)
@@ -29,12 +45,30 @@ class Chain:
         self.angles: FloatArray = np.arctan2(self.edges[:, 1], self.edges[:, 0])
         self.swept: FloatArray = np.concatenate(([0.0], np.cumsum(cross(vertices - vertices[0], self.edges))))
         """(S + 1,) twice the area swept from vertex 0 to vertex k, seen from vertex 0."""
+        self.weights = weights
+        self.limits = limits
+        self.pins: IntArray = np.flatnonzero(pinned) if pinned is not None else np.zeros(0, np.int64)
+        if weights is not None:
+            self.edge_weights: FloatArray = 0.5 * (weights + np.roll(weights, -1))
+            self._weighed = np.concatenate(([0.0], np.cumsum(self.edge_weights * self.lengths)))
+            self._along = np.concatenate(([0.0], np.cumsum(self.lengths)))
 
     def turned(self, place: FloatArray | IntArray, direction: FloatArray) -> FloatArray:
         """(K,) angles in [-π, π) from the edge before each place to a direction (K, 2)."""
         before = self.angles[np.ceil(place).astype(np.int64) - 1]
         angle: FloatArray = np.mod(np.arctan2(direction[:, 1], direction[:, 0]) - before + np.pi, 2.0 * np.pi) - np.pi
         return angle
+
+    def mean_weight(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """(P,) the mean weight from place to place; both (P,)."""
+        places = np.arange(self.size + 1.0)
+        around = np.where(end < start, 1.0, 0.0)
+        sums = [
+            np.interp(end, places, each) - np.interp(start, places, each) + around * each[-1] + MEAN_LENGTH * scale
+            for each, scale in ((self._weighed, self._weighed[-1]), (self._along, self.length))
+        ]
+        mean: FloatArray = sums[0] / sums[1]
+        return mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +122,17 @@ class Lines:
         height = cross(lines.direction, lines.point - chain.vertices[0])
         change = np.diff(lines.place) + np.abs(np.diff(lines.direction, axis=0)).max(axis=1) + np.abs(np.diff(height))
         return lines.take(np.concatenate(([True], change > SAME_LINE))[: len(lines.place)])
+
+    def beside_pins(self, chain: Chain) -> Lines:
+        """The lines with those at pins twice, before and behind the pin, so that it lies between the two."""
+        at_pin = np.isin(self.place, chain.pins)
+        there = self.take(at_pin)
+        moved = [
+            Lines(there.point, np.mod(there.place + way * BESIDE_PIN, chain.size), there.direction, there.passed)
+            for way in (-1.0, 1.0)
+        ]
+        lines = Lines.joined([self.take(~at_pin), *moved])
+        return lines.take(np.lexsort((chain.turned(lines.place, lines.direction), lines.place)))
 
     def meeting(self) -> FloatArray:
         """(K, 2) where each line meets the one before it in the cycle."""

@@ -2,38 +2,86 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ...geometry.predicates import BoxTree, segments_intersect
 from ...geometry.vectors import cross
-from .loop_search import LoopSearch
+from .chain import Lines
+from .images import Images
 from .turns import SLACK
 
 SHORTENED = 0.999
 """Fraction of the distance to the crossing that stays free."""
 
 
+class Search(Protocol):
+    """The best cycles around one loop."""
+
+    lines: Lines
+    free: FloatArray
+    """(2, K) what is free of each line, forwards and backwards."""
+    totals: FloatArray
+    """The least area for each number of lines."""
+
+    def solve(self, through: int | None = None) -> None:
+        """Search from scratch, after changes of `free`."""
+        ...
+
+    def refine(self, number: int) -> None:
+        """Search once more near the best cycle of a number of lines."""
+        ...
+
+    def cycle(self, number: int) -> IntArray:
+        """The lines of the best cycle of a number of lines, ascending."""
+        ...
+
+    def share(self) -> None:
+        """Take what is free of a line from its images too."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """The cycles of all loops. Edge e lies on line `line[e]` of loop `loop[e]`, from `start[e]` to `end[e]`."""
+    """The cycles of all loops, in the order of these. Each array has an entry for each edge."""
 
     rings: list[FloatArray]
     loop: IntArray
     line: IntArray
+    """The line that the edge, or of which it is an image, lies on."""
+    point: FloatArray
+    direction: FloatArray
     start: FloatArray
     end: FloatArray
+    images: Images | None
 
     @classmethod
-    def of(cls, searches: list[LoopSearch], numbers: list[int]) -> Choice:
-        """The best cycles with certain numbers of lines."""
-        cycles = [search.cycle(k) for search, k in zip(searches, numbers, strict=True)]
-        rings = [search.lines.take(cycle).meeting() for search, cycle in zip(searches, cycles, strict=True)]
-        loop = np.repeat(np.arange(len(rings)), numbers)
-        ends = [np.roll(ring, -1, axis=0) for ring in rings]
-        return cls(rings, loop, np.concatenate(cycles), np.concatenate(rings), np.concatenate(ends))
+    def of(cls, searches: Mapping[int, Search], numbers: Mapping[int, int], images: Images | None) -> Choice:
+        """The best cycles with certain numbers of lines, for each loop that stands for its images, and those."""
+        cycles: list[IntArray] = []
+        edges: list[tuple[FloatArray, ...]] = []
+        loops = [(k, 0) for k in searches] if images is None else images.loops
+        for loop, element in loops:
+            cycle = searches[loop].cycle(numbers[loop])
+            lines = searches[loop].lines.take(cycle)
+            start = lines.meeting()
+            end, direction = np.roll(start, -1, axis=0), lines.direction
+            point = lines.point
+            if images is not None and element:
+                direction = images.directions(point, direction, element)
+                point, start, end = (images.points(each, element) for each in (point, start, end))
+                if images.reverses(element):
+                    cycle = cycle[::-1]
+                    point, direction, start, end = (each[::-1] for each in (point, direction, end, start))
+            cycles.append(cycle)
+            edges.append((point, direction, start, end))
+        point, direction, start, end = (np.concatenate(each) for each in zip(*edges, strict=True))
+        loop_of = np.repeat(np.arange(len(cycles)), [len(cycle) for cycle in cycles])
+        return cls([each[2] for each in edges], loop_of, np.concatenate(cycles), point, direction, start, end, images)
 
     def crossings(self) -> tuple[IntArray, IntArray]:
         """Pairs of edges that cross and are not neighbours."""
@@ -47,7 +95,7 @@ class Choice:
         return i[met], j[met]
 
 
-def give_way(searches: list[LoopSearch], choice: Choice, i: IntArray, j: IntArray, bias: float) -> set[int]:
+def give_way(searches: Mapping[int, Search], choice: Choice, i: IntArray, j: IntArray, bias: float) -> set[int]:
     """Shorten what is free of the lines of crossing edges where they meet the other edge; the loops that changed.
 
     Of each pair, the edge whose contact is farther from the crossing is shortened. bias: factor on the distance of the
@@ -55,36 +103,36 @@ def give_way(searches: list[LoopSearch], choice: Choice, i: IntArray, j: IntArra
     """
     changed = set()
     for a, b in zip(i.tolist(), j.tolist(), strict=True):
-        p, d = _line(searches, choice, a)
-        q, f = _line(searches, choice, b)
-        sine = float(cross(d, f))
+        sine = float(cross(choice.direction[a], choice.direction[b]))
         if sine == 0.0:
             continue
-        s, t = float(cross(q - p, f)) / sine, float(cross(q - p, d)) / sine
+        step = choice.point[b] - choice.point[a]
+        s, t = float(cross(step, choice.direction[b])) / sine, float(cross(step, choice.direction[a])) / sine
         if abs(s) * bias > abs(t):
-            a, b, p, s = b, a, q, t
-        end = choice.end[a] if s > 0.0 else choice.start[a]
-        _shorten(searches[choice.loop[b]], _bundle(searches, choice, a, b), p, end)
-        changed.add(int(choice.loop[b]))
+            a, b, s = b, a, t
+        loop, element = (int(choice.loop[b]), 0) if choice.images is None else choice.images.loops[choice.loop[b]]
+        blocking = np.stack((choice.point[a], choice.end[a] if s > 0.0 else choice.start[a]))
+        if choice.images is not None and element:
+            blocking = choice.images.points(blocking, choice.images.symmetry.order - element)
+        _shorten(searches[loop], _bundle(searches[loop], choice, a, b), *blocking)
+        searches[loop].share()
+        changed.add(loop)
     return changed
 
 
-def _line(searches: list[LoopSearch], choice: Choice, edge: int) -> tuple[FloatArray, FloatArray]:
-    lines = searches[choice.loop[edge]].lines
-    return lines.point[choice.line[edge]], lines.direction[choice.line[edge]]
-
-
-def _bundle(searches: list[LoopSearch], choice: Choice, a: int, b: int) -> IntArray:
+def _bundle(search: Search, choice: Choice, a: int, b: int) -> IntArray:
     """The lines between those before and after edge b in its cycle, without that of edge a."""
     own = np.flatnonzero(choice.loop == choice.loop[b])
     at = b - int(own[0])
     low, high = int(choice.line[own[at - 1]]), int(choice.line[own[(at + 1) % len(own)]])
-    count = len(searches[choice.loop[b]].lines)
+    if choice.images is not None and choice.images.reverses(choice.images.loops[choice.loop[b]][1]):
+        low, high = high, low
+    count = len(search.lines)
     bundle = np.mod(low + 1 + np.arange((high - low - 1) % count), count)
     return bundle[bundle != choice.line[a]] if choice.loop[a] == choice.loop[b] else bundle
 
 
-def _shorten(search: LoopSearch, bundle: IntArray, start: FloatArray, end: FloatArray) -> None:
+def _shorten(search: Search, bundle: IntArray, start: FloatArray, end: FloatArray) -> None:
     """End what is free of some lines at a segment."""
     point, direction = search.lines.point[bundle], search.lines.direction[bundle]
     before, after = cross(direction, start - point), cross(direction, end - point)

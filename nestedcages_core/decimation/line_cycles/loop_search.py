@@ -21,11 +21,17 @@ SUPPORTING = 1e6
 ONE_SIDE = 1e-9
 """Height, in lengths of the loop, up to which a vertex lies on a line."""
 
+HEIGHTS_AT_ONCE = 4_000_000
+"""Heights of vertices over lines that are computed at once."""
+
 CHEAP_WORK = 3e5
 """Turns times lines of the cage up to which there is time for one more search."""
 
 MAX_ACROSS, MAX_MORE = 4, 6
 """Number of searches through the opposite line of the best cycle, and through lines between two lines of it."""
+
+MAX_MORE_IN_PARTS = 60
+"""The same where rotations leave few lines to each part, so that the first one decides."""
 
 IMPROVED = 1e-3
 """Relative gain from which a search counts as one that improved something."""
@@ -38,12 +44,18 @@ class LoopSearch:
     """The best cycles around one loop: `totals`, the least area for each number of lines, and which lines they are."""
 
     def __init__(
-        self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, expected: float
+        self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, expected: float, parts: int = 1
     ) -> None:
-        """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one."""
+        """free: (2, K) what is free of each line. sizes: the possible numbers of lines. expected: the likely one.
+
+        parts: of the loop that rotations take to each other; lines are counted and sought in the first one.
+        """
         self.chain, self.lines, self.free, self.sizes, self.expected = chain, lines, free, sizes, expected
+        self.parts, self.count = parts, len(lines) // parts
         self.turns: Turns = turns(chain, lines, free, width)
-        self.first: IntArray = np.searchsorted(self.turns.target, np.arange(len(lines) + 1))
+        if parts > 1:
+            self.turns = self.turns.of_part(self.count, len(lines))
+        self.first: IntArray = np.searchsorted(self.turns.target, np.arange(self.count + 1))
         self.totals: FloatArray = np.zeros(0)
         self.found: dict[int, Paths] = {}
         self.solve()
@@ -62,33 +74,46 @@ class LoopSearch:
         for _ in range(min(int(spare), MAX_ACROSS)):
             if not self._search(self._across(self._usual())):
                 break
-        more = min(int(spare), MAX_MORE)
+        more = MAX_MORE_IN_PARTS if self.parts > 1 else min(int(spare), MAX_MORE)
         if more:
-            cycle = self.cycle(self._usual())
-            gaps = np.mod(np.roll(cycle, -1) - cycle - 1, len(self.lines)) + 1
+            cycle = self._part(self._usual())
+            gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1
             g = int(gaps.argmin())
             for step in np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist():
-                self._search(int((cycle[g] + step) % len(self.lines)))
+                self._search(int((cycle[g] + step) % self.count))
 
     def refine(self, number: int) -> None:
         """Search once more through another line of the best cycle of a number of lines, near this cycle."""
         start = self._across(number)
-        corridor = np.sort(np.mod(self.cycle(number) - start, len(self.lines))).tolist()
+        corridor = np.sort(np.mod(self._part(number) - start, self.count)).tolist()
         most = min(number + SPARE, self.sizes.stop - 1)
         paths = self._paths(start, most)
         self._keep(paths, paths.run(corridor))
 
     def cycle(self, number: int) -> IntArray:
-        """(number,) the lines of the best cycle, ascending."""
+        """(parts * number,) the lines of the best cycle, ascending."""
+        part = self._part(number)
+        return np.asarray((part + self.count * np.arange(self.parts)[:, None]).ravel())
+
+    def share(self) -> None:
+        """What is free of a line is free of its images."""
+        least = self.free.reshape(2, self.parts, self.count).min(axis=1)
+        self.free = np.tile(least, self.parts)
+
+    def _part(self, number: int) -> IntArray:
         return self.found[number].cycle(number)
 
     def _first_cycles(self) -> None:
         """Search through the lines that most cycles are likely to have, until there is a cycle."""
-        lines, chain, count = self.lines, self.chain, len(self.lines)
+        chain, count = self.chain, self.count
+        lines = self.lines.take(np.arange(count))
         open_ = np.isfinite(self.areas)
         onto = np.bincount(self.turns.target[open_], minlength=count)
         off = np.bincount(self.turns.source[open_], minlength=count)
-        above = (lines.right @ chain.vertices.T).max(axis=1) - (lines.right * lines.point).sum(axis=1)
+        above = np.concatenate([
+            (right @ chain.vertices.T).max(axis=1)
+            for right in np.array_split(lines.right, -(-count * chain.size // HEIGHTS_AT_ONCE))
+        ]) - (lines.right * lines.point).sum(axis=1)  # fmt: skip
         supports = (above <= ONE_SIDE * chain.length) & (chain.swept[-1] > 0.0)
         score = off * onto * np.where(supports, SUPPORTING, 1.0)
         for _ in range(MAX_STARTS):
@@ -121,25 +146,28 @@ class LoopSearch:
 
     def _across(self, number: int) -> int:
         """The line opposite of the one that the best cycle of a number of lines was sought through."""
-        cycle = self.cycle(number)
+        cycle = self._part(number)
         own = int(np.searchsorted(cycle, self.found[number].start))
         return int(np.roll(cycle, -own)[number // 2])
 
 
-def shares(totals: list[FloatArray], count: int) -> list[int] | None:
-    """Lines per loop, together at most `count`, of the least sum of areas; None if there are none."""
+def shares(totals: list[FloatArray], count: int, copies: list[int]) -> list[int] | None:
+    """Lines per loop, each as many times as it has copies, together at most `count`, of the least sum of areas.
+
+    None if there are none.
+    """
     least, picks = np.zeros(1), []
-    for total in totals:
-        sums = np.full((len(total), min(count + 1, len(least) + len(total) - 1)), np.inf)
+    for total, times in zip(totals, copies, strict=True):
+        sums = np.full((len(total), min(count + 1, len(least) + times * (len(total) - 1))), np.inf)
         for k in np.flatnonzero(np.isfinite(total)).tolist():
-            part = least[: max(0, sums.shape[1] - k)]
-            sums[k, k : k + len(part)] = total[k] + part
+            part = least[: max(0, sums.shape[1] - times * k)]
+            sums[k, times * k : times * k + len(part)] = total[k] + part
         picks.append(sums.argmin(axis=0))
         least = sums.min(axis=0)
     if not np.isfinite(least.min()):
         return None
     left, numbers = int(least.argmin()), []
-    for pick in reversed(picks):
+    for pick, times in zip(reversed(picks), reversed(copies), strict=True):
         numbers.append(int(pick[left]))
-        left -= numbers[-1]
+        left -= times * numbers[-1]
     return numbers[::-1]

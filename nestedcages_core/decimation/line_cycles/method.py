@@ -16,25 +16,31 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import InvalidMeshError, NestingError
+from ...geometry.arrays import IntArray
+from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.vectors import norm
 from ...parameters import check_flag
 from ...tasks import Stage, drain, mapped
+from ..alike import AsymmetricError, padded_alike, symmetrised
 from ..base import LEAST_PER_LOOP, Count, Start
 from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
 from ..hull.inner_hull import InnerHull, InnerRequest
 from ..hull.offset import offsetting
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
+from ..importance import Importance
 from ..on_curve import closest_on_curve
 from ..outline import Outline
 from ..request import Request
 from .candidates import candidates
 from .chain import Chain, Lines, without_doubles
-from .crossings import Choice, give_way
+from .crossings import Choice, Search, give_way
 from .frame import Frame
 from .free_rays import Obstacles
+from .images import Images
 from .loop_search import LoopSearch, shares
+from .mirrored import MirrorSearch
 from .places import places, weights
 from .turns import SLACK
 
@@ -91,6 +97,10 @@ class LineCycles:
 
     on_curve: bool = True
     """Whether the start comes with a mesh on the fine one, from which the flow leads to a cage."""
+    symmetry: Symmetry | None = None
+    """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
+    importance: Importance | None = None
+    """Where vertices matter; None: everywhere alike."""
 
     def __post_init__(self) -> None:
         check_flag(self, "on_curve")
@@ -108,15 +118,27 @@ class LineCycles:
         A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
         then there may be an outer hull.
         """
-        mesh, source = yield from _found(Request.of(fine, count), clearance)
+        mesh, source = yield from self.found(Request.of(fine, count), clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
-        return [Start(mesh, source, closest_on_curve(mesh, fine) if near else None)]
+        return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry) if near else None)]
+
+    def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
+        """The mesh of the best cycles and its source; where they were kept from crossing, of the hull if smaller."""
+        mesh, rounds = yield from cycles_around(self, request, clearance)
+        if rounds and self.symmetry is None and self.importance is None:
+            with suppress(NestingError):
+                hull = yield from OuterHull().hull(request, clearance)
+                if request.side * hull.area < request.side * mesh.area:
+                    return hull, HULL
+        return mesh, SOURCE
 
 
 @dataclass(frozen=True)
 class InnerCycles:
     """Meshes strictly inside the fine one: line cycles in what surrounds them, and hulls."""
 
+    cycles: LineCycles = field(default_factory=LineCycles)
+    """The search."""
     hull: InnerHull = field(default_factory=InnerHull)
     """The search for further starts."""
 
@@ -128,7 +150,7 @@ class InnerCycles:
         """Up to `most` meshes strictly inside the fine one; see `LineCycles.starts`. Raises NestingError."""
         starts: list[Start] = []
         with suppress(NoCyclesError):
-            mesh, source = yield from _found(InnerRequest.of(fine, count), clearance)
+            mesh, source = yield from self.cycles.found(InnerRequest.of(fine, count), clearance)
             starts.append(Start(mesh, source))
         try:
             if len(starts) < most:
@@ -139,51 +161,44 @@ class InnerCycles:
         return starts
 
 
-def _found(request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
-    """The mesh of the best cycles and its source; where they had to be kept from crossing, of the hull if smaller."""
-    mesh, rounds = yield from cycles_around(request, clearance)
-    if rounds:
-        with suppress(NestingError):
-            (hull, _), *_ = yield from OuterHull().hulls(request, clearance, 1)
-            if request.side * hull.area < request.side * mesh.area:
-                return hull, HULL
-    return mesh, SOURCE
-
-
-def cycles_around(request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
-    """The mesh of the best cycles, and how often crossings were cleared. Raises NoCyclesError."""
-    outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
+def cycles_around(method: LineCycles, request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
+    """The mesh of the best cycles, and how often crossings were cleared. Raises NestingError."""
+    outline = symmetrised(without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter), method.symmetry)
+    if method.importance is not None:
+        with suppress(AsymmetricError):  # pins next to an axis hold the closest vertices that are there
+            outline = symmetrised(method.importance.with_vertices(outline), method.symmetry)
     usual, wanted = HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance
     if wanted > usual:
         with suppress(NoCyclesError):
-            mesh, rounds = yield from _next_to_offset(request, outline, wanted, clearance)
-            return request.with_room(mesh, clearance), rounds
+            mesh, rounds = yield from _next_to_offset(method, request, outline, wanted, clearance)
+            return mesh if method.symmetry else request.with_room(mesh, clearance), rounds
         clearance = 0.0  # the tightening may find the room
     try:  # lines next to the outline itself, all moved away by the same distance
-        return (yield from _best(request, outline, HULL_OFFSET))
+        return (yield from _best(method, request, outline, HULL_OFFSET))
     except NoCyclesError as error:
         if "least" in error.data:
             raise
         # gaps may be too narrow for that
-        return (yield from _next_to_offset(request, outline, usual, clearance))
+        return (yield from _next_to_offset(method, request, outline, usual, clearance))
 
 
 def _next_to_offset(
-    request: Request, outline: Outline, distance: float, clearance: float
+    method: LineCycles, request: Request, outline: Outline, distance: float, clearance: float
 ) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
     offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
     if len(stuck):
         raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")
-    return (yield from _best(request, cleared(offset, request.fine, clearance), EXACT_SHIFT))
+    outline = symmetrised(cleared(symmetrised(offset, method.symmetry), request.fine, clearance), method.symmetry)
+    return (yield from _best(method, request, outline, EXACT_SHIFT))
 
 
-def _best(request: Request, outline: Outline, shift: float) -> Stage[float, tuple[Mesh, int]]:
+def _best(method: LineCycles, request: Request, outline: Outline, shift: float) -> Stage[float, tuple[Mesh, int]]:
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
     for bias in BIASES:
-        around = _Around(request, outline, shift)
+        around = _Around(method, request, outline, shift)
         try:
             area, mesh = yield from around.run(bias)
         except NoCyclesError as failure:
@@ -202,25 +217,27 @@ def _best(request: Request, outline: Outline, shift: float) -> Stage[float, tupl
 class _Around:
     """A search for cycles around all loops of an outline."""
 
-    def __init__(self, request: Request, outline: Outline, shift: float) -> None:
-        self.request, self.shift = request, shift
+    def __init__(self, method: LineCycles, request: Request, outline: Outline, shift: float) -> None:
+        self.method, self.request, self.shift = method, request, shift
         self.frame = Frame.of(outline)
+        self.images = None if method.symmetry is None else Images.of(outline, method.symmetry, self.frame)
+        self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.rounds = 0
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
-        searches: list[LoopSearch] = []
-        for search in self._searches():
-            searches.append(search)
+        searches: dict[int, Search] = {}
+        for loop, search in self._searches():
+            searches[loop] = search
             yield len(searches) / (len(self.outline.sizes) + 1)
         numbers = self._shares(searches)
         for _ in range(MAX_CLEARINGS):
             yield len(searches) / (len(self.outline.sizes) + 1)
-            for search, number in zip(searches, numbers, strict=True):
-                search.refine(number)
+            for loop, number in numbers.items():
+                searches[loop].refine(number)
             numbers = self._shares(searches)
-            choice = Choice.of(searches, numbers)
+            choice = Choice.of(searches, numbers, self.images)
             i, j = choice.crossings()
             if len(i) == 0:
                 break
@@ -230,38 +247,78 @@ class _Around:
             numbers = self._shares(searches)
         return self._mesh(choice)
 
-    def _shares(self, searches: list[LoopSearch]) -> list[int]:
-        numbers = shares([search.totals for search in searches], self.request.target)
+    def _chains(self, outline: Outline) -> list[Chain]:
+        """The loops in the frame of the search, with what matters there."""
+        vertices, importance = self.frame.into(outline.vertices), self.method.importance
+        weights, pinned = np.ones(len(vertices)), np.zeros(len(vertices), bool)
+        if importance is not None:
+            weights, pinned = importance.at(outline.vertices), importance.pinned(outline)
+        parts = [np.split(each, outline.begins[1:]) for each in (vertices, weights, pinned)]
+        weighted = importance is not None and importance.weights is not None
+        limits = (0.0, 0.0)
+        if importance is not None:
+            limits = (importance.min_edge or 0.0) / self.frame.scale, importance.min_angle or 0.0
+        return [Chain(loop, some if weighted else None, pins, limits) for loop, some, pins in zip(*parts, strict=True)]
+
+    def _copies(self, loop: int) -> int:
+        """Lines of the cage for each one that is counted around a loop."""
+        if self.images is None:
+            return 1
+        return 1 if self._is_halved(loop) else self.images.symmetry.order
+
+    def _is_halved(self, loop: int) -> bool:
+        """Whether a loop lies across the axis of a mirror."""
+        return self.images is not None and self.images.symmetry.reverses and len(self.images.own[loop]) > 1
+
+    def _shares(self, searches: dict[int, Search]) -> dict[int, int]:
+        copies = [self._copies(loop) for loop in searches]
+        totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
+        numbers = shares(totals, self.request.target, copies)
         if numbers is None:
-            least = [min(search.found, default=0) for search in searches]
+            least = [number * int(np.isfinite(total).argmax()) for number, total in zip(copies, totals, strict=True)]
             known = {"least": sum(least)} if all(least) and sum(least) > self.request.target else {}
             raise NoCyclesError(
                 "There are no such cycles of lines.", code="count.too_small", total=self.request.total, **known
             )
-        return numbers
+        return dict(zip(searches, numbers, strict=True))
 
-    def _searches(self) -> Iterator[LoopSearch]:
-        """The search around each loop. Raises NoCyclesError."""
-        target, minimum = self.request.target, self.request.minimum
-        chains = [Chain(loop) for loop in self.outline.loops]
+    def _searches(self) -> Iterator[tuple[int, Search]]:
+        """The search around each loop that stands for its images. Raises NoCyclesError."""
+        target, chains, images = self.request.target, self.chains, self.images
         if any(chain.length == 0.0 for chain in chains):
             raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
         deserved = weights(chains, target)
         whole = sum(float(weight.sum()) for weight in deserved)
-        found: list[tuple[Lines, float, float]] = []
+        found: list[tuple[Lines, IntArray, float, float]] = []
         for chain, weight in zip(chains, deserved, strict=True):
             share = float(weight.sum()) / whole
             count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
             at = places(chain, weight, min(count, max(chain.size, 6)))
+            if len(chain.pins):
+                at = np.union1d(at, chain.pins)
             deserved_lines = USUAL_SHARE * target * share
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
-            found.append((lines.shifted(self.shift), expected, deserved_lines))
+            found.append((lines.shifted(self.shift), at, expected, deserved_lines))
         obstacles = Obstacles(self.outline.loops)
-        for k, (chain, (lines, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
+        for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
+            if images is not None and images.loops[k][0] != k:
+                continue
+            halves, parts = None, 1
+            if images is not None and self._is_halved(k):
+                lines, halves = images.mirrored(k, chain, lines, at, self.shift)
+            elif images is not None and len(images.own[k]) > 1:
+                parts = len(images.own[k])
+                lines = images.turned(k, chain, lines)
             size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
             free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
             usable = np.asarray((free > SLACK).all(axis=0))
+            if images is not None and halves is not None:
+                free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
+                usable &= usable[halves.image]
+                halves = halves.take(usable)
+            elif parts > 1:
+                usable = np.tile(usable.reshape(parts, -1).all(axis=0), parts)
             lines, own_free = lines.take(usable), free[:, usable]
             count = len(lines)
             if count < 3:
@@ -269,15 +326,26 @@ class _Around:
             width = count - 1
             if expected > FULL_WIDTH:
                 width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
-            most = self._most(k, deserved_lines, count)
-            yield LoopSearch(chain, lines, own_free, width=width, sizes=range(minimum[k], most + 1), expected=expected)
+            if halves is not None:
+                sizes = self._sizes(k, deserved_lines, count)
+                yield k, MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
+                continue
+            sizes = self._sizes(k, deserved_lines, count, copies=self._copies(k), parts=parts)
+            part_expected = expected / parts
+            yield k, LoopSearch(chain, lines, own_free, width=width, sizes=sizes, expected=part_expected, parts=parts)
 
-    def _most(self, loop: int, deserved: float, lines: int) -> int:
-        """The largest number of lines for a loop."""
+    def _sizes(self, loop: int, deserved: float, lines: int, copies: int = 1, parts: int = 1) -> range:
+        """The possible numbers of lines of a loop."""
+        minimum, most = self.request.minimum[loop], self._most(loop, deserved, lines, copies // parts)
+        return range(-(-minimum // parts), most // parts + 1)
+
+    def _most(self, loop: int, deserved: float, lines: int, loops: int) -> int:
+        """The largest number of lines for a loop, and as many others like it."""
         minimum, target = self.request.minimum, self.request.target
         if self.request.per_loop is not None:
             return minimum[loop]
-        most = min(lines, target - sum(minimum) + minimum[loop])
+        others = sum(minimum) - loops * minimum[loop]
+        most = min(lines, (target - others) // loops)
         if len(minimum) > 1 and target < MOST_OF_ALL * len(self.outline.vertices):
             most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
         return most
@@ -287,10 +355,13 @@ class _Around:
         rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
         if min(map(len, rings)) < 3:
             raise NoCyclesError("A cycle is flat.", code="count.too_small")
-        outline = Outline(np.concatenate(rings), tuple(map(len, rings)), np.zeros((0, 2), np.int64))
+        outline = Outline(np.concatenate(rings), tuple(map(len, rings)))
         try:
-            mesh = self.request.coarse(outline)
-        except InvalidMeshError as error:
+            if self.method.symmetry is None:
+                mesh = self.request.coarse(outline)
+            else:
+                mesh = self.request.mesh(padded_alike(outline, self.request.total, self.method.symmetry))
+        except (InvalidMeshError, AsymmetricError) as error:
             raise NoCyclesError(error.fault) from error
         if not self.request.nests(mesh):
             raise NoCyclesError("The cycles do not enclose the loops.", code="count.too_small")

@@ -46,7 +46,8 @@ def _density(chain: Chain, scale: float) -> FloatArray:
         return np.stack([np.interp(middle + shift, along, axis) for axis in ring.T], axis=1)
 
     before = at(-scale)
-    root: FloatArray = np.cbrt(np.abs(cross(at(scale) - before, at(0.0) - before)))
+    area = np.abs(cross(at(scale) - before, at(0.0) - before))
+    root: FloatArray = np.cbrt(area if chain.weights is None else chain.edge_weights * area)
     return root
 
 

@@ -10,7 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...geometry.arrays import FloatArray, IntArray
-from ...geometry.vectors import cross
+from ...geometry.vectors import cross, norm
 from .chain import Chain, Lines
 
 SingleArray: TypeAlias = NDArray[np.float32]
@@ -23,6 +23,12 @@ LEAST_TURN = 1e-9
 
 ROUND_OFF = 1e-6
 """Margin of the first test, in diameters: it computes in single precision."""
+
+PIN_COST, PIN_REACH = 10.0, 1e-3
+"""Cost of a vertex for its distance from a pin that it stands for, in diameters; the distance that costs nothing."""
+
+LIMIT_COST = 1.0
+"""Cost of edges for what each half lacks of the least length, and of angles, by the cosine."""
 
 FAR_PART = 0.5
 """Part of the usual width, in lines, from which a line over a pocket may follow any line."""
@@ -45,6 +51,12 @@ class Turns:
     """(P,) distance of the vertex from the contact of the second line, against it."""
     area: SingleArray
     """(P,) single precision: between the path from contact to contact by the vertex, and the chain."""
+
+    def of_part(self, count: int, lines: int) -> Turns:
+        """Those onto the first lines, of which there are as many in each part, each line as that of the first part."""
+        kept = np.flatnonzero((self.target < count) & (np.mod(self.target - self.source - 1, lines) < count))
+        source = self.source[kept] % count
+        return Turns(source, self.target[kept], self.forth[kept], self.back[kept], self.area[kept])
 
     def within(self, free: FloatArray) -> SingleArray:
         """(P,) the areas; infinite where the vertex lies beyond what is free (2, K) of either line."""
@@ -84,8 +96,29 @@ def turns(chain: Chain, lines: Lines, free: FloatArray, width: int) -> Turns:
         area += rest[j] - rest[i] - np.where(j < i, chain.swept[-1], 0.0)
         sound &= area > NEGATIVE
     kept = np.flatnonzero(sound)
-    area = (0.5 * area.take(kept)).astype(np.float32)
-    return Turns(i.take(kept), j.take(kept), forth.take(kept), back.take(kept), area)
+    i, j, forth, back, area = i.take(kept), j.take(kept), forth.take(kept), back.take(kept), 0.5 * area.take(kept)
+    if chain.weights is not None:
+        area *= chain.mean_weight(lines.place[i], lines.place[j])
+    if len(chain.pins):
+        area += _missing(chain, lines, i, j, forth)
+    short, sharp = chain.limits
+    if short > 0.0:  # both edges have their contact near the middle
+        area += LIMIT_COST * (np.maximum(0.0, 0.5 * short - forth) + np.maximum(0.0, 0.5 * short - back))
+    if sharp > 0.0:
+        straight = (lines.direction[i] * lines.direction[j]).sum(axis=1)
+        area += LIMIT_COST * np.maximum(0.0, -np.cos(np.radians(sharp)) - straight)
+    return Turns(i, j, forth, back, area.astype(np.float32))
+
+
+def _missing(chain: Chain, lines: Lines, i: IntArray, j: IntArray, forth: FloatArray) -> FloatArray:
+    """(P,) the cost of turns that pass pins, by the distance of their vertices from these."""
+    vertex = lines.point[i] + forth[:, None] * lines.direction[i]
+    cost = np.zeros(len(i))
+    for pin in chain.pins.tolist():
+        passed = np.mod(pin - lines.place[i], chain.size) < np.mod(lines.place[j] - lines.place[i], chain.size)
+        away = norm(vertex[passed] - chain.vertices[pin])
+        cost[passed] += PIN_COST * np.maximum(0.0, away - PIN_REACH)
+    return cost
 
 
 def _meeting(lines: Lines, free: FloatArray, seconds: IntArray, width: int) -> tuple[IntArray, IntArray]:

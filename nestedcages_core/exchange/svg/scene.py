@@ -218,7 +218,7 @@ class Scene:
         if not subpaths:
             return
         name = title_of(item)
-        points = moved(np.concatenate([curve for path in subpaths for curve in path.curves]), context.matrix)
+        points = moved(np.concatenate([path.points for path in subpaths]), context.matrix)
         if not np.abs(points).max() < MAX_COORDINATE:
             self.document.faults.add(f"Left out: the {name}, whose coordinates are not finite, or too large")
             return

@@ -9,20 +9,24 @@ import numpy as np
 
 from ...contact.pairs import Bodies
 from ...decimation.base import LEAST_PER_LOOP
-from ...errors import Fault, NestingError
+from ...errors import Fault, NestingError, note
 from ...geometry.arrays import FloatArray
+from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import BoxTree, crossing_pairs, orientation, winding_number
 from ...geometry.vectors import norm
 from ...level.plan import Need, Plan, Solution
 from ...level.progress import LevelProgress
 from ...level.report import Progress
+from ...level.symmetrised_start import orbits_of
 from ...level.units import SolverUnits
 from ...tasks import Stage
 from ...verification import Certificate, verify
 from ...verification.certificate import loops_in_words
 from ...verification.motion import certify_motion
-from .least_polygon import Hull, Tangents, Wall, convex_hull, least_polygon, shortest_way
+from .hull import Hull, Tangents, Wall, convex_hull, shortest_way
+from .least_polygon import least_polygon
+from .symmetric_polygon import image_angles, symmetric_polygon
 
 DISTANCE_MARGINS = (0.0, 1e-13, 1e-11, 1e-9)
 """Lengths added to the clearance, in diagonals, tried until rounded corners keep it."""
@@ -36,7 +40,7 @@ class Convex(Need):
     """Convex cages, one around each part; holes are filled."""
 
     def fill(self, plan: Plan) -> Plan:
-        """The solver. Raises NestingError for cages inside, whose complement is not convex, and symmetric ones."""
+        """The solver. Raises NestingError for cages inside, whose complement is not convex."""
         if plan.inside:
             raise NestingError(
                 "Convex cages lie around a shape, not inside of it; leave out convex, or use nested_cages.",
@@ -54,12 +58,11 @@ class Convex(Need):
             return None
         hull = without_dents(cage)
         count, most = len(cage.vertices), len(hull.vertices)
-        said = f"On the grid, {count} vertices make no convex cage: it has {most} at most."
-        return hull, Fault(said, "note.count", asked=count, given=most, on="grid")
+        return hull, note("note.count", asked=count, given=most, on="grid")
 
 
 def _solved(
-    fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...], progress: LevelProgress
+    plan: Plan, wanted: int | Mesh, clearances: tuple[float, ...], progress: LevelProgress
 ) -> Stage[Progress, Solution]:
     """The convex cage with ``wanted`` vertices around each part. Raises NestingError."""
     if isinstance(wanted, Mesh):
@@ -71,15 +74,30 @@ def _solved(
             total=wanted,
             least=LEAST_PER_LOOP,
         )
-    return (yield from _Solver(fine, clearances, progress).solve(wanted))
+    return (yield from _Solver(plan, clearances, progress).solve(wanted))
 
 
 class _Solver:
-    def __init__(self, fine: Mesh, clearances: tuple[float, ...], progress: LevelProgress) -> None:
-        self.fine, self.clearances, self.progress = fine, clearances, progress
-        self.units = SolverUnits.of(fine)
-        self.parts = [k for k in range(len(fine.loops)) if fine.parent_of_loop[k] < 0]
-        """Loops that are not enclosed by another loop."""
+    def __init__(self, plan: Plan, clearances: tuple[float, ...], progress: LevelProgress) -> None:
+        self.plan, self.fine, self.clearances, self.progress = plan, plan.fine, clearances, progress
+        self.units, outline = SolverUnits.of(plan.fine), plan.outline
+        self.parts = [k for k in range(len(outline.loops)) if outline.parent_of_loop[k] < 0]
+        """Loops of the outline that are not enclosed by another loop."""
+        self.group: list[Symmetry | None] = [None] * len(self.parts)
+        """The symmetries of each part."""
+        self.image_of: list[tuple[int, int]] = [(k, 0) for k in range(len(self.parts))]
+        """For each part another part, and the element that makes it from that one."""
+        orbits = None if plan.group is None else orbits_of(outline, plan.group)
+        if plan.group is not None and orbits is not None:
+            self.group = [plan.group] * len(self.parts)
+            place_of, vertex = {loop: k for k, loop in enumerate(self.parts)}, np.arange(len(outline.vertices))
+            for element in range(1, plan.group.order):
+                vertex = orbits.partner[vertex]
+                for k, loop in enumerate(self.parts):
+                    image = place_of[int(outline.loop_of_vertex[vertex[outline.loops[loop][0]]])]
+                    if image > k and self.image_of[image] == (image, 0):
+                        self.image_of[image] = (k, element)
+                    self.group[k] = self.group[k] if image == k else None
 
     def solve(self, wanted: int) -> Stage[Progress, Solution]:
         """The cage. Raises NestingError."""
@@ -88,26 +106,51 @@ class _Solver:
         for clearance in self.clearances:
             for margin in DISTANCE_MARGINS:
                 distance = self.units.clearance(clearance) * self.units.scale + margin * self.fine.diagonal
-                hulls = [Hull.of(self.fine.vertices[self.fine.loops[k]], distance) for k in self.parts]
+                hulls = [
+                    replace(Hull.of(self._points(loop), distance, group), weight_at=self.plan.weight_at)
+                    for loop, group in zip(self.parts, self.group, strict=True)
+                ]
                 polygons = yield from self._polygons(hulls, wanted)
                 if polygons is None:
                     problem = self._in_each_others_way(hulls, wanted)
                     break
-                cage = Mesh.from_loops([hull.polygon(each) for hull, each in zip(hulls, polygons, strict=True)])
+                cage = self._symmetrised(
+                    Mesh.from_loops([hull.polygon(each) for hull, each in zip(hulls, polygons, strict=True)])
+                )
                 yield from self.progress.begin("verification")
                 certificate = verify(cage, self.fine, clearance, same_loops=False)
                 if certificate and is_convex(cage):
                     return self._solution(cage, hulls, polygons, wanted, clearance, certificate)
         raise NestingError(f"There is no convex cage around this shape: {problem}.", code="convex.overlapping")
 
+    def _points(self, loop: int) -> FloatArray:
+        return self.plan.outline.vertices[self.plan.outline.loops[loop]]
+
+    def _symmetrised(self, cage: Mesh) -> Mesh:
+        """The cage with exact symmetry."""
+        orbits = None if self.plan.group is None else orbits_of(cage, self.plan.group)
+        return cage if orbits is None else cage.moved(orbits.symmetrised(cage.vertices)).validated()
+
+    def _polygon(self, k: int, hulls: list[Hull], found: list[Tangents | None], wanted: int) -> Tangents | None:
+        """The polygon of a part, with as many vertices as its hull and its symmetries allow."""
+        hull, group, (first, element) = hulls[k], self.group[k], self.image_of[k]
+        count = min(wanted, len(hull.flush))
+        if element and self.plan.group is not None:
+            other = found[first]
+            return None if other is None else hull.tangents(image_angles(other.angle, self.plan.group, element))
+        if group is None:
+            return least_polygon(hull, count)
+        step = 1 if group.reverses else group.order
+        return symmetric_polygon(hull, max(count // step, -(-LEAST_PER_LOOP // step)) * step, group)
+
     def _polygons(self, hulls: list[Hull], wanted: int) -> Stage[Progress, list[Tangents] | None]:
         """The polygon of each part; overlapping ones are made again with a wall between them. None if there are
         none."""
         found: list[Tangents | None] = [None] * len(hulls)
         for walled in (False, True):
-            for k, hull in enumerate(hulls):
+            for k in range(len(hulls)):
                 if found[k] is None:
-                    found[k] = least_polygon(hull, min(wanted, len(hull.flush)))
+                    found[k] = self._polygon(k, hulls, found, wanted)
                     yield from self.progress.show((k + 1) / len(hulls), "convex polygons")
             polygons = [each for each in found if each is not None]
             if len(polygons) < len(hulls):
@@ -115,6 +158,8 @@ class _Solver:
             overlapping = _overlapping([hull.polygon(each) for hull, each in zip(hulls, polygons, strict=True)])
             if not overlapping:
                 return polygons
+            if self.plan.group is not None:  # walls may have no symmetry
+                return None
             for k, other in overlapping if not walled else ():
                 walls = _between(hulls[k], hulls[other])
                 if walls is None:
@@ -145,32 +190,17 @@ class _Solver:
         certificate: Certificate,
     ) -> Solution:
         """A certified cage with its steps and notes."""
-        steps = self._steps(cage, hulls, polygons)
+        steps = self._steps(cage, hulls, polygons) if self.plan.group is None else cage.vertices[None]
         notes: tuple[Fault, ...] = ()
         if not cage.has_loops_like(self.fine):
-            said = f"The cage has {loops_in_words(cage)}, but the mesh in it has {loops_in_words(self.fine)}."
-            notes = (Fault(said, "note.loops"),)
+            notes = (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(self.fine)),)
         fewest = min(len(each.angle) for each in polygons)
-        if fewest < wanted:
-            notes = (
-                *notes,
-                Fault(
-                    f"{wanted} vertices were asked for, but a hull has {fewest}: with these, the cage is as tight.",
-                    "note.count",
-                    asked=wanted,
-                    given=fewest,
-                ),
-            )
+        if fewest != wanted:
+            is_hull = fewest < wanted and fewest == min(len(hull.flush) for hull in hulls)
+            on = {"on": "hull"} if is_hull else {"on": "symmetry", "symmetry": str(self.plan.group)}
+            notes = (*notes, note("note.count", asked=wanted, given=fewest, **on))
         if clearance < self.clearances[0]:
-            notes = (
-                *notes,
-                Fault(
-                    f"The parts leave room for a clearance of {clearance:.3g}, not {self.clearances[0]:.3g}.",
-                    "note.clearance",
-                    wanted=self.clearances[0],
-                    given=clearance,
-                ),
-            )
+            notes = (*notes, note("note.clearance", on="parts", wanted=self.clearances[0], given=clearance))
         return Solution(cage, steps, certificate, clearance, SOURCE, notes)
 
     def _steps(self, cage: Mesh, hulls: list[Hull], polygons: list[Tangents]) -> FloatArray:
@@ -185,7 +215,7 @@ class _Solver:
             shift = min(
                 range(count), key=lambda k: float(np.abs(turns[(np.arange(count) + k) % count, range(count)]).sum())
             )
-            starts.append(hull.polygon(start.at((np.arange(count) + shift) % count)))
+            starts.append(hull.polygon(start.take((np.arange(count) + shift) % count)))
         vertices = np.concatenate(starts)
         steps = np.stack([vertices, cage.vertices])
         if np.array_equal(*steps) or not verify(cage.moved(vertices), self.fine, same_loops=False):

@@ -1,4 +1,4 @@
-"""Importance: weights along a shape, and places that keep a vertex."""
+"""Importance: weights along a shape, places that keep a vertex, and limits of edges and angles."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ...geometry.arrays import BoolArray, FloatArray, IntArray
-from ...geometry.group import Symmetry
-from ...geometry.mesh import Mesh
-from ...geometry.signed_distance import EdgeSearch
-from ...geometry.vectors import norm
-from ..outline import Outline
+from ..geometry.arrays import BoolArray, FloatArray
+from ..geometry.group import Symmetry
+from ..geometry.mesh import Mesh
+from ..geometry.signed_distance import EdgeSearch
+from ..geometry.vectors import norm
+from .outline import Outline
 
 LEAST_WEIGHT = 0.02
 """Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""
@@ -37,6 +37,10 @@ class Importance:
     """(P, 2) places that keep a vertex, near the outline of the fine mesh."""
     symmetry: Symmetry | None = None
     """Symmetry of the cages: a place matters as much as the most important one of its images."""
+    min_edge: float | None = None
+    """Length of cage edges, at least, where there is room."""
+    min_angle: float | None = None
+    """Angle between cage edges in degrees, at least, where there is room."""
 
     @cached_property
     def relative(self) -> FloatArray:
@@ -94,7 +98,4 @@ def _with_vertex(outline: Outline, place: FloatArray) -> Outline:
     loop = int(np.searchsorted(outline.begins, edge, side="right")) - 1
     sizes: list[int] = list(outline.sizes)
     sizes[loop] += 1
-    span: IntArray = np.array([outline.spans[edge, 1], outline.spans[outline.successor[edge], 0]])
-    return Outline(
-        np.insert(starts, edge + 1, new, axis=0), tuple(sizes), np.insert(outline.spans, edge + 1, span, axis=0)
-    )
+    return Outline(np.insert(starts, edge + 1, new, axis=0), tuple(sizes))

@@ -1,0 +1,180 @@
+"""What is claimed of cages is checked again as soon as their drawing changes: a handler notes that, a timer checks.
+
+What moves the cages too, as a pose does, is no change of the drawing, and is left to Verify Cages.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from contextlib import nullcontext
+from itertools import pairwise
+
+import bpy
+import numpy as np
+
+from .. import record
+from ..animation import shape_keys
+from ..binding import field
+from ..core import core
+from ..errors import UserError
+from ..generation.checking import Chain, Finding, check
+from ..generation.folding import Folding
+from ..generation.job import completed, running
+from ..io import silhouette
+from ..notes import note
+from ..scene import convert, ownership, placement
+from ..scene.convert import Drawing, Outline
+from ..scene.plane import Frame, transform, world_matrix
+from ..scene.selection import scene_of
+from . import live
+
+# Seconds that a drawing must rest before its cages are checked.
+REST = 0.3
+
+# Names of changed outputs, and the time of the last change.
+_changed: dict[str, float] = {}
+
+
+def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Chain:
+    """The objects with the originals of the fine mesh among them, if they are visible too: not while the animation
+    plays on a copy, nor if they cannot follow exactly.
+    """
+    fine = next((obj for obj in objects if ownership.level_of(obj) == 0), None)
+    collection = ownership.collection_about(scene_of(context), fine) if fine is not None else None
+    if (
+        fine is None
+        or collection is None
+        or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
+    ):
+        return Chain(objects, folding=_folding(objects))
+    found = [
+        original for original in ownership.originals(collection) if original not in objects and original.visible_get()
+    ]
+    place = objects.index(fine)
+    if not ownership.is_bound(collection):
+        return Chain(objects, [each for each in found if _is_readable(context, collection, each)], place)
+    originals = [original for original in found if field.followed(original) is not None]
+    return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
+
+
+def _folding(objects: Sequence[bpy.types.Object]) -> list[Folding]:
+    """The fields that bound objects follow, each with the cage around them."""
+    pairs = [(inner, cage, field.field_of(cage)) for inner, cage in pairwise(objects)]
+    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == shows]
+
+
+def _is_readable(context: bpy.types.Context, collection: bpy.types.Collection, obj: bpy.types.Object) -> bool:
+    """Whether a drawing can be read as it is, or should be: not what had to be closed, nor parts of a silhouette."""
+    try:
+        convert.read(context, obj)
+    except UserError:
+        found = record.of(collection)
+        return found.known and not found.settings.close_open and any(part.object == obj for part in found.sources)
+    return True
+
+
+def _displayed(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) -> tuple[Outline, Drawing]:
+    """The outline of a bound drawing, or of the area that it paints if it has none. Raises: UserError."""
+    try:
+        outline = convert.read(context, obj)
+    except UserError:
+        shown = field.shown_by(obj)
+        loops, _ = completed(silhouette.outline(context, [shown], frame, silhouette.Options(closed=True)))
+        back = np.linalg.inv(world_matrix(shown)) @ frame.matrix
+        own = tuple(transform(back, frame.points(loop)).astype(np.float32) for loop in loops)
+        return Outline(obj.name, own, world_matrix(shown), obj.session_uid), Drawing(obj.name, frame, loops)
+    return outline, convert.drawing_in(frame, outline, layer=True)
+
+
+def remember(checked: Sequence[bpy.types.Object], findings: Sequence[Finding]) -> None:
+    """Stores findings on the cages that they are about, for the panel; the last one of each stays."""
+    by_name = {obj.name: obj for obj in checked}
+    for finding in findings:
+        outer, inner = by_name[finding.cage], by_name[finding.fine]
+        cage = outer if ownership.depth_of(outer) > 0 else inner
+        if ownership.home_of_member(cage) is not None:
+            _remember(cage, finding.holds, finding.note, finding.frames)
+
+
+def _remember(cage: bpy.types.Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
+    home, found = ownership.home_of_member(cage), record.described(cage)
+    if home is not None:
+        record.written(home)
+    found.check, found.checked = record.HOLDS if holds else record.FAULT, frames
+    found.judged = record.stamp(cage)
+    record.set_check(found, finding)
+    record.publish(cage)
+
+
+@bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
+def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Notes outputs whose drawing has changed its shape or how it carries what is parented to it."""
+    outputs = [found for found in bpy.data.collections if ownership.is_output(found)]
+    if not outputs or running() is not None:
+        return
+    updated = {update.id.original.session_uid for update in depsgraph.updates if update.is_updated_geometry}
+    for collection in outputs:
+        sources, cages = ownership.originals(collection), ownership.members(collection)[1:]
+        theirs = {id.session_uid for obj in sources for id in (obj, obj.data) if id is not None}
+        if cages and theirs & updated and updated.isdisjoint(cage.session_uid for cage in cages):
+            for obj in (*ownership.members(collection), *ownership.helpers(collection)):
+                for source in sources:
+                    placement.keep_carried(obj, source)
+            for source in sources:
+                field.keep_in_place(source)
+            _changed[collection.name] = time.perf_counter()
+            if not bpy.app.timers.is_registered(_on_timer):
+                bpy.app.timers.register(_on_timer, first_interval=REST)
+
+
+def _on_timer() -> float | None:
+    """Seconds until the next look; None when there is nothing left to check."""
+    if running() is not None:
+        return REST
+    window = live.window_of("", bpy.context.window_manager.windows)
+    with bpy.context.temp_override(window=window) if window is not None else nullcontext():
+        check_changed(bpy.context, rested=REST)
+    return REST if _changed else None
+
+
+def check_changed(context: bpy.types.Context, rested: float = 0.0) -> None:
+    """Checks the cages of drawings that have changed and not changed again since, and stores what is wrong."""
+    now, following = time.perf_counter(), live.current()
+    for name in [name for name, when in _changed.items() if now - when >= rested]:
+        collection = bpy.data.collections.get(name)
+        source = ownership.source_of(collection) if collection is not None else None
+        if collection is not None and source is not None and source.mode == "EDIT":
+            continue  # checked when it is left
+        del _changed[name]
+        if collection is None or source is None or context.scene.objects.get(source.name) != source:
+            continue
+        if following is None or following.identity != source.session_uid:
+            _check(context, collection)
+
+
+def _check(context: bpy.types.Context, collection: bpy.types.Collection) -> None:
+    fine, cage = ownership.members(collection)[:2]
+    known = record.member(cage).check != "NONE"
+    try:
+        chain = chain_of(context, sorted([fine, cage], key=ownership.depth_of))
+        named = {original.name for original in chain.originals}
+        findings = [found for found in check(context, [chain]) if named & {found.fine, found.cage}]
+    except UserError as error:
+        frame = context.scene.frame_current
+        _remember(cage, False, note("check.invalid", text=str(error), when=""), (frame, frame))
+    else:
+        findings.sort(key=lambda finding: not finding.holds)
+        if findings and (known or not findings[-1].holds):
+            remember([*chain.objects, *chain.originals], findings)
+
+
+def register() -> None:
+    bpy.app.handlers.depsgraph_update_post.append(_on_update)
+
+
+def unregister() -> None:
+    bpy.app.handlers.depsgraph_update_post.remove(_on_update)
+    if bpy.app.timers.is_registered(_on_timer):
+        bpy.app.timers.unregister(_on_timer)
+    _changed.clear()

@@ -1,0 +1,208 @@
+"""The requests that could be slow, compared with the default one and with another commit, in the same run.
+
+    python benchmarks/corners.py --against bb3b310
+    python benchmarks/corners.py --only within loops --patience 60
+
+Each commit runs in a process of its own, with everything forgotten before each timing. CPU seconds, the least of the
+repeats; the ratios are those to the case a line is compared with, and to the other commit. A case that takes longer
+than the patience is given up. Exit status 1 if a case of this commit fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import os
+import pickle
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from select import select
+
+import numpy as np
+
+from clone import ROOT
+from speed import checkout
+
+SHAPES = """
+import numpy as np
+from nestedcages_core import *
+import nestedcages_core as core
+
+def loop(n, x=0.0, y=0.0, r=1.0, waves=59):
+    random, angle = np.random.default_rng(0), 2.0 * np.pi * np.arange(n) / n
+    radius = np.ones(n)
+    for k in range(2, waves + 1):
+        radius += 0.35 * random.standard_normal() / k**1.1 * np.cos(k * angle + 2.0 * np.pi * random.random())
+    return np.column_stack([x + r * radius * np.cos(angle), y + r * radius * np.sin(angle)])
+
+def blob(n): return Mesh.from_loops([loop(n)])
+
+def islands(k):
+    side = int(np.ceil(k**0.5))
+    return Mesh.from_loops([loop(24, 4.0 * (j % side), 4.0 * (j // side), waves=5) for j in range(k)])
+
+def pulled(n):
+    angle = np.linspace(0.0, 2.0 * np.pi, n, endpoint=False)
+    radius = 1.6 + 0.4 * np.cos(6.0 * angle)
+    fine = Mesh.from_loops([radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])])
+    return fine, np.exp(-(((angle - 0.5) / 0.2) ** 2))[:, None] * 1.6 * np.array([0.005, 0.011])
+
+def circles(n):
+    angle = 2.0 * np.pi * np.arange(32) / 32
+    place = np.random.default_rng(0).uniform(0.0, 1.0, (n, 2))
+    ring = 0.02 * np.column_stack([np.cos(angle), np.sin(angle)])
+    return '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1">' + "".join(
+        f'<circle cx="{x:.5f}" cy="{y:.5f}" r="0.02"/>' for x, y in place) + "</svg>"
+
+def path(n):
+    points = " ".join(f"{x:.6f},{y:.6f}" for x, y in loop(n))
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-2 -2 4 4"><path d="M {points} z"/></svg>'
+"""
+"""What the cases are made of; blobs are those of data/drawn.py."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A request: what is made ready before the clock starts, what is timed, and the case it is compared with."""
+
+    name: str
+    ready: str
+    timed: str
+    beside: str = ""
+    steps: int = 1
+    """How often it is timed in a row; of several, the slowest counts."""
+
+
+def cases() -> list[Case]:
+    """All requests, the plain ones before those that are compared with them."""
+    plain = {n: Case(f"count {n:,}", f"f = blob({n})", "nested_cages(f, [32])") for n in (1_000, 10_000)}
+    found = [*plain.values()]
+    for n, case in plain.items():
+        within = "nested_cages(f, [Within(distance=0.01 * f.diagonal)])"
+        found.append(Case(f"within 1 %, {n:,}", f"f = blob({n})", within, case.name))
+    again = "f = blob(1000); nested_cages(f, [32])"
+    found.append(Case("the same again, 1,000", again, "nested_cages(f, [32])", plain[1_000].name))
+    for number in (100, 300, 1_000):
+        found.append(Case(f"loops {number:,}", f"f = islands({number})", f"nested_cages(f, [{6 * number}])", ""))
+    large = Case("100,000 at 1,000", "f = blob(100000)", "nested_cages(f, [1000])")
+    found += [large, Case("100,000 at 32", large.ready, "nested_cages(f, [32])", large.name)]
+    for n in (1_000, 5_000):
+        ready = f"f, move = pulled({n}); c = nested_cages(f, [32]).levels[0].cage; e = 1e-5 * f.diagonal"
+        step = "g = f.moved(f.vertices + move).validated(); c = core.followed(c, f, g, e); f = g"
+        found.append(Case(f"following {n:,}, worst of 20 poses", ready, step, steps=20))
+    for n in (1_000, 10_000):
+        found.append(Case(f"convex pieces {n:,}", f"f = blob({n})", "core.convex_pieces(f)", ""))
+    for n in (10_000, 100_000):
+        found.append(Case(f"SVG of {n:,} points", f"s = path({n})", "core.from_svg(s)"))
+    found.append(Case("SVG of 3,200 circles", "s = circles(3200)", "core.from_svg(s)"))
+    square = "f = Mesh.from_loops([[(0, 0), (1, 0), (1, 1), (0, 1)]]); from nestedcages_core import Rotation"
+    found.append(
+        Case("rotation of order 200", square, "nested_cages(f, [200], Settings(symmetry=Rotation((.5, .5), 200)))")
+    )
+    found.append(
+        Case("grid 0.01, 1,000", "f = blob(1000)", "nested_cages(f, [32], Settings(grid=0.01))", plain[1_000].name)
+    )
+    return found
+
+
+class Worker:
+    """A process that runs cases with the package of one work tree; a new one after a case that takes too long."""
+
+    def __init__(self, tree: Path, patience: float) -> None:
+        self.tree, self.patience = tree, patience
+        self._start()
+
+    def _start(self) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", inspect.getsource(work) + f"work({SHAPES!r})"],
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            cwd=self.tree,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+
+    def run(self, case: Case, repeats: int) -> tuple[float, str]:
+        """CPU seconds, and why there are none."""
+        assert self.process.stdin is not None and self.process.stdout is not None
+        pickle.dump((case.ready, case.timed, case.steps, repeats), self.process.stdin)
+        self.process.stdin.flush()
+        if not select([self.process.stdout], [], [], self.patience)[0]:
+            self.close()
+            self._start()
+            return np.nan, f"more than {self.patience:.0f} s"
+        seconds, why = pickle.load(self.process.stdout)
+        return seconds, why
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+
+def work(shapes: str) -> None:
+    """In a worker: CPU seconds of each case that comes in, everything forgotten before it is made ready."""
+    import importlib.util
+    import operator
+    import pickle
+    import sys
+    import time
+
+    names: dict = {}
+    exec(shapes, names)
+    found = [name for name in ("cache", "memory") if importlib.util.find_spec(f"nestedcages_core.{name}")]
+    forget = importlib.import_module(f"nestedcages_core.{found[0]}").forget if found else lambda: None
+    while True:
+        try:
+            ready, timed, steps, repeats = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        seconds, why = [], ""
+        try:
+            for _ in range(repeats):
+                forget()
+                exec(ready, names)
+                clock = [time.process_time()]
+                for _ in range(steps):
+                    exec(timed, names)
+                    clock.append(time.process_time())
+                seconds.append(max(map(operator.sub, clock[1:], clock)))
+        except Exception as error:
+            why = str(error) or type(error).__name__
+        pickle.dump((float("nan") if why else min(seconds), why), sys.stdout.buffer)
+        sys.stdout.buffer.flush()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--against", default="HEAD", help="the other commit (%(default)s)")
+    parser.add_argument("--only", nargs="*", default=[""], help="cases whose names have one of these words")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each case (%(default)s)")
+    parser.add_argument("--patience", type=float, default=120.0, help="seconds for a case (%(default)s)")
+    options = parser.parse_args()
+    wanted = [case for case in cases() if any(word in case.name for word in options.only)]
+    failed = False
+    print("| | before, s | now, s | ratio | to its plain request |\n|---|---|---|---|---|")
+    with checkout(options.against) as tree:
+        workers = [Worker(place, options.patience) for place in (tree, ROOT)]
+        seconds: dict[str, float] = {}
+        for case in wanted:
+            (before, why_before), (now, why) = (worker.run(case, options.repeats) for worker in workers)
+            seconds[case.name] = now
+            failed |= bool(why)
+            plain = seconds.get(case.beside, np.nan)
+            cells = [why_before[:40] if why_before else f"{before:.3f}", why[:40] if why else f"{now:.3f}",
+                     ratio(now, before), ratio(now, plain)]  # fmt: skip
+            print(f"| {case.name} | {' | '.join(cells)} |", flush=True)
+        for worker in workers:
+            worker.close()
+    return 1 if failed else 0
+
+
+def ratio(one: float, other: float) -> str:
+    """Empty where one of them is missing."""
+    return f"{one / other:.2f}" if np.isfinite(one) and np.isfinite(other) else ""
+
+
+if __name__ == "__main__":
+    sys.exit(main())

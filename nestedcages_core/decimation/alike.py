@@ -1,0 +1,68 @@
+"""Symmetric outlines: their orbits, and edges divided alike."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import NestingError
+from ..geometry.arrays import FloatArray
+from ..geometry.group import Symmetry
+from ..geometry.orbits import Orbits
+from ..geometry.vectors import norm
+from .outline import Outline
+
+SYMMETRY_TOLERANCE = 1e-3
+"""Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric. Offsets in
+narrow gaps, where rounding decides what touches, may differ by their whole length."""
+
+
+class AsymmetricError(NestingError):
+    """An outline that is not symmetric."""
+
+
+def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:
+    """The orbits of an outline. Raises AsymmetricError."""
+    orbits = Orbits.of(outline.vertices, outline.successor, symmetry, SYMMETRY_TOLERANCE * outline.diameter)
+    if orbits is None:
+        raise AsymmetricError(
+            f"No symmetric cage was found: where gaps are narrow, an offset of the outline does not have {symmetry}; "
+            "leave out the symmetry, or widen the gaps.",
+            code="symmetry.not_found",
+        )
+    return orbits
+
+
+def symmetrised(outline: Outline, symmetry: Symmetry | None) -> Outline:
+    """An outline that is symmetric up to a tolerance, made exactly symmetric. Raises AsymmetricError."""
+    if symmetry is None:
+        return outline
+    return outline.moved(orbits_of(outline, symmetry).symmetrised(outline.vertices))
+
+
+def padded_alike(outline: Outline, total: int, symmetry: Symmetry) -> list[FloatArray]:
+    """The loops (k, 2) of a symmetric outline with edges divided evenly, images alike, up to `total` vertices.
+
+    May have fewer vertices where edges come in orbits. Raises AsymmetricError.
+    """
+    successor = outline.successor
+    steps = outline.vertices[successor] - outline.vertices
+    _, orbit, sizes = np.unique(
+        orbits_of(outline, symmetry).edge_orbit(successor), return_inverse=True, return_counts=True
+    )
+    lengths = np.zeros(len(sizes))
+    lengths[orbit] = norm(steps)
+    pieces, missing = np.ones(len(sizes), np.int64), total - len(outline.vertices)
+    while (sizes <= missing).any():
+        spacing = np.where((sizes <= missing) & ((sizes > 1) | (missing % symmetry.order > 0)), lengths / pieces, -1.0)
+        chosen = int(np.argmax(spacing))
+        if spacing[chosen] < 0.0:
+            chosen = int(np.argmax(np.where(sizes <= missing, lengths / pieces, -1.0)))
+        pieces[chosen] += 1
+        missing -= int(sizes[chosen])
+    of_edge = pieces[orbit]
+    begin = np.cumsum(of_edge) - of_edge
+    fraction = (np.arange(of_edge.sum()) - np.repeat(begin, of_edge)) / np.repeat(of_edge, of_edge)
+    vertices = np.repeat(outline.vertices, of_edge, axis=0) + fraction[:, None] * np.repeat(steps, of_edge, axis=0)
+    grown = tuple(np.add.reduceat(of_edge, outline.begins).tolist())
+    padded = Outline(vertices, grown)
+    return symmetrised(padded, symmetry).loops

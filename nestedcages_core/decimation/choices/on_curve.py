@@ -1,0 +1,38 @@
+"""On the curve: the mesh of another decimation with its vertices moved onto the fine mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ...errors import NestingError
+from ...geometry.mesh import Mesh
+from ...parameters import check_part
+from ..base import Count, Decimation
+from ..line_cycles import LineCycles
+from ..on_curve import closest_on_curve
+from .arc_length import ArcLength
+
+
+@dataclass(frozen=True)
+class OnCurve:
+    """Vertices on the fine mesh, at the places closest to those of a mesh around it: more at features."""
+
+    around: Decimation = field(default_factory=LineCycles)
+    """Makes the mesh around it."""
+
+    def __post_init__(self) -> None:
+        check_part(self, "around", "decimate", "LineCycles()")
+
+    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
+        """A coarse mesh whose vertices lie on the fine one, whatever the clearance; loop k on loop k.
+
+        Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
+        """
+        try:
+            around = self.around.decimate(fine, count, clearance=clearance)
+        except NestingError as error:
+            try:
+                return ArcLength().decimate(fine, count, clearance=clearance)
+            except NestingError:
+                raise error from None
+        return closest_on_curve(around, fine) or ArcLength().decimate(fine, count, clearance=clearance)

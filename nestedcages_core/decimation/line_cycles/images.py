@@ -1,0 +1,166 @@
+"""Symmetric outlines: one loop stands for its images, and a part of its candidate lines for all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.group import Symmetry
+from ...geometry.vectors import norm
+from ..alike import orbits_of
+from ..outline import Outline
+from .candidates import tangents
+from .chain import Chain, Lines
+from .frame import Frame
+
+ON_AXIS = 1e-9
+"""Distance along a loop from where it crosses an axis, in lengths of the loop, up to which a place is on it."""
+
+
+class Halves(NamedTuple):
+    """The K lines of a loop across the axis of a mirror."""
+
+    image: IntArray
+    """(K,) the image of each line."""
+    rank: IntArray
+    """(K,) order along one half: 0 for lines at its begin, K for those at its end, -1 in the other half."""
+    begins: FloatArray
+    """(K,) 0 for lines at the begin that are their own images; infinite for others."""
+    ends: FloatArray
+    """(K,) the same at the end."""
+
+    def take(self, usable: BoolArray) -> Halves:
+        """Those of some lines and their images."""
+        number = np.cumsum(usable) - 1
+        image = number[self.image[usable]]
+        return Halves(image, self.rank[usable], self.begins[usable], self.ends[usable])
+
+
+@dataclass(frozen=True, eq=False)
+class Images:
+    """The images of an outline's loops under a symmetry, in the frame of the search."""
+
+    symmetry: Symmetry
+    frame: Frame
+    partner: list[IntArray]
+    """(n,) for each element the image of each vertex of the outline."""
+    begins: IntArray
+    loops: list[tuple[int, int]]
+    """For each loop one that stands for it, and the element that takes this to it."""
+    own: list[list[int]]
+    """For each loop the elements that take it to itself."""
+
+    @classmethod
+    def of(cls, outline: Outline, symmetry: Symmetry, frame: Frame) -> Images:
+        """Those of an outline in the input's units. Raises AsymmetricError."""
+        first = orbits_of(outline, symmetry).partner
+        partner = [np.arange(len(first))]
+        for _ in range(1, symmetry.order):
+            partner.append(first[partner[-1]])
+        of_vertex = np.repeat(np.arange(len(outline.sizes)), outline.sizes)
+        image = np.stack([of_vertex[each[outline.begins]] for each in partner])  # (order, L)
+        loops = [(int(image[:, k].min()), 0) for k in range(len(outline.sizes))]
+        loops = [(r, int(np.flatnonzero(image[:, r] == k)[0])) for k, (r, _) in enumerate(loops)]
+        own = [np.flatnonzero(image[:, k] == k).tolist() for k in range(len(outline.sizes))]
+        return cls(symmetry, frame, partner, outline.begins, loops, own)
+
+    def copies(self, loop: int) -> int:
+        """Loops that one loop stands for."""
+        return self.symmetry.order // len(self.own[loop])
+
+    def points(self, points: FloatArray, element: int) -> FloatArray:
+        """The images of points (K, 2)."""
+        if element % self.symmetry.order == 0:
+            return points
+        return self.frame.into(self.symmetry.image(self.frame.out_of(points), element % self.symmetry.order))
+
+    def directions(self, points: FloatArray, directions: FloatArray, element: int) -> FloatArray:
+        """The directions (K, 2) of the images of lines through points (K, 2), with the solid on their left."""
+        turned = self.points(points + directions, element) - self.points(points, element)
+        return -turned if self.reverses(element) else turned
+
+    def reverses(self, element: int) -> bool:
+        """Whether images run backwards."""
+        return self.symmetry.reverses and element % 2 == 1
+
+    def turned(self, loop: int, chain: Chain, lines: Lines) -> Lines:
+        """Lines of one part of a loop that rotations take to itself, and their images; as many in each part."""
+        number = len(self.own[loop])
+        shifts = {self._shift(loop, element) % chain.size: element for element in self.own[loop]}
+        part = lines.take(lines.place < chain.size // number)
+        all_parts = []
+        for k in range(number):
+            shift = k * chain.size // number
+            point = self.points(part.point, shifts[shift])
+            direction = self.directions(part.point, part.direction, shifts[shift])
+            all_parts.append(Lines(point, part.place + shift, direction, part.passed))
+        return Lines.joined(all_parts)
+
+    def mirrored(self, loop: int, chain: Chain, lines: Lines, at: IntArray, shift: float) -> tuple[Lines, Halves]:
+        """Lines of one half of a loop across the axis and their images, with lines that are their own ones.
+
+        at: (N,) vertices between which the latter are tangents. shift: distance of lines from the chain.
+        """
+        size = chain.size
+        total = self._shift(loop, 1)  # of the places of each vertex and its image, up to whole turns
+        begin = 0.5 * total
+        along = np.mod(lines.place - begin, size)
+        half = np.flatnonzero((along > ON_AXIS * size) & (along < (0.5 - ON_AXIS) * size))
+        half = half[np.argsort(along[half], kind="stable")]
+        part, along = lines.take(half), along[half]
+        image = Lines(
+            self.points(part.point, 1),
+            np.mod(begin - along, size),
+            self.directions(part.point, part.direction, 1),
+            part.passed,
+        )
+        ahead = at[(np.mod(at - begin, size) > 0.0) & (np.mod(at - begin, size) < 0.5 * size)]
+        behind = (total - ahead) % size
+        first = self._across(chain, behind, ahead, begin, shift)
+        last = self._across(chain, ahead, behind, np.mod(begin + 0.5 * size, size), shift)
+        every = Lines.joined([first, part, last, image.take(np.arange(len(part))[::-1])])
+        a, n, b, count = len(first), len(part), len(last), len(every)
+        partner = np.arange(count)
+        partner[a : a + n] = np.arange(count - 1, count - 1 - n, -1)
+        partner[a + n + b :] = np.arange(a + n - 1, a - 1, -1)
+        rank = np.full(count, -1)
+        rank[:a], rank[a : a + n], rank[a + n : a + n + b] = 0, np.arange(1, n + 1), count
+        begins, ends = np.full((2, count), np.inf)
+        begins[:a], ends[a + n : a + n + b] = 0.0, 0.0
+        # in the order of the chain
+        start = int(every.place.argmin())
+        while every.place[start - 1] == every.place[start]:
+            start -= 1
+        order = np.roll(np.arange(count), -start)
+        where = np.argsort(order)
+        return every.take(order), Halves(where[partner[order]], rank[order], begins[order], ends[order])
+
+    def to_axis(self, lines: Lines, halves: Halves) -> FloatArray:
+        """(2, K) how far lines run forwards and backwards until they meet the axis of the mirror."""
+        away = lines.point - self.points(lines.point, 1)
+        along = lines.direction + self.directions(lines.point, lines.direction, 1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = -(away * along).sum(axis=1) / (along * along).sum(axis=1)
+        reach[halves.image == np.arange(len(lines))] = np.nan
+        limits = np.stack((reach, -reach))
+        return np.where(limits > 0.0, limits, np.inf)
+
+    def _across(self, chain: Chain, first: IntArray, last: IntArray, place: float, shift: float) -> Lines:
+        """Tangents of stretches across the axis at a place, which are their own images."""
+        found = tangents(chain, first, np.where(last <= first, last + chain.size, last)).shifted(shift)
+        if len(found) == 0:
+            return found
+        point = 0.5 * (found.point + self.points(found.point, 1))
+        direction = found.direction + self.directions(found.point, found.direction, 1)
+        direction /= norm(direction)[:, None]
+        right = np.stack((direction[:, 1], -direction[:, 0]), axis=1)
+        height = np.round((right * (point - chain.vertices[0])).sum(axis=1) / chain.length, 9)
+        _, kept = np.unique(height, return_index=True)
+        return Lines(point[kept], np.full(len(kept), place), direction[kept], np.zeros(len(kept)))
+
+    def _shift(self, loop: int, element: int) -> int:
+        """The vertex of a loop that is the image of its first one."""
+        return int(self.partner[element][self.begins[loop]] - self.begins[loop])
