@@ -49,9 +49,10 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
         for label, value in numbers.items():
             yield f"    {label}: {value:.6g}"
         edited = not ownership.is_bound(collection) and record.is_edited(obj)
-        certificate = record.EDITED if edited else record.certificate(found)
-        said = (found.start, certificate, found.need, keys.text(obj, keys.LINK), *record.sentences(found))
-        for sentence in filter(None, (*said, found.finding)):
+        unknown = "" if edited and record.is_judged(obj) else record.EDITED
+        certificate = unknown if edited else record.certificate(found)
+        said = (found.start, certificate, keys.text(obj, keys.LINK), *record.sentences(found, checks=True))
+        for sentence in filter(None, said):
             yield f"    {sentence}"
 
 

@@ -14,7 +14,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
+from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
 from .hairlines import has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
@@ -238,9 +238,7 @@ def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
 def _nesting(mesh: Mesh) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) of loops, (K,), (K,)."""
     order = mesh.loop_order
-    points = mesh.vertices[order.vertices]
-    tree = BoxTree(points, points[order.ahead])
-    return enclosing_pairs(points[extreme_places(points, order)], order, tree)
+    return enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
 
 
 def _any_painted(
