@@ -87,12 +87,10 @@ def follow(obj: bpy.types.Object, field: bpy.types.Object, *, in_place: bool) ->
         display.set_input(modifier, "Collection", empty.instance_collection)
 
 
-def keep_in_place(obj: bpy.types.Object) -> None:
-    """Notes of a drawing that follows a field whether that is still in its own space: not after Apply Scale."""
-    modifier, made = display.nodes_modifier(shown_by(obj), FOLLOW), followed(obj)
-    if modifier is None or made is None or made.matrix_world == obj.matrix_world:
-        return
-    if display.get_input(modifier, "In Place"):
+def leave_place(obj: bpy.types.Object) -> None:
+    """Notes of a drawing that follows a field that this is no longer in its own space: not after Apply Scale."""
+    modifier = display.nodes_modifier(shown_by(obj), FOLLOW)
+    if modifier is not None and display.get_input(modifier, "In Place"):
         display.set_input(modifier, "In Place", False)
         obj.update_tag()
 
