@@ -13,9 +13,12 @@ from .errors import UserError
 if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
-    from nestedcages_core import tolerance
+    from nestedcages_core import tasks
+    from nestedcages_core.coordinates import outline_map as outlines
+    from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
-    from nestedcages_core.geometry import predicates, triangulation
+    from nestedcages_core.geometry import chains, predicates, triangulation
+    from nestedcages_core.level import steps
 else:
 
     class _LazyModule(ModuleType):
@@ -41,10 +44,25 @@ else:
             return getattr(found, name)
 
     core = _LazyModule("core")
+    chains = _LazyModule("geometry.chains")
+    outlines = _LazyModule("coordinates.outline_map")
     memory = _LazyModule("cache")
     pictures = _LazyModule("exchange.pictures")
     predicates = _LazyModule("geometry.predicates")
-    tolerance = _LazyModule("tolerance")
+    errors = _LazyModule("errors.notes")
+    steps = _LazyModule("level.steps")
+    tasks = _LazyModule("tasks")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "memory", "pictures", "predicates", "tolerance", "triangulation"]
+__all__ = [
+    "chains",
+    "core",
+    "errors",
+    "memory",
+    "outlines",
+    "pictures",
+    "predicates",
+    "steps",
+    "tasks",
+    "triangulation",
+]

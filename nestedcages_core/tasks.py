@@ -5,7 +5,7 @@ The caller iterates over a stage to show its progress, and closes or drops it to
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from time import perf_counter
 from typing import Any, Generic, TypeAlias, TypeVar
 
@@ -16,41 +16,43 @@ Result = TypeVar("Result")
 Stage: TypeAlias = Generator[Yielded, None, Result]
 
 
-def drain(stage: Stage[Any, Result]) -> Result:
-    """Run a stage to its end and return its result."""
-    while True:
-        try:
-            next(stage)
-        except StopIteration as end:
-            result: Result = end.value
-            return result
-
-
-def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> Stage[Shown, Result]:
-    """The same stage with ``show`` applied to what it yields."""
+def followed(stage: Stage[Yielded, Result], react: Callable[[Yielded], Iterable[Shown]]) -> Stage[Shown, Result]:
+    """The same stage; instead of what it yields come the items that ``react`` makes of it."""
     while True:
         try:
             yielded = next(stage)
         except StopIteration as end:
             result: Result = end.value
             return result
-        yield show(yielded)
+        yield from react(yielded)
+
+
+def mapped(stage: Stage[Yielded, Result], show: Callable[[Yielded], Shown]) -> Stage[Shown, Result]:
+    """The same stage with ``show`` applied to what it yields."""
+    return followed(stage, lambda yielded: (show(yielded),))
+
+
+def drain(stage: Stage[Yielded, Result], listener: Callable[[Yielded], None] | None = None) -> Result:
+    """Run a stage to its end and return its result; a listener is called with what it yields."""
+    run = Run(stage)
+    for yielded in run:
+        if listener is not None:
+            listener(yielded)
+    return run.result
 
 
 def limited(
     stage: Stage[Yielded, Result], deadline: float, over: Callable[[Yielded], Exception]
 ) -> Stage[Yielded, Result]:
     """The same stage until a time of `perf_counter`; then the error that ``over`` makes of what it yields."""
-    while True:
-        try:
-            yielded = next(stage)
-        except StopIteration as end:
-            result: Result = end.value
-            return result
+
+    def checked(yielded: Yielded) -> Iterator[Yielded]:
         if perf_counter() > deadline:
             stage.close()
             raise over(yielded)
         yield yielded
+
+    return followed(stage, checked)
 
 
 def listened(run: Run[Shown, Result], listener: Callable[[Shown], None] | bool | None) -> Result:

@@ -15,21 +15,23 @@ from numpy.typing import NDArray
 
 from ..core import core, predicates
 from ..errors import UserError
+from ..notes import note
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from ..scene.plane import Frame
+from .folding import Fold, Folding
 from .job import Progress, Work
 
 
 @dataclass(frozen=True)
 class Finding:
-    """The finding for one cage and the mesh in it from the first to the last of `frames`: a sentence, the smallest
+    """The finding for one cage and the mesh in it from the first to the last of `frames`: a note, the smallest
     clearance in scene units, and the points at fault, (k, 3) in each object's space, on the last frame.
     """
 
     cage: str
     fine: str
     holds: bool
-    sentence: str
+    note: core.Fault
     clearance: float
     frames: tuple[int, int]
     cage_faults: NDArray[np.float32]
@@ -49,7 +51,8 @@ def _outline(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) ->
 @dataclass(frozen=True)
 class Chain:
     """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of; ``instead``: only they
-    are displayed as they are, since they may have changed, not the copy. ``seen`` reads them.
+    are displayed as they are, since they may have changed, not the copy. ``seen`` reads them. ``folding``: the fields
+    that they follow.
     """
 
     objects: Sequence[bpy.types.Object]
@@ -57,13 +60,34 @@ class Chain:
     fine: int = 0
     instead: bool = False
     seen: Seen = _outline
+    folding: Sequence[Folding] = ()
 
 
 def check(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
     """Checks each object of each chain against the one before it, evaluated on the current frame, and the neighbours of
-    a copy also against its originals; these findings come first. Raises: UserError.
+    a copy also against its originals; these findings come first, only folds before them. Raises: UserError.
     """
+    frame = context.scene.frame_current
+    folds = [_fold(each, fold, (frame, frame)) for each, fold in _folds(context, chains)]
+    return folds + _enclosures(context, chains)
+
+
+def _enclosures(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
     return [_finding(*pair, context.scene.frame_current) for chain in chains for pair in _pairs(context, chain)]
+
+
+def _folds(context: bpy.types.Context, chains: Sequence[Chain]) -> list[tuple[Folding, Fold]]:
+    """What is folded on this frame."""
+    found = [(each, each.now(context)) for chain in chains for each in chain.folding]
+    return [(each, fold) for each, fold in found if fold is not None]
+
+
+def _fold(folding: Folding, fold: Fold, frames: tuple[int, int]) -> Finding:
+    """The finding of a fold on the last of some frames."""
+    how = f"bends '{fold.bone}' over itself" if fold.bone else "lies over itself"
+    said = note("check.folded", inner=folding.inner.name, how=how, where=fold.where, share=fold.share, when="", more="")
+    nothing = np.empty((0, 3), np.float32)
+    return Finding(folding.cage.name, folding.inner.name, False, said, 0.0, frames, nothing, nothing)
 
 
 def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, Drawing, Outline, Drawing]]:
@@ -83,38 +107,50 @@ def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, 
 
 
 def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work[list[Finding]]:
-    """Checks all frames of the scene's range, up to the first with a fault, which becomes the current one. Raises:
-    UserError, with the frame.
+    """Checks all frames of the scene's range, up to the first on which something leaves its cage, which becomes the
+    current one. Of folds it finds the largest. Raises: UserError, with the frame.
     """
     scene = context.scene
     first, last = scene.frame_start, scene.frame_end
     findings: list[Finding] = []
+    folds: dict[Folding, list[tuple[int, Fold]]] = {}
     for frame in range(first, last + 1):
         yield Progress((frame - first) / (last + 1 - first), "checking frames")
         scene.frame_set(frame)
         try:
-            found = check(context, chains)
+            found = _enclosures(context, chains)
         except UserError as error:
             raise UserError(f"Frame {frame}: {error}") from error
+        for each, fold in _folds(context, chains):
+            folds.setdefault(each, []).append((frame, fold))
         if not all(finding.holds for finding in found):
-            return [_on(finding, first, frame) for finding in found]
+            return _largest(folds, first) + [_on(finding, first, frame) for finding in found]
         findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
-    return [_enclosing(finding, first, last) for finding in findings]
+    return _largest(folds, first) + [_enclosing(finding, first, last) for finding in findings]
+
+
+def _largest(folds: dict[Folding, list[tuple[int, Fold]]], first: int) -> list[Finding]:
+    """The largest fold of each drawing, with the number of frames that have one."""
+    found = []
+    for folding, on in folds.items():
+        frame, worst = max(on, key=lambda each: each[1].share)
+        finding = _on(_fold(folding, worst, (frame, frame)), first, frame)
+        more = f"; {len(on)} frames from {on[0][0]} to {on[-1][0]} have folds" if len(on) > 1 else ""
+        found.append(replace(finding, note=note(finding.note.code, **{**finding.note.data, "more": more})))
+    return found
 
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:
-    """The finding of the first frame with a fault; its sentence names the frame."""
-    sentence = f"Frame {frame}: {finding.sentence}"
-    return replace(finding, frames=(first, frame), sentence=sentence)
+    """The finding of the first frame with a fault; its note names the frame."""
+    said = note(finding.note.code, **{**finding.note.data, "when": f"Frame {frame}: "})
+    return replace(finding, frames=(first, frame), note=said)
 
 
 def _enclosing(finding: Finding, first: int, last: int) -> Finding:
-    """The finding of smallest clearance; its sentence is about all frames."""
-    sentence = (
-        f"'{finding.cage}' encloses '{finding.fine}' on all frames from {first} to {last}: "
-        f"clearance {finding.clearance:.3g} at least"
+    """The finding of smallest clearance; its note is about all frames."""
+    return replace(
+        finding, frames=(first, last), note=note("check.frames", **finding.note.data, first=first, last=last)
     )
-    return replace(finding, frames=(first, last), sentence=sentence)
 
 
 @contextmanager
@@ -133,20 +169,21 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
         outside, inside = cage.mesh(), fine.mesh()
         certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
     except UserError as error:
-        holds, sentence = False, str(error)
+        holds, said = False, note("check.invalid", text=str(error), when="")
     else:
         holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
+        names = {"outer": outer.name, "inner": inner.name, "when": ""}
         if holds:
-            excess = 100.0 * certificate.excess
-            sentence = f"'{outer.name}' encloses '{inner.name}': clearance {clearance:.3g}, excess {excess:.2f} %"
+            said = note("check.holds", **names, clearance=clearance, excess=float(certificate.excess))
         else:
-            sentence = f"'{outer.name}' does not enclose '{inner.name}'. {' '.join(certificate.problems)}"
+            codes = [problem.code for problem in certificate.problems]
+            said = note("check.broken", **names, text=" ".join(certificate.problems), codes=codes)
     cage_faults, fine_faults = _faults(cage, fine)
     return Finding(
         outer.name,
         inner.name,
         holds,
-        sentence,
+        said,
         clearance,
         (frame, frame),
         outer.points[cage_faults].astype(np.float32),

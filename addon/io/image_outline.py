@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core, memory, pictures
+from ..core import core, memory, pictures, tasks
 from ..errors import UserError
 from ..generation.generate import STAGES
 from ..generation.job import Progress, Work
@@ -58,14 +58,11 @@ class Picture:
             return traced
         yield Progress(0.0, f"'{self.name}': tracing pixels")
         try:
-            steps = pictures.picture_cages_run(self.alpha, [vertices], **options)
-            while True:
-                try:
-                    step = next(steps)
-                except StopIteration as done:
-                    found = done.value.cages[0]
-                    break
-                yield Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}")
+            made = yield from tasks.mapped(
+                pictures.picture_cages_run(self.alpha, [vertices], **options),
+                lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
+            )
+            found = made.cages[0]
             traced = core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
             known().put(key, traced, found.vertices.nbytes)
             return traced

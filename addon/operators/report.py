@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 
-from .. import keys, record
+from .. import record
 from ..generation.job import Work
 from ..scene import ownership
 from .base import OutputOperator
@@ -49,9 +49,12 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
         for label, value in numbers.items():
             yield f"    {label}: {value:.6g}"
         edited = not ownership.is_bound(collection) and record.is_edited(obj)
-        certificate = record.EDITED if edited else record.certificate(found)
-        said = (found.start, certificate, found.need, keys.text(obj, keys.LINK), *record.sentences(found))
-        for sentence in filter(None, (*said, found.finding)):
+        unknown = "" if edited and record.is_judged(obj) else record.EDITED
+        certificate = unknown if edited else record.certificate(found)
+        method, error = record.link(obj)
+        follows = f"{method}, error {error:.1e} at rest" if method else ""
+        said = (found.start, certificate, follows, *record.sentences(found, checks=True))
+        for sentence in filter(None, said):
             yield f"    {sentence}"
 
 

@@ -6,7 +6,7 @@ import textwrap
 
 import bpy
 
-from .. import keys, record
+from .. import record
 from ..scene import ownership
 
 # Letters per line of a note: fits into the sidebar at its default width.
@@ -35,11 +35,11 @@ def _in_short(obj: bpy.types.Object) -> str:
 
 def _notes(obj: bpy.types.Object) -> list[str]:
     """Lines of the notes about an output object."""
-    method, _, _ = keys.text(obj, keys.LINK).partition(",")
+    method, _ = record.link(obj)
     follows = f"Follows by {method}" if method else ""
     found = record.member(obj)
+    wrong = " ".join(record.sentences(found, checks=True, others=False)) if found.check == record.FAULT else ""
+    sentences = [follows, record.verdict(found), wrong, *record.sentences(found)]
     if not ownership.is_bound_member(obj) and record.is_edited(obj):
-        return textwrap.wrap(record.EDITED, NOTE_WIDTH)
-    wrong = found.finding if found.check == record.FAULT else ""
-    sentences = [follows, record.verdict(found), wrong, found.need, *record.sentences(found)]
+        sentences = [record.verdict(found), wrong] if record.is_judged(obj) else [record.EDITED]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]

@@ -25,8 +25,14 @@ HOLDS, WRONG = 0, 1
 MOST_SAID = 20
 """Maximum number of problems that are printed."""
 
-WRITTEN_PATH = re.compile(r'<path id="(?:(\d+)-)?[^"]*" class="level-(\d+)"[^>]*?\sd="([^"]*)"')
-"""A path as this program writes it: the number of the shape where there are several, the level and the loops."""
+WRITTEN_PATH = re.compile(r'<path id="([^"]*)" class="(level|inner)-(\d+)"[^>]*?\sd="([^"]*)"')
+"""A path as this program writes it: its id, the side, the level and the loops."""
+
+LAST_WORDS = re.compile(r"-?(drawing|shape|cage-\d+)$| (Inner )?(Fine|Cage \d+)(\.\d+)?$")
+"""What the command and Blender add to the number or name of a shape in an id."""
+
+Shape = tuple[list[Any], list[Any]]
+"""The rings of each cage around a shape, and of each one inside, from the finest to the coarsest."""
 
 NUMBER = re.compile(r"[-+.\deE]+")
 
@@ -66,21 +72,22 @@ def _problems(given: argparse.Namespace) -> tuple[list[str], int]:
         return [f"{given.drawing} has {len(drawings)} shapes, {given.result} cages of {len(results)}"], 0
     is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
     found = []
-    for k, (drawing, cages) in enumerate(zip(drawings, results, strict=True)):
-        verdict = check(
-            drawing,
-            cages,
-            given.clearance,
-            same_loops=False if given.any_loops or is_picture else None,
-            inside=given.inside,
-            grid=given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
-            symmetry=given.symmetry,
-            distance=given.distance,
-        )
-        found += [f"shape {k + 1}: {problem}" if len(results) > 1 else problem for problem in verdict.problems]
+    for k, (drawing, sides) in enumerate(zip(drawings, results, strict=True)):
+        for inside, cages in [(given.inside or side, cages) for side, cages in enumerate(sides) if cages] or [(0, [])]:
+            verdict = check(
+                drawing,
+                cages,
+                given.clearance,
+                same_loops=False if given.any_loops or is_picture else None,
+                inside=bool(inside),
+                grid=given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
+                symmetry=given.symmetry,
+                distance=given.distance,
+            )
+            found += [f"shape {k + 1}: {problem}" if len(results) > 1 else problem for problem in verdict.problems]
     if moves and also_moves:
-        found += _faults_between([cages[0] for cages in results], drawings)
-    return found, sum(map(len, results))
+        found += _faults_between([outer[0] for outer, _ in results], drawings)
+    return found, sum(len(cages) for sides in results for cages in sides)
 
 
 def _faults_between(cages: Sequence[Any], drawings: Sequence[Any]) -> list[str]:
@@ -108,27 +115,35 @@ def _drawings(path: str, tolerance: float | None) -> tuple[list[Any], bool]:
     return [rings for rings, _ in _shapes(document)], "frames" in document
 
 
-def _cages(path: str) -> tuple[list[list[Any]], bool]:
-    """The cages of each shape of a file, from the finest to the coarsest, and whether they are frames of a motion."""
+def _cages(path: str) -> tuple[list[Shape], bool]:
+    """The cages of each shape of a file, and whether they are frames of a motion."""
     if Path(path).suffix.lower() == ".svg":
-        return [[levels[k] for k in sorted(levels) if k > 0] for levels in _paths(path)], False
+        outer_first = [[levels[k] for k in sorted(levels) if k > 0] for levels in _paths(path)]
+        inner = [[levels[k] for k in sorted(levels, reverse=True) if k < 0] for levels in _paths(path)]
+        return list(zip(outer_first, inner, strict=True)), False
     document = json.loads(read_whole(path, Limits()))
-    shapes: list[list[Any]] = []
+    shapes: list[Shape] = []
     for rings, level in _shapes(document):
         if level > 1 and shapes:
-            shapes[-1].append(rings)
+            shapes[-1][0].append(rings)
         else:
-            shapes.append([rings])
+            shapes.append(([rings], []))
     return shapes, "frames" in document
 
 
 def _paths(path: str) -> list[dict[int, Any]]:
-    """The rings of each level of each shape, level 0 the drawing, as this program writes them into an SVG."""
+    """The rings of each level of each shape, 0 the drawing and below it inner cages, as this program writes an SVG."""
+    found = WRITTEN_PATH.findall(read_whole(path, Limits()).decode("utf-8", errors="replace"))
+    owners = [LAST_WORDS.sub("", name) for name, *_ in found]
+    if len(set(owners)) != sum(level == "0" for _, _, level, _ in found):  # named by somebody else
+        owners = [""] * len(found)
     shapes: dict[str, dict[int, Any]] = {}
-    for shape, level, data in WRITTEN_PATH.findall(read_whole(path, Limits()).decode("utf-8", errors="replace")):
-        rings = [np.array(NUMBER.findall(part), float).reshape(-1, 2) for part in data.split("M")[1:]]
-        shapes.setdefault(shape, {})[int(level)] = rings
-    return [shapes[shape] for shape in sorted(shapes, key=lambda shape: int(shape or 0))]
+    for owner, (name, side, number, data) in zip(owners, found, strict=True):
+        level, shape = int(number) if side == "level" else -int(number), shapes.setdefault(owner, {})
+        if level in shape:
+            raise ValueError(f"{name} has the level of another path, and ids do not tell which shapes they belong to")
+        shape[level] = [np.array(NUMBER.findall(part), float).reshape(-1, 2) for part in data.split("M")[1:]]
+    return [shapes[owner] for owner in sorted(shapes, key=lambda owner: int(owner) if owner.isdecimal() else 0)]
 
 
 def _shapes(document: Any) -> Iterator[tuple[list[Any], int]]:

@@ -159,16 +159,15 @@ def decimals(text: str) -> int:
 
 def _listed(limits: Limits) -> str:
     """All limits in the form of the option."""
-    return ", ".join(f"{name.replace('_', '-')}={value}" for name, value in vars(limits).items())
+    return ", ".join(f"{name}={value}" for name, value in vars(limits).items())
 
 
 def _limit(text: str) -> tuple[str, int]:
     name, _, number = text.partition("=")
-    field = name.replace("-", "_")
-    if field not in vars(Limits()):
-        known = ", ".join(vars(Limits())).replace("_", "-")
+    if name not in vars(Limits()):
+        known = ", ".join(vars(Limits()))
         raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
-    return field, _whole(1)(number)
+    return name, _whole(1)(number)
 
 
 def _share(text: str) -> float:

@@ -30,15 +30,15 @@ class BarrierRanges:
 
         home, cage: final positions (n, 2) of the fine mesh and positions (m, 2) of the cage, where gaps are measured.
         """
-        fine_gap = facing_gaps(home, bodies.fine_successor, bodies.fine_predecessor, 2.0 * base)
-        cage_gap = facing_gaps(cage, bodies.cage_successor, bodies.cage_predecessor, 2.0 * base)
+        fine_gap = facing_gaps(home, bodies.fine.successor, bodies.fine.predecessor, 2.0 * base)
+        cage_gap = facing_gaps(cage, bodies.cage.successor, bodies.cage.predecessor, 2.0 * base)
         fine = np.minimum(base, 0.5 * fine_gap)
         own = np.minimum(base, 0.5 * cage_gap)  # cage against cage
         return cls(
             own,
-            np.minimum(own, own[bodies.cage_successor]),
+            np.minimum(own, own[bodies.cage.successor]),
             fine,
-            np.minimum(fine, fine[bodies.fine_successor]),
+            np.minimum(fine, fine[bodies.fine.successor]),
         )
 
     def scaled(self, factor: float) -> BarrierRanges:

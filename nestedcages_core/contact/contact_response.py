@@ -124,7 +124,7 @@ class ContactResponse:
         all_contacts = measure(all_pairs, x)
 
         near = np.flatnonzero(all_contacts.distance - farthest < all_pairs.approach(farthest_motion))
-        pairs, contacts = resolve_corners(self.bodies, all_pairs.subset(near), all_contacts.where(near), x, 0.0)
+        pairs, contacts = resolve_corners(self.bodies, all_pairs.take(near), all_contacts.take(near), x, 0.0)
         motion = np.concatenate([np.zeros((m, 2)), fine_motion])
         farthest_motion[m:] = 0.0
         rows, room, softness = self._constraints(pairs, contacts, motion, farthest_motion)
@@ -156,11 +156,11 @@ class ContactResponse:
         if len(moving) > MAX_ACTIVE_FRACTION * self.bodies.n or m * self.bodies.n < FULL_SEARCH_PAIRS:
             return np.ones(m, bool)
         cage = x[:m]
-        _, edge = near_pairs(x[m + moving], cage, cage[self.bodies.cage_successor], reach)
+        _, edge = near_pairs(x[m + moving], cage, cage[self.bodies.cage.successor], reach)
         active = np.zeros(m, bool)
         active[edge] = True
         for _ in range(NEIGHBOUR_RINGS):
-            active = active | active[self.bodies.cage_predecessor] | active[self.bodies.cage_successor]
+            active = active | active[self.bodies.cage.predecessor] | active[self.bodies.cage.successor]
         return active
 
     def _constraints(
@@ -185,9 +185,9 @@ class ContactResponse:
             (larger, SOFT_COMPLIANCE, reachable & (larger > hard)),
         ):
             kept = np.flatnonzero(where)
-            some, contact, room = pairs.subset(kept), contacts.where(kept), (after - wanted).take(kept)
+            some, contact, room = pairs.take(kept), contacts.take(kept), (after - wanted).take(kept)
             keep = np.flatnonzero(not_implied(some, contact, room))
-            rows.extend(constraint_rows(some.subset(keep), contact.where(keep)))
+            rows.extend(constraint_rows(some.take(keep), contact.take(keep)))
             rooms.append(room[keep])
             softness.append(np.full(len(rooms[-1]), epsilon))
         return rows, np.concatenate(rooms), np.concatenate(softness)

@@ -49,7 +49,7 @@ class FeasibilityRule:
         """The pairs that the motion (m + n, 2), or part of it, can bring closer than the rule allows."""
         length = np.hypot(motion[:, 0], motion[:, 1])
         near = np.flatnonzero(contacts.distance - pairs.approach(length) <= self._least(contacts))
-        return pairs.subset(near), contacts.where(near)
+        return pairs.take(near), contacts.take(near)
 
     def _least(self, contacts: Contacts) -> FloatArray:
         """(K,) distances that a motion must leave."""
@@ -82,7 +82,7 @@ class FeasibilityRule:
             vertex = np.unique(np.concatenate([pairs.point[failing], pairs.start[failing], pairs.end[failing]]))
             if slowdown >= SLOW_NEIGHBOURS_FROM:
                 cage = vertex[vertex < self.bodies.m]
-                vertex = np.concatenate([vertex, self.bodies.cage_successor[cage], self.bodies.cage_predecessor[cage]])
+                vertex = np.concatenate([vertex, self.bodies.cage.successor[cage], self.bodies.cage.predecessor[cage]])
             kept[vertex] *= 0.5 if slowdown < STOP_FROM else 0.0
             if self.bodies.tie is not None:
                 kept[: self.bodies.m] = self.bodies.tie.least(kept[: self.bodies.m])

@@ -67,7 +67,7 @@ class IncrementalPotential:
         self.step_filter = step_filter or TimeOfImpact()
         self.containment: ContainmentEnergy | None = None
         if not self.step_filter.safe:
-            self.containment = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor)
+            self.containment = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor)
         self.skin = SKIN_IN_EDGES * bodies.cage_edge_length
         self._x: FloatArray | None = None
         self._pairs: Pairs | None = None
@@ -76,7 +76,7 @@ class IncrementalPotential:
     def value(self, x: FloatArray) -> float:
         """The energy at x (m + n, 2); infinite in contact and where the energy of the cage is."""
         m = self.bodies.m
-        cages = self.energy.value(x[:m], self.bodies.cage_successor)
+        cages = self.energy.value(x[:m], self.bodies.cage.successor)
         if not np.isfinite(cages) or (self.containment is not None and self.containment.value(x) > 0.0):
             return np.inf
         contact = self._barriers(x).value
@@ -92,7 +92,7 @@ class IncrementalPotential:
         """Value, gradient and projected Newton direction at x."""
         barriers = self._barriers(x)
         value, gradient = self._slope(x, barriers)
-        hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
+        hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage.successor)
         own = Blocks.sum([(self.weights.cages, hessian)])
         stiffness = self.weights.restoring * self.restoring.weight
         return NewtonModel(value, gradient, barriers.newton_direction(gradient, stiffness, own))
@@ -127,7 +127,7 @@ class IncrementalPotential:
         return BarrierSum.at(x, pairs, pair, weight=self._pair_weight(pairs, d_hat), d_hat=d_hat)
 
     def _slope(self, x: FloatArray, barriers: BarrierSum) -> tuple[float, FloatArray]:
-        m, successor = self.bodies.m, self.bodies.cage_successor
+        m, successor = self.bodies.m, self.bodies.cage.successor
         cage, fine = x[:m], x[m:]
         value = (
             self.weights.restoring * self.restoring.value(fine)
@@ -151,7 +151,7 @@ class IncrementalPotential:
         pairs, pair = self._measure(x, self.ranges.largest)
         d_hat = self.ranges.of(self.bodies, pairs)
         active = pair.distance < d_hat
-        return pairs.subset(active), PointEdge(*(field[active] for field in pair)), d_hat[active]
+        return pairs.take(active), pair.take(active), d_hat[active]
 
     def _pair_weight(self, pairs: Pairs, d_hat: FloatArray) -> FloatArray:
         """(K,) λ_B · boundary length / d̂: the pressure is then of order λ_B for every range."""

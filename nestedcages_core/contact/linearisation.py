@@ -35,7 +35,7 @@ class Contacts(NamedTuple):
     on_line: BoolArray
     """(K,) whether the distance is to the line of the edge, not to one of its ends."""
 
-    def where(self, keep: BoolArray | IntArray) -> Contacts:
+    def take(self, keep: BoolArray | IntArray) -> Contacts:
         """The contacts where ``keep`` (K,) is true, or at these indices."""
         kept = np.flatnonzero(keep) if keep.dtype == bool else keep
         distance, parameter, normal, side, on_line = self
@@ -103,7 +103,7 @@ def distance_change(pairs: Pairs, contacts: Contacts, motion: FloatArray) -> Flo
 def local_axes(bodies: Bodies, x: FloatArray) -> FloatArray:
     """(m, 2, 2) unit vectors along and across the cage at each cage vertex of x (m + n, 2)."""
     columns = x[: bodies.m].T
-    along = columns.take(bodies.cage_successor, axis=1) - columns.take(bodies.cage_predecessor, axis=1)
+    along = columns.take(bodies.cage.successor, axis=1) - columns.take(bodies.cage.predecessor, axis=1)
     length = np.hypot(along[0], along[1])
     short = np.flatnonzero(length <= SMALLEST_LENGTH)
     along[0, short], along[1, short], length[short] = 1.0, 0.0, 1.0
@@ -151,7 +151,7 @@ def resolve_corners(
     keep[put] = True
     keep[ends.take(lone)] = True
     kept = np.flatnonzero(keep)
-    resolved = contacts.where(kept)
+    resolved = contacts.take(kept)
     place = kept.searchsorted(put)
     resolved.distance[place] = offset.take(line)
     resolved.on_line[place] = True
@@ -163,7 +163,7 @@ def resolve_corners(
     turning = line[: int(line.searchsorted(cage_edges))]
     arm = _dot(to.take(turning, axis=1), edge[:, : len(turning)])
     resolved.parameter[place[: len(turning)]] = arm / length.take(turning) ** 2
-    return pairs.subset(kept), resolved
+    return pairs.take(kept), resolved
 
 
 def _in_corner(bodies: Bodies, columns: FloatArray, corner: IntArray, point: IntArray) -> BoolArray:

@@ -18,6 +18,7 @@ import numpy as np
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.distance import PointEdge, point_edge
+from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
@@ -36,10 +37,10 @@ class Bodies:
 
     coarse: Mesh
     """The cage at rest, before it is pushed."""
-    cage_successor: IntArray
-    """(m,) next vertex along the cage."""
-    fine_successor: IntArray
-    """(n,) next vertex along the fine mesh."""
+    cage: Loops
+    """Its loops; those of a cage inside the fine mesh are walked backwards."""
+    fine: Loops
+    """Those of the fine mesh, walked alike."""
     fine_weight: FloatArray
     """(n,) boundary length of each fine vertex: half of its two edges, in the fine mesh itself."""
     cage_edge_length: float
@@ -49,12 +50,12 @@ class Bodies:
 
     @classmethod
     def of(cls, coarse: Mesh, fine: Mesh, tie: Tie | None = None, *, side: int = 1) -> Bodies:
-        """side: 1 for a cage around the fine mesh, -1 for one inside it, whose loops are walked backwards."""
+        """side: 1 for a cage around the fine mesh, -1 for one inside it."""
         lengths = fine.edge_lengths
         return cls(
             coarse,
-            coarse.successor if side > 0 else coarse.predecessor,
-            fine.successor if side > 0 else fine.predecessor,
+            coarse.loop_order.walked(side),
+            fine.loop_order.walked(side),
             0.5 * (lengths + lengths[fine.predecessor]),
             float(coarse.edge_lengths.mean()),
             tie,
@@ -63,12 +64,12 @@ class Bodies:
     @property
     def m(self) -> int:
         """Number of cage vertices."""
-        return len(self.cage_successor)
+        return len(self.coarse.vertices)
 
     @property
     def n(self) -> int:
         """Number of fine vertices."""
-        return len(self.fine_successor)
+        return len(self.fine.numbers)
 
     def solved(self, solver: InteriorPoint, program: QuadraticProgram, absolute: float, order: BandOrder) -> QPSolution:
         """The solution of a program over the cage vertices that keeps their ties; order: see :attr:`order`."""
@@ -79,31 +80,17 @@ class Bodies:
     @cached_property
     def order(self) -> BandOrder:
         """An order of the cage vertices, or of their orbits, that keeps neighbours close together."""
-        return BandOrder.of(self.m, np.arange(self.m), self.cage_successor) if self.tie is None else self.tie.order
+        return BandOrder.of(self.m, np.arange(self.m), self.cage.successor) if self.tie is None else self.tie.order
 
     @cached_property
     def successor(self) -> IntArray:
         """(m + n,) next vertex, as indices into x = (C; F)."""
-        return np.concatenate([self.cage_successor, self.fine_successor + self.m])
+        return np.concatenate([self.cage.successor, self.fine.successor + self.m])
 
     @cached_property
     def predecessor(self) -> IntArray:
         """(m + n,) previous vertex, as indices into x = (C; F)."""
-        return np.concatenate([self.cage_predecessor, self.fine_predecessor + self.m])
-
-    @cached_property
-    def cage_predecessor(self) -> IntArray:
-        """(m,) previous vertex along the cage."""
-        predecessor = np.empty(self.m, np.int64)
-        predecessor[self.cage_successor] = np.arange(self.m)
-        return predecessor
-
-    @cached_property
-    def fine_predecessor(self) -> IntArray:
-        """(n,) previous vertex along the fine mesh."""
-        predecessor = np.empty(self.n, np.int64)
-        predecessor[self.fine_successor] = np.arange(self.n)
-        return predecessor
+        return np.concatenate([self.cage.predecessor, self.fine.predecessor + self.m])
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +121,7 @@ class Pairs:
         closer: FloatArray = reach.take(self.point) + np.maximum(reach.take(self.start), reach.take(self.end))
         return closer
 
-    def subset(self, keep: BoolArray | IntArray) -> Pairs:
+    def take(self, keep: BoolArray | IntArray) -> Pairs:
         """The pairs where ``keep`` (K,) is true, or at these indices in increasing order."""
         kept = np.flatnonzero(keep) if keep.dtype == bool else keep
         first, second = (int(end) for end in kept.searchsorted((self.fine_cage.stop, self.cage_fine.stop)))
@@ -152,9 +139,9 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
     """
     m = bodies.m
     cage, fine = x[:m], x[m:]
-    cage_end, fine_end = cage[bodies.cage_successor], fine[bodies.fine_successor]
+    cage_end, fine_end = cage[bodies.cage.successor], fine[bodies.fine.successor]
     of_vertex = np.broadcast_to(np.asarray(radius, float), m)
-    of_edge = np.maximum(of_vertex, of_vertex[bodies.cage_successor])
+    of_edge = np.maximum(of_vertex, of_vertex[bodies.cage.successor])
     groups = _groups(of_edge)
     found = [near_pairs(fine, cage[k], cage_end[k], r) for r, k in groups]
     fine_vertex = np.concatenate([i for i, _ in found])
@@ -166,7 +153,7 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
     cage_vertex = np.concatenate([k[i] for (i, _), (_, k) in zip(found, groups, strict=True)])
     fine_edge = np.concatenate([j for _, j in found])
     own_vertex, own_edge = near_pairs(cage, cage, cage_end, 2.0 * float(of_vertex.max()))
-    foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage_successor[own_edge])
+    foreign = (own_vertex != own_edge) & (own_vertex != bodies.cage.successor[own_edge])
     own_vertex, own_edge = own_vertex[foreign], own_edge[foreign]
     first = len(fine_vertex)
     second = first + len(cage_vertex)
@@ -174,7 +161,7 @@ def find_pairs(bodies: Bodies, x: FloatArray, radius: float | FloatArray) -> Pai
         np.concatenate([fine_vertex + m, cage_vertex, own_vertex]),
         np.concatenate([cage_edge, fine_edge + m, own_edge]),
         np.concatenate(
-            [bodies.cage_successor[cage_edge], bodies.fine_successor[fine_edge] + m, bodies.cage_successor[own_edge]]
+            [bodies.cage.successor[cage_edge], bodies.fine.successor[fine_edge] + m, bodies.cage.successor[own_edge]]
         ),
         slice(0, first),
         slice(first, second),
@@ -230,7 +217,7 @@ class CandidateList:
         """The pairs of :meth:`within` that may come closer than ``distance`` when no vertex moves farther than
         ``motion`` (m + n,)."""
         pairs = self.within(x, reach, skin)
-        return pairs.subset(np.flatnonzero(self._distance - distance <= pairs.approach(self._moved + motion)))
+        return pairs.take(np.flatnonzero(self._distance - distance <= pairs.approach(self._moved + motion)))
 
     def _too_wide(self, radius: float | FloatArray) -> bool:
         assert self._pairs is not None

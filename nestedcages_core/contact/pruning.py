@@ -1,7 +1,8 @@
 """Redundant contacts: those above the lower convex hull of the contacts of their cage edge.
 
 All fine vertices on the inner side of a cage edge share its normal. Their constraints room + (1 - t) u + t v ≥ 0 on the
-motions u, v of its ends are implied by those on the lower convex hull of the points (t, room).
+motions u, v of its ends are implied by those on the lower convex hull of the points (t, room). What steps then miss of
+a contact that is nearly implied, their restoration makes up for.
 
 See docs/ablation.md: pruning of implied constraints.
 """
@@ -14,8 +15,12 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from .linearisation import Contacts
 from .pairs import Pairs
 
-HULL_PASSES = 6
-"""Cap on the passes of the convex hull; each removes every point above the chord of its neighbours."""
+MAX_PASSES = 20
+"""Cap on the passes; each removes the points above the chord of their neighbours, and half of those nearly above it."""
+
+NEGLIGIBLE_SAG = 0.05
+"""How far below the chord of its neighbours a point may be to count as implied, as a fraction of its own room: near a
+contact all points stay, and a smooth outline of any number of vertices has a few for each edge."""
 
 
 def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray) -> BoolArray:
@@ -37,11 +42,13 @@ def not_implied(pairs: Pairs, contacts: Contacts, room: FloatArray) -> BoolArray
 
 
 def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
-    """Indices of a superset of the points (t, height) on the lower convex hulls of their edges."""
+    """Indices of points (t, height), about those on the lower convex hulls of their edges."""
     kept = np.arange(len(edge))
-    for _ in range(HULL_PASSES):
+    for _ in range(MAX_PASSES):
+        above, nearly = _above_neighbours(edge, t, height)
+        nearly[::2] = False  # of two neighbours one stays
         below = np.ones(len(kept), bool)
-        np.logical_not(_above_neighbours(edge, t, height), out=below[1:-1])
+        np.logical_not(above | nearly, out=below[1:-1])
         left = np.flatnonzero(below)
         if len(left) == len(kept):
             break
@@ -49,13 +56,13 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
     return kept
 
 
-def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray) -> BoolArray:
-    """(K - 2,) whether each inner point is on or above the chord of its two neighbours."""
+def _above_neighbours(edge: IntArray, t: FloatArray, height: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """(K - 2,) whether each inner point is on or above the chord of its two neighbours, and whether it nearly is."""
     if len(edge) < 3:
-        return np.zeros(max(len(edge) - 2, 0), bool)
+        return np.zeros(0, bool), np.zeros(0, bool)
     step = t[1:] - t[:-1]
     before, after = step[:-1], step[1:]
     chord = height[:-2] * after + height[2:] * before
-    above: BoolArray = height[1:-1] * (before + after) >= chord
-    above &= edge[:-2] == edge[2:]
-    return above
+    own = height[1:-1] * (before + after)
+    within = edge[:-2] == edge[2:]
+    return (own >= chord) & within, (own * (1.0 + NEGLIGIBLE_SAG) >= chord) & within

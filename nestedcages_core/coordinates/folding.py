@@ -11,7 +11,7 @@ from ..geometry.predicates import BoxTree, crossing_pairs, orientation, winding_
 
 def holding(points: FloatArray, triangles: IntArray, shape: Mesh) -> BoolArray:
     """(T,) whether triangles (T, 3) of points (N, 2), counter-clockwise, hold a part of a shape."""
-    held = (winding_number(points, shape.vertices, shape.edge_ends) == 1)[triangles].any(axis=1)
+    held: BoolArray = (winding_number(points, shape.vertices, shape.edge_ends) == 1)[triangles].any(axis=1)
     sides = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2)
     crossed, _ = crossing_pairs(BoxTree(points[sides[:, 0]], points[sides[:, 1]]), shape.edge_tree)
     held[crossed // 3] = True
@@ -27,4 +27,5 @@ def holding(points: FloatArray, triangles: IntArray, shape: Mesh) -> BoolArray:
 def folded(posed: FloatArray, triangles: IntArray) -> BoolArray:
     """(T,) whether triangles (T, 3), counter-clockwise at rest, are turned over or flat where points (N, 2) are now."""
     a, b, c = posed[triangles].transpose(1, 0, 2)
-    return orientation(a, b, c) <= 0
+    turned: BoolArray = orientation(a, b, c) <= 0
+    return turned

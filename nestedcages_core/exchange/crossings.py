@@ -23,10 +23,12 @@ def edges_in(shapely: Any, geometries: Any) -> Edges:
     return points[:-1][follows], points[1:][follows]
 
 
-def spend_crossings(edges: Edges, budget: Budget | None, what: str) -> None:
-    """Count the pairs of edges that cross or overlap, but not those that meet at ends; None: no count.
+def spend_crossings(edges: Edges, budget: Budget | None, *, own: bool = False) -> None:
+    """Count the pairs of edges that cross or overlap, but not those that meet at ends.
 
-    Raises NestedCagesError beyond the limit.
+    budget: none if None; own: whether the edges are those of one outline.
+
+    Raises NestedCagesError where uniting them would take longer than the budget allows.
     """
     if budget is None:
         return
@@ -34,7 +36,7 @@ def spend_crossings(edges: Edges, budget: Budget | None, what: str) -> None:
     starts, ends = edges[0][long], edges[1][long]
     tree = BoxTree(starts, ends)
     for i, j in tree.blocks(slim=True):
-        budget.spend(what, int(_cross(starts[i], ends[i], starts[j], ends[j]).sum()))
+        budget.spend_crossings(int(_cross(starts[i], ends[i], starts[j], ends[j]).sum()), own=own)
 
 
 def _cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:

@@ -14,7 +14,7 @@ from ..geometry.arrays import BoolArray, FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
-from ..geometry.predicates import ON_BOUNDARY, BoxTree, winding_number
+from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
 from .hairlines import has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
@@ -94,7 +94,7 @@ def solid(
 def union_of(shapely: Any, areas: Sequence[Area], budget: Budget | None = None) -> Any:
     """The union of areas as a valid geometry. Raises NestedCagesError beyond the budget."""
     parts = regions(shapely, areas, budget)
-    spend_crossings(edges_in(shapely, parts), budget, "crossings")
+    spend_crossings(edges_in(shapely, parts), budget)
     return shapely.union_all(parts)
 
 
@@ -132,7 +132,7 @@ def mesh_of(
 
     Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
     """
-    spend_crossings(edges_in(shapely, parts), budget, "crossings")
+    spend_crossings(edges_in(shapely, parts), budget)
     bounds = shapely.total_bounds(parts)
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
@@ -189,7 +189,7 @@ def _region(shapely: Any, area: Painted, budget: Budget | None) -> Any:
     if not area.loops:
         return shapely.Polygon()
     starts, ends = _edges_of(area.loops)
-    spend_crossings((starts, ends), budget, "self_crossings")
+    spend_crossings((starts, ends), budget, own=True)
     lines = shapely.union_all(_rings(shapely, area.loops))
     faces = shapely.get_parts(shapely.polygonize([lines]))
     winding = winding_number(shapely.get_coordinates(shapely.point_on_surface(faces)), starts, ends)
@@ -201,7 +201,7 @@ def thickness(loops: Sequence[FloatArray]) -> float:
     """Thickness of loops (k, 2) as thin strips: twice the signed area over the length, negative if clockwise."""
     area, length = 0.0, 0.0
     for loop in loops:
-        step = np.roll(loop, -1, axis=0) - loop
+        step = np.diff(loop, axis=0, append=loop[:1])
         x, y = (loop - loop[0]).T
         area += float(x @ step[:, 1] - y @ step[:, 0]) / 2.0
         length += float(np.hypot(*step.T).sum())
@@ -238,9 +238,7 @@ def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
 def _nesting(mesh: Mesh) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) of loops, (K,), (K,)."""
     order = mesh.loop_order
-    points = mesh.vertices[order.vertices]
-    tree = BoxTree(points, points[order.ahead])
-    return enclosing_pairs(points[extreme_places(points, order)], order, tree)
+    return enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
 
 
 def _any_painted(

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..geometry.arrays import FloatArray
+from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.broad_phase import near_pairs
 from ..geometry.mesh import Mesh
 
@@ -62,6 +62,7 @@ def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0
 
     All other vertices keep their coordinates. A narrow part that joins others, or is a part of its own, stays.
     """
+    region, holes = _without_small_holes(shapely, region, gap)
     whole, fills, spikes = region, [], []
     try:
         fills = _fills(shapely, region, gap) if gap > 0.0 else []
@@ -71,8 +72,19 @@ def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0
         if spikes:
             region = _overlaid(shapely, "difference", region, _united(shapely, spikes, spike), spike)
     except shapely.errors.GEOSException:  # hairlines cost vertices, but no drawing
-        return Hairlines(whole, 0, 0)
-    return Hairlines(region, len(fills), len(spikes))
+        return Hairlines(whole, holes, 0)
+    return Hairlines(region, holes + len(fills), len(spikes))
+
+
+def _without_small_holes(shapely: Any, region: Any, width: float) -> tuple[Any, int]:
+    """A region without holes that are smaller in both directions, and their number; overlays lose the smallest ones."""
+    parts, small = [], 0
+    for part in shapely.get_parts(region):
+        rings = getattr(part, "interiors", ())
+        wide = [ring for ring in rings if np.ptp(np.reshape(ring.bounds, (2, 2)), axis=0).max() >= width]
+        parts.append(shapely.Polygon(part.exterior, wide) if len(wide) < len(rings) else part)
+        small += len(rings) - len(wide)
+    return (shapely.union_all(parts), small) if small else (region, 0)
 
 
 def _overlaid(shapely: Any, operation: str, one: Any, other: Any, width: float) -> Any:
@@ -120,13 +132,29 @@ def _spikes(shapely: Any, region: Any, width: float) -> list[Any]:
     if found.is_empty:
         return []
     body = _offset(shapely, core, reach)
-    spikes = []
-    for part in _parts_at(shapely, _overlaid(shapely, "difference", region, body, width), found):
-        contacts = _overlaid(shapely, "intersection", shapely.buffer(part, margin), body, width)
-        speck = contacts.is_empty and not core.is_empty and max(np.ptp(np.reshape(part.bounds, (2, 2)), axis=0)) < width
-        if speck or (not contacts.is_empty and shapely.get_num_geometries(contacts) == 1):
-            spikes.append(part)
-    return spikes
+    parts = _parts_at(shapely, _overlaid(shapely, "difference", region, body, width), found)
+    if not parts:
+        return []
+    contacts = _contacts(shapely, shapely.buffer(parts, margin), body)
+    extent = np.ptp(shapely.bounds(parts).reshape(-1, 2, 2), axis=1).max(axis=1)
+    specks = (contacts == 0) & (extent < width) & (not core.is_empty)
+    return [part for part, ends in zip(parts, specks | (contacts == 1), strict=True) if ends]
+
+
+def _contacts(shapely: Any, parts: Any, body: Any) -> IntArray:
+    """(P,) number of stretches of a body's boundary within each part."""
+    points, ring = shapely.get_coordinates(shapely.get_rings(shapely.get_parts(body)), return_index=True)
+    edges = shapely.linestrings(np.stack((points[:-1], points[1:]), axis=1)[ring[1:] == ring[:-1]])
+    part, edge = shapely.STRtree(edges).query(parts, predicate="intersects")
+    pieces, index = shapely.get_parts(shapely.intersection(edges[edge], parts[part]), return_index=True)
+    part = part[index]
+    stretches = shapely.length(pieces) > 0.0
+    number = np.zeros(len(parts), dtype=np.int64)
+    if stretches.any():
+        near, index = np.unique(part[stretches], return_inverse=True)
+        lines = shapely.multilinestrings(pieces[stretches], indices=index)
+        number[near] = shapely.get_num_geometries(shapely.line_merge(lines))
+    return number
 
 
 def _offset(shapely: Any, region: Any, distance: float) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,9 @@ from ..errors import NestedCagesError
 
 GREATEST = 10**18
 """Greatest value of a limit: no machine has as much."""
+
+CROSSINGS_PER_SECOND, SELF_CROSSINGS_PER_SECOND = 30_000, 2_000
+"""Crossings of different outlines, and of outlines with themselves, that are resolved in a second (measured)."""
 
 
 @dataclass(frozen=True)
@@ -23,10 +26,8 @@ class Limits:
     """Features of a map, polygons of a collision outline."""
     points: int = 5_000_000
     """Points of all outlines together."""
-    crossings: int = 100_000
-    """Crossings of different outlines that are united or cut: about 10 s."""
-    self_crossings: int = 20_000
-    """Crossings of outlines with themselves, which take longer."""
+    seconds: int = 10
+    """Time for uniting outlines that cross, as their number of crossings tells it beforehand."""
     pixels: int = 2**26
     """Pixels of a picture: 256 MB as 8-bit RGBA."""
 
@@ -47,7 +48,7 @@ class Limits:
     def exceeded(self, what: str, has: str) -> LimitError:
         """The error for an input that has more than the limit of a field."""
         return LimitError(
-            f"The input has {has}; raise the limit for {_words(what)}, or make the input smaller.",
+            f"The input has {has}; raise the limit for {what}, or make the input smaller.",
             code="limit.exceeded",
             what=what,
         )
@@ -62,15 +63,17 @@ class Budget:
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
-        self.used: Counter[str] = Counter()
+        self.used: dict[str, float] = defaultdict(float)
 
-    def spend(self, what: str, amount: int) -> None:
+    def spend(self, what: str, amount: float) -> None:
         """Add to what a field counts. Raises NestedCagesError beyond the limit."""
         self.used[what] += amount
         allowed = getattr(self.limits, what)
         if self.used[what] > allowed:
-            raise self.limits.exceeded(what, f"more than the {allowed:,} {_words(what)} allowed")
+            has = f"more than the {allowed:,} {what} allowed"
+            crossing = f"more crossings of outlines than can be united in the {allowed:,} seconds allowed"
+            raise self.limits.exceeded(what, crossing if what == "seconds" else has)
 
-
-def _words(what: str) -> str:
-    return what.replace("_", "-")
+    def spend_crossings(self, number: int, *, own: bool) -> None:
+        """Add the time of crossings; own: of an outline with itself. Raises NestedCagesError beyond the limit."""
+        self.spend("seconds", number / (SELF_CROSSINGS_PER_SECOND if own else CROSSINGS_PER_SECOND))

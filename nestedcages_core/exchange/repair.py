@@ -67,7 +67,7 @@ def mesh_of(
     shapely = load_shapely(NEEDED_FOR)
     shape = shape_of(kept)
     if touching:
-        spend_crossings(edges_in(shapely, [shape]), budget, "self_crossings")
+        spend_crossings(edges_in(shapely, [shape]), budget, own=True)
         faults = _faults(shape)
     if faults:
         try:

@@ -71,7 +71,7 @@ def outer_loops(mesh: Mesh) -> IntArray:
 def boxes(mesh: Mesh) -> FloatArray:
     """(loops, 4) bounding boxes: min x, min y, max x, max y."""
     order = mesh.loop_order
-    x, y = mesh.vertices.T.take(order.vertices, axis=1)
+    x, y = order.vertices.T
     sides = [np.minimum.reduceat(x, order.begins), np.minimum.reduceat(y, order.begins)]
     sides += [np.maximum.reduceat(x, order.begins), np.maximum.reduceat(y, order.begins)]
     return np.stack(sides, axis=1)
@@ -79,7 +79,7 @@ def boxes(mesh: Mesh) -> FloatArray:
 
 def loop_tree(mesh: Mesh, vertices: FloatArray) -> tuple[BoxTree, IntArray]:
     """Tree over the edges, loop by loop, of the mesh with vertices (n, 2), and the (n,) start vertex of each."""
-    order = mesh.loop_order.vertices
+    order = mesh.loop_order.numbers
     return BoxTree(vertices.take(order, axis=0), vertices.take(mesh.successor.take(order), axis=0)), order
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arrays import BoolArray, FloatArray
+from .arrays import BoolArray, FloatArray, IntArray
 from .vectors import dot
 
 SMALLEST_LENGTH = 1e-150
@@ -33,6 +33,10 @@ class PointEdge(NamedTuple):
     """(K, 2) unit vector from the closest point to the point (zero where the distance is zero)."""
     length: FloatArray
     """(K,) length of the edge."""
+
+    def take(self, keep: BoolArray | IntArray) -> PointEdge:
+        """The pairs where ``keep`` (K,) is true, or at these indices."""
+        return PointEdge(*(field[keep] for field in self))
 
 
 def point_edge(p: FloatArray, a: FloatArray, b: FloatArray) -> PointEdge:

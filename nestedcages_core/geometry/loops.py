@@ -3,28 +3,53 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from .arrays import BoolArray, FloatArray, IntArray
-from .predicates import ALL_WINDINGS_LIMIT, BoxTree, Signs, as_integers, loop_windings, orientation, ray_crossings
+from .predicates import (
+    ALL_WINDINGS_LIMIT,
+    BoxTree,
+    Signs,
+    as_integers,
+    loop_windings,
+    orientation,
+    ray_crossings,
+)
+from .vectors import norm
+
+CONNECTIVITY = ("begins", "loop", "ahead", "back", "successor", "predecessor")
+"""What is computed of loops once and stays when their vertices move."""
 
 CANCELLED_AREA = 1e-4
 """Fraction of the summed products below which an area has lost four digits or more and is summed exactly."""
 
 
 @dataclass(frozen=True, eq=False)
-class LoopOrder:
-    """Vertices in walking order, loop after loop; a place is an index into this order.
+class Loops:
+    """Closed loops, one after the other, that are walked forwards or backwards.
 
-    vertices: (n,) vertex at each place; sizes: (L,) number of vertices of each loop.
+    A place is an index into this order. What is walked backwards is enclosed from outside: no copy is made of it.
     """
 
-    vertices: IntArray
+    vertices: FloatArray
+    """(n, 2) by place."""
     sizes: IntArray
+    """(L,) number of vertices of each loop."""
+    numbers: IntArray
+    """(n,) number in a mesh of the vertex at each place."""
+    sense: int = 1
+    """1 forwards, -1 backwards."""
+
+    @classmethod
+    def of(cls, vertices: FloatArray, sizes: IntArray | Sequence[int]) -> Loops:
+        """Loops of vertices (n, 2) whose numbers are their places."""
+        return cls(vertices, np.asarray(sizes, np.int64), np.arange(len(vertices)))
 
     @cached_property
     def begins(self) -> IntArray:
@@ -39,31 +64,110 @@ class LoopOrder:
     @cached_property
     def ahead(self) -> IntArray:
         """(n,) next place on the loop."""
-        ahead = np.arange(1, len(self.vertices) + 1)
-        ahead[self.begins + self.sizes - 1] = self.begins
-        return ahead
+        return self._walked(self.sense)
 
-    def turned(self, loops: BoolArray) -> LoopOrder:
-        """The same loops, those chosen by (L,) walked the other way from the same first vertex."""
-        places = np.arange(len(self.vertices))
-        begins = self.begins[self.loop]
-        mirrored = begins + (begins - places) % self.sizes[self.loop]
-        return LoopOrder(self.vertices[np.where(loops[self.loop], mirrored, places)], self.sizes)
+    @cached_property
+    def back(self) -> IntArray:
+        """(n,) previous place on the loop."""
+        return self._walked(-self.sense)
 
+    @cached_property
     def successor(self) -> IntArray:
-        """(n,) the vertex after each vertex."""
-        following = np.empty_like(self.vertices)
-        following[self.vertices] = self.vertices[self.ahead]
+        """(n,) number of the vertex after each vertex, by number."""
+        return self._by_number(self.numbers[self.ahead])
+
+    @cached_property
+    def predecessor(self) -> IntArray:
+        """(n,) number of the vertex before each vertex, by number."""
+        return self._by_number(self.numbers[self.back])
+
+    @property
+    def ends(self) -> FloatArray:
+        """(n, 2) where the edge that starts at each place ends."""
+        return self.vertices.take(self.ahead, axis=0)
+
+    @cached_property
+    def tree(self) -> BoxTree:
+        """The edges, each by the place of its start."""
+        return BoxTree(self.vertices, self.ends)
+
+    @cached_property
+    def areas(self) -> FloatArray:
+        """(L,) signed area of each loop: clockwise ones count negative."""
+        return self.sense * self._areas[0]
+
+    @property
+    def area(self) -> float:
+        """Area of the solid; negative for that around it."""
+        return self.sense * self._areas[1]
+
+    @cached_property
+    def _areas(self) -> tuple[FloatArray, float]:
+        return signed_areas(self)
+
+    @cached_property
+    def centre(self) -> FloatArray:
+        """(2,) centroid of the loops as wires, independent of rotation."""
+        here = self.vertices - self.vertices[0]
+        there = here.take(self.ahead, axis=0)
+        lengths = norm(there - here)
+        centre: FloatArray = self.vertices[0] + (lengths[:, None] * (0.5 * (here + there))).sum(axis=0) / lengths.sum()
+        return centre
+
+    @cached_property
+    def diameter(self) -> float:
+        """Diameter of the circle around the centre that holds the loops."""
+        return 2.0 * float(norm(self.vertices - self.centre).max())
+
+    def split(self) -> list[FloatArray]:
+        """The vertices of each loop, (k, 2)."""
+        return np.split(self.vertices, self.begins[1:])
+
+    def moved(self, vertices: FloatArray) -> Loops:
+        """The same loops with other vertices (n, 2)."""
+        return self._sharing(vertices=vertices)
+
+    def walked(self, sense: int) -> Loops:
+        """The same loops forwards or backwards."""
+        return self if sense == self.sense else replace(self, sense=sense)
+
+    def turned(self, loops: BoolArray) -> Loops:
+        """The same loops, those chosen by (L,) walked the other way from the same first vertex."""
+        places = np.arange(len(self.numbers))
+        begins = self.begins[self.loop]
+        order = np.where(loops[self.loop], begins + (begins - places) % self.sizes[self.loop], places)
+        return replace(self, vertices=self.vertices[order], numbers=self.numbers[order])
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the tree, which is cheap to rebuild."""
+        return {name: value for name, value in vars(self).items() if name != "tree"}
+
+    def _walked(self, sense: int) -> IntArray:
+        first, last = self.begins, self.begins + self.sizes - 1
+        following = np.arange(len(self.numbers)) + sense
+        following[last if sense > 0 else first] = first if sense > 0 else last
         return following
 
+    def _by_number(self, values: IntArray) -> IntArray:
+        ordered = np.empty_like(values)
+        ordered[self.numbers] = values
+        return ordered
 
-def trace_loops(edges: IntArray, count: int) -> LoopOrder:
-    """The loops that edges (n, 2) make of `count` vertices of degree two.
+    def _sharing(self, vertices: FloatArray) -> Loops:
+        """With other vertices, and what has been computed of the order of the loops."""
+        other = replace(self, vertices=vertices)
+        known = vars(self)
+        vars(other).update({name: known[name] for name in CONNECTIVITY if name in known})
+        return other
+
+
+def trace_loops(edges: IntArray, vertices: FloatArray) -> Loops:
+    """The loops that edges (n, 2) make of vertices (n, 2) of degree two.
 
     Each loop starts at its smallest vertex, and loops are in the order of these. The direction is that of the first
     edge given at the smallest vertex, if that edge starts there.
     """
-    ends = edges.ravel()
+    ends, count = edges.ravel(), len(vertices)
     places = np.arange(len(ends))
     first, last = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     first[ends[::-1]] = places[::-1]
@@ -74,12 +178,13 @@ def trace_loops(edges: IntArray, count: int) -> LoopOrder:
     jumps = np.flatnonzero(ahead != np.arange(1, count + 1))
     begins = np.concatenate(([0], jumps[:-1] + 1))
     if np.array_equal(ahead[jumps], begins):  # loop after loop, the usual case
-        return LoopOrder(np.arange(count), jumps + 1 - begins)
-    return _walk(ahead.tolist(), behind.tolist())
+        return Loops.of(vertices, jumps + 1 - begins)
+    walked, sizes = _walk(ahead.tolist(), behind.tolist())
+    return Loops(vertices.take(walked, axis=0), sizes, walked)
 
 
-def _walk(ahead: list[int], behind: list[int]) -> LoopOrder:
-    """The loops found by walking from neighbour to neighbour, whichever way the edges point."""
+def _walk(ahead: list[int], behind: list[int]) -> tuple[IntArray, IntArray]:
+    """Vertices (n,) and sizes (L,) of loops, from neighbour to neighbour, whichever way the edges point."""
     visited = bytearray(len(ahead))
     walked: list[int] = []
     sizes = []
@@ -95,29 +200,29 @@ def _walk(ahead: list[int], behind: list[int]) -> LoopOrder:
             onward = ahead[vertex]
             previous, vertex = vertex, onward if onward != previous else behind[vertex]
         sizes.append(len(walked) - before)
-    return LoopOrder(np.array(walked, dtype=np.int64), np.array(sizes, dtype=np.int64))
+    return np.array(walked, dtype=np.int64), np.array(sizes, dtype=np.int64)
 
 
-def extreme_places(points: FloatArray, order: LoopOrder) -> IntArray:
-    """Place of the highest of the rightmost vertices of each loop, (L,); points: (n, 2) by place."""
-    x, y = points.T
+def extreme_places(order: Loops) -> IntArray:
+    """Place of the highest of the rightmost vertices of each loop, (L,)."""
+    x, y = order.vertices.T
     rightmost = x == np.maximum.reduceat(x, order.begins)[order.loop]
     highest = np.maximum.reduceat(np.where(rightmost, y, -np.inf), order.begins)
     candidates = np.flatnonzero(rightmost & (y == highest[order.loop]))
     return candidates[np.unique(order.loop[candidates], return_index=True)[1]]
 
 
-def turning_senses(points: FloatArray, order: LoopOrder, extreme: IntArray) -> Signs:
+def turning_senses(order: Loops, extreme: IntArray) -> Signs:
     """Sense of each simple loop, (L,): 1 counter-clockwise, -1 clockwise; exact.
 
-    points: (n, 2) by place; extreme: (L,) as from `extreme_places`. A loop is convex there and cannot be flat, so the
+    extreme: (L,) as from `extreme_places`. A loop is convex there and cannot be flat, so the
     sign of that one corner is the sense of the whole loop.
     """
-    before = order.begins + (extreme - order.begins - 1) % order.sizes
-    return orientation(points[before], points[extreme], points[order.ahead[extreme]])
+    points = order.vertices
+    return orientation(points[order.back[extreme]], points[extreme], points[order.ahead[extreme]])
 
 
-def enclosing_pairs(extremes: FloatArray, order: LoopOrder, tree: BoxTree) -> tuple[IntArray, IntArray]:
+def enclosing_pairs(extremes: FloatArray, order: Loops, tree: BoxTree) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) where the outer loop runs around the inner one, (K,), (K,); exact.
 
     extremes: (I, 2) extreme vertices of loops that do not meet those of the tree, or are among them: the ray to the
@@ -144,11 +249,9 @@ def parents(inner: IntArray, outer: IntArray, count: int) -> tuple[IntArray, Int
     return depth, parent
 
 
-def signed_areas(points: FloatArray, order: LoopOrder) -> tuple[FloatArray, float]:
-    """Signed area of each loop, (L,), and their sum: Green's theorem; exact before rounding where digits cancel.
-
-    points: (n, 2) by place.
-    """
+def signed_areas(order: Loops) -> tuple[FloatArray, float]:
+    """Signed area of each loop, (L,), and their sum: Green's theorem; exact before rounding where digits cancel."""
+    points = order.vertices
     x, y = (points - points.take(order.begins.take(order.loop), axis=0)).T
     left, right = x * (y[order.ahead] - y), y * (x[order.ahead] - x)
     areas = np.add.reduceat(left - right, order.begins) / 2.0

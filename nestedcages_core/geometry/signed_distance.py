@@ -42,6 +42,12 @@ class ClosestEdge(NamedTuple):
     parameter: FloatArray
     """(P,) position of the closest point on the edge, in [0, 1]."""
 
+    def between(self, starts: FloatArray, ends: FloatArray) -> FloatArray:
+        """(P, ...) values at the closest points, from those at starts and ends (E, ...) of edges, such as places."""
+        start = starts.take(self.edge, axis=0)
+        share = self.parameter.reshape(-1, *[1] * (starts.ndim - 1))
+        return np.asarray(start + share * (ends.take(self.edge, axis=0) - start))
+
 
 class SignedSample(NamedTuple):
     """Signed distance of P points."""
@@ -67,6 +73,15 @@ class EdgeSearch:
         """
         self.starts, self.ends, self.expected = starts, ends, expected
         self._tree: scipy.spatial.cKDTree | None = None
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> EdgeSearch:
+        """Over the edges of a mesh, each by its start."""
+        return cls(mesh.vertices, mesh.edge_ends)
+
+    def nearest(self, points: FloatArray) -> FloatArray:
+        """(P, 2) the closest points on edges to points (P, 2)."""
+        return self.closest(points).between(self.starts, self.ends)
 
     def closest(self, points: FloatArray) -> ClosestEdge:
         """Nearest edge of each of the (P, 2) points."""

@@ -36,8 +36,7 @@ class Choices:
     """Smallest allowed distance between cage and fine mesh, in the input's units. None: 1e-5 of the fine mesh's
     bounding-box diagonal, reduced where gaps of the fine mesh are too narrow for it."""
     decimation: Decimation = field(default_factory=LineCycles)
-    """Turns a vertex count into a coarse mesh. From 20,000 vertices on it starts outside instead of on the
-    curve, unless there is no fallback: that takes less than half of the time, and cages are as tight."""
+    """Turns a vertex count into a coarse mesh."""
     starts: int = 2
     """Maximum number of coarse meshes to start from, where the decimation offers several; the tightest cage is kept."""
     fallback: Decimation | None = field(default_factory=OuterHull)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from time import perf_counter
 
-from ..tasks import Result, Stage, Yielded
+from ..tasks import Result, Stage, Yielded, followed
 from .report import Progress
 
 DECIMATION_SHARE = 0.2
@@ -61,13 +61,7 @@ class LevelProgress:
         self, stage: Stage[Yielded, Result], describe: Callable[[Yielded], tuple[float, str]]
     ) -> Stage[Progress, Result]:
         """Run a stage, with its yields converted to fraction and message of the progress."""
-        while True:
-            try:
-                yielded = next(stage)
-            except StopIteration as end:
-                result: Result = end.value
-                return result
-            yield from self.show(*describe(yielded))
+        return followed(stage, lambda yielded: self.show(*describe(yielded)))
 
     def _within_level(self, fraction: float) -> float:
         """From 0 to 1 within the level."""

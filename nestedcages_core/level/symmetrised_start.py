@@ -55,5 +55,5 @@ def made_alike(start: Start, symmetry: Symmetry, *, inside: bool = False) -> Ali
     return Alike(
         start._replace(coarse=exact, on_curve=on_curve),
         orbits,
-        Tie.of(orbits, coarse.predecessor if inside else coarse.successor),
+        Tie.of(orbits, coarse.loop_order.walked(-1 if inside else 1).successor),
     )

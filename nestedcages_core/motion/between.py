@@ -148,7 +148,7 @@ class Straightener:
             cage = pushed if keeps else follower.restored(key.cage, key.fine, pushed, key.fine)
             if cage is None:
                 return None
-            grown = signed_area(cage, bodies.cage_successor) / signed_area(key.cages[-1], bodies.cage_successor) - 1.0
+            grown = signed_area(cage, bodies.cage.successor) / signed_area(key.cages[-1], bodies.cage.successor) - 1.0
             if grown > PUSHED_AREA and not last_resort and follower.promises.settings.grid is None:
                 return None
             cages.append(cage)

@@ -79,7 +79,7 @@ class Follower:
 
     def cost(self, cage: FloatArray, fine: FloatArray) -> float:
         """What cages (m, 2) of a pose (n, 2) are compared by: their area, or the energy with the terms of needs."""
-        successor = self.bodies.cage_successor
+        successor = self.bodies.cage.successor
         if not self.promises.settings.has_priorities:
             return signed_area(cage, successor)
         return self._energy(cage, fine).after(cage).value(cage, successor)

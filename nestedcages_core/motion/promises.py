@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import Fault
-from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
+from ..geometry.signed_distance import ClosestEdge, EdgeSearch
 from ..hierarchy import Settings
 from ..hierarchy.needs import needs_of
 from ..level.plan import Plan
@@ -23,10 +23,8 @@ class Promises:
     settings: Settings
     plan: Plan
     """That of the first pose."""
-    edge: IntArray
-    """(P,) edges of the drawing with pins."""
-    share: FloatArray
-    """(P, 1) how far along them."""
+    pins: ClosestEdge
+    """(P,) where they are on the edges of the drawing."""
     notes: tuple[Fault, ...] = ()
 
     @classmethod
@@ -35,8 +33,8 @@ class Promises:
         _, needs, notes = needs_of(settings, first)
         plan = Plan.of(first, needs)
         pins: FloatArray = np.concatenate([np.empty((0, 2)), *(need.places for need in needs)])
-        close = EdgeSearch(first.vertices, first.edge_ends).closest(pins)
-        return cls(replace(settings, symmetry=plan.group), plan, close.edge, close.parameter[:, None], notes)
+        close = EdgeSearch.of(first).closest(pins)
+        return cls(replace(settings, symmetry=plan.group), plan, close, notes)
 
     @property
     def room(self) -> float:
@@ -46,10 +44,9 @@ class Promises:
 
     def settings_at(self, pose: Mesh) -> Settings:
         """The settings with pins where they are at a pose."""
-        if len(self.edge) == 0:
+        if len(self.pins.edge) == 0:
             return self.settings
-        start = pose.vertices[self.edge]
-        places = start + self.share * (pose.edge_ends[self.edge] - start)
+        places = self.pins.between(pose.vertices, pose.edge_ends)
         return replace(self.settings, pins=places.tolist(), joints=())
 
     def plan_at(self, pose: Mesh) -> Plan:
@@ -60,11 +57,9 @@ class Promises:
         """The settings of the level around a cage of the first pose: weights and pins go to its closest vertices."""
         settings, first = self.settings, self.plan.fine
         if settings.weights is not None:
-            close = EdgeSearch(first.vertices, first.edge_ends).closest(cage.vertices)
             given = np.asarray(settings.weights, np.float64)
-            ends = given[first.successor[close.edge]]
-            weights = given[close.edge] + close.parameter * (ends - given[close.edge])
+            weights = EdgeSearch.of(first).closest(cage.vertices).between(given, given[first.successor])
             settings = replace(settings, weights=weights if weights.any() else None)
-        pins = self.settings_at(first).pins if len(self.edge) else ()
-        nearest = [int(np.hypot(*(cage.vertices - place).T).argmin()) for place in np.reshape(pins, (-1, 2))]
+        places = self.pins.between(first.vertices, first.edge_ends)
+        nearest = [int(np.hypot(*(cage.vertices - place).T).argmin()) for place in places]
         return replace(settings, pins=tuple(dict.fromkeys(nearest)), joints=())

@@ -53,7 +53,7 @@ def contact_curvature(bodies: Bodies, cage: FloatArray, loads: EdgeLoads, radius
     radius: (m,) largest motion of each vertex. Edges count as at least that long, since the second-order term holds for
     shorter motions only.
     """
-    after = bodies.cage_successor
+    after = bodies.cage.successor
     columns = np.ascontiguousarray(cage.T)
     tangent = columns.take(after, axis=1) - columns
     length = np.hypot(tangent[0], tangent[1])

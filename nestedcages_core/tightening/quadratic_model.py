@@ -64,12 +64,12 @@ def model_at(
     reach = np.zeros(len(x))
     reach[:m] = region.radius * np.sqrt(2.0)
     near = np.flatnonzero(contacts.distance - required < pairs.approach(reach))
-    some, contact = resolve_corners(bodies, pairs.subset(near), contacts.where(near), x, wanted.clearance)
+    some, contact = resolve_corners(bodies, pairs.take(near), contacts.take(near), x, wanted.clearance)
     room = contact.distance - wanted.of(some)
     keep = np.flatnonzero(not_implied(some, contact, room))
-    some, contact = some.subset(keep), contact.where(keep)
+    some, contact = some.take(keep), contact.take(keep)
 
-    cage, successor = x[:m], bodies.cage_successor
+    cage, successor = x[:m], bodies.cage.successor
     curvature = contact_curvature(bodies, cage, loads, region.radius)
     program = QuadraticProgram(
         energy.gradient(cage, successor),

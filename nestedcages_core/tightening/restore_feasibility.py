@@ -77,10 +77,10 @@ def outward_correction(
 
 def shift_edges(bodies: Bodies, cage: FloatArray, shift: FloatArray) -> FloatArray:
     """(m, 2) smallest motions of the vertices that move each edge outwards by ``shift`` (m,)."""
-    edge = cage[bodies.cage_successor] - cage
+    edge = cage[bodies.cage.successor] - cage
     length = np.hypot(edge[:, 0], edge[:, 1])
     n_x, n_y = edge[:, 1] / length, -edge[:, 0] / length
-    before = bodies.cage_predecessor
+    before = bodies.cage.predecessor
     p_x, p_y, before_shift = n_x[before], n_y[before], shift[before]
     straight = np.abs(n_x * p_x + n_y * p_y) > NEARLY_STRAIGHT
     larger = np.maximum(shift, before_shift)

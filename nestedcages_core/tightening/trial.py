@@ -57,7 +57,7 @@ class Surroundings:
         pairs = self.pairs
         near = np.flatnonzero(self.distance - self.required <= pairs.approach(farthest_motion))
         distance, side, required = (field.take(near) for field in (self.distance, self.side, self.required))
-        return Surroundings(pairs.subset(near), distance, side, required, farthest_motion)
+        return Surroundings(pairs.take(near), distance, side, required, farthest_motion)
 
 
 def find_trial(
@@ -96,7 +96,7 @@ def find_trial(
         hit, _ = impacts(near.pairs, x, motion, near.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
         if len(failing) == 0:
-            restored_value = energy.value(restored[:m], bodies.cage_successor)
+            restored_value = energy.value(restored[:m], bodies.cage.successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
                 return Trial(restored, fraction, restored_value, True)
             # reductions of single vertices may have turned the step uphill: reduce all alike
@@ -114,7 +114,7 @@ def find_trial(
 def _expected(bodies: Bodies, step: FloatArray, around: Surroundings) -> FloatArray:
     """(m + n,) expected upper bound on each vertex's displacement, restoration included."""
     length = np.hypot(step[:, 0], step[:, 1])
-    neighbours = np.maximum(length[bodies.cage_predecessor], length[bodies.cage_successor])
+    neighbours = np.maximum(length[bodies.cage.predecessor], length[bodies.cage.successor])
     expected = around.farthest_motion.copy()
     bound = EXPECTED_MOTION * np.maximum(length, neighbours) + float(around.required.max(initial=0.0))
     expected[: bodies.m] = np.minimum(expected[: bodies.m], bound)

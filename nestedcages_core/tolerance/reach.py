@@ -40,7 +40,7 @@ def stays_within(cage: Mesh, fine: Mesh, distance: float) -> bool:
 def _reach(cage: Mesh, fine: Mesh, limit: float | None) -> float:
     """The reach; with a limit, any number on the same side of the limit."""
     between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
-    search = EdgeSearch(fine.vertices, fine.edge_ends)
+    search = EdgeSearch.of(fine)
     largest = 0.0
     if limit is not None:
         largest = float(search.closest(cage.vertices).distance.max())

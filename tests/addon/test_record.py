@@ -251,9 +251,15 @@ def test_what_an_edit_makes_untrue_is_not_said(addon) -> None:
     choose(source)
     bpy.ops.object.nested_cages_report()
     assert record.EDITED in bpy.data.texts["Nested Cages Report"].as_string()
+    bpy.context.scene.frame_set(bpy.context.scene.frame_end)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    said = " ".join(addon.ui.result._notes(cage))
+    assert said.startswith(record.verdict(record.member(cage))) and record.EDITED not in said and "0.05" not in said
+    stretch(cage)
+    assert " ".join(addon.ui.result._notes(cage)) == record.EDITED
     assert bpy.ops.object.nested_cages_bind(method="LINEAR") == {"FINISHED"}
     member = record.member(cage)
-    assert not member.need and member.excess > 0.3 and not record.is_edited(cage)
+    assert not record.notes(member) and member.excess > 0.3 and not record.is_edited(cage)
     assert cage["nested_cages_excess"] == pytest.approx(member.excess) and not cage["nested_cages_need"]
     assert bpy.ops.object.nested_cages_rebind() == {"FINISHED"}
     assert record.of(collection).bound == "LINEAR"

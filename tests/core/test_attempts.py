@@ -28,9 +28,7 @@ from nestedcages_core.decimation import Start
 from nestedcages_core.level.attempts import (
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
-    OUTSIDE_FROM,
     Attempt,
-    StartOutcome,
     attempts,
     clearances_for,
     contacts_for,
@@ -58,11 +56,6 @@ class TestOrder:
             ("OuterHull", True, True),
             ("OuterHull", True, False),
         ]
-
-    def test_large_shapes_start_outside(self) -> None:
-        large = Mesh.from_loops([ring(OUTSIDE_FROM)])
-        assert tried(Settings(), 12, large)[0].source == LineCycles(on_curve=False)
-        assert tried(Settings(fallback=None), 12, large)[0].source == LineCycles()
 
     def test_another_decimation_is_followed_by_the_fallback_and_that_untightened(self) -> None:
         found = tried(Settings(decimation=DouglasPeucker()), 12)
@@ -177,7 +170,7 @@ def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> 
         names.append(f"{start.source} {number}")
         rank = ranks[len(names) - 1] if len(names) <= len(ranks) else inf
         try:
-            start = turn.send(StartOutcome(rank, start.coarse if rank < inf else None))
+            start = turn.send(rank)
         except StopIteration:
             return names
 

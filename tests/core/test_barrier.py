@@ -38,7 +38,7 @@ def close() -> tuple[np.ndarray, PointEdge, np.ndarray]:
     corners = random.normal(size=(2000, 6))
     pair = point_edge(corners[:, :2], corners[:, 2:4], corners[:, 4:])
     keep = pair.distance < D_HAT
-    return corners[keep], PointEdge(*(field[keep] for field in pair)), random.uniform(0.5, 2.0, keep.sum())
+    return corners[keep], pair.take(keep), random.uniform(0.5, 2.0, keep.sum())
 
 
 def exact_hessian(corners: np.ndarray, pair: PointEdge, weight: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from nestedcages_core import (
     features_from_geojson,
     frames_to_engine_json,
     from_svg,
+    inner_cages,
     nested_cages,
     to_engine_json,
     to_geojson,
@@ -54,7 +55,17 @@ def test_drawings_and_outlines(tmp_path: Path, capsys: pytest.CaptureFixture) ->
         status, said = checked(capsys, drawing, outline, *options)
         assert status == 1
         assert fault in said
-    svg.write_text(to_svg(nested_cages(fine, [16]).cages[0]))
+    both = {"D": fine, "C": nested_cages(fine, [16]).cages[0], "I": inner_cages(fine, [16]).cages[0]}
+    svg.write_text(to_svg(both, levels=[0, 1, -1]))
+    assert checked(capsys, svg, svg) == (0, "2 cages: everything holds.\n")
+    named = {f"{owner} {what}": both[key] for owner in "ab" for what, key in (("Fine", "D"), ("Cage 1", "C"))}
+    svg.write_text(to_svg(named, levels=[0, 1, 0, 1]))
+    assert checked(capsys, svg, svg) == (0, "2 cages: everything holds.\n")
+    svg.write_text(to_svg({**both, "I": both["C"]}, levels=[0, 1, 1]))
+    assert "has the level of another" in checked(capsys, svg, svg)[1]
+    svg.write_text(to_svg({**both, "I": both["C"]}, levels=[0, 1, -1]))
+    assert checked(capsys, svg, svg)[0] == 1
+    svg.write_text(to_svg(both["C"]))
     assert "there is no cage" in checked(capsys, drawing, svg)[1]
 
 

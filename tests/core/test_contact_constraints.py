@@ -71,7 +71,7 @@ def test_curvature_is_the_second_derivative_of_the_loaded_distances(
     inner = np.zeros(len(pairs), bool)
     inner[pairs.fine_cage] = True
     inner &= contacts.on_line & (contacts.side > 0) & (np.abs(contacts.parameter - 0.5) < 0.45)
-    pairs, contacts = pairs.subset(inner), contacts.where(inner)
+    pairs, contacts = pairs.take(inner), contacts.take(inner)
     z = rng.uniform(0.1, 1.0, len(pairs))
     loads = EdgeLoads.of(pairs, contacts, z, bodies.m)
     H = contact_curvature(bodies, x[: bodies.m], loads, np.zeros(bodies.m)).dense(bodies.m)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from benchmarks.hostile.attacks import star_polygon, svg
 from nestedcages_core import (
@@ -32,6 +33,7 @@ from nestedcages_core.exchange import (
     Limits,
     frames_from_engine_json,
     frames_to_engine_json,
+    limits,
     read_map,
     svg_drawing,
 )
@@ -74,15 +76,15 @@ CASES: list[tuple[Reader, Any, dict[str, int]]] = [
     (lambda given, limits: from_svg(given, limits=limits), DRAWING,
      {"bytes": len(DRAWING), "elements": 4, "points": 15}),
     (lambda given, limits: svg_drawing(given, limits=limits), svg(f'<polygon points="{path(STAR)[1:-1]}"/>'),
-     {"points": 14, "self_crossings": 65}),
+     {"points": 14, "seconds": 65}),
     (lambda given, limits: from_svg(given, limits=limits), svg(f'<path d="{path(STAR)}" fill="none" stroke="red"/>'),
-     {"self_crossings": 65}),
-    (lambda given, limits: from_svg(given, limits=limits), svg(BARS), {"crossings": 16}),
+     {"seconds": 65}),
+    (lambda given, limits: from_svg(given, limits=limits), svg(BARS), {"seconds": 16}),
     (lambda given, limits: from_geojson(given, limits=limits), MAP, {"bytes": len(MAP), "elements": 3, "points": 15}),
-    (lambda given, limits: from_geojson(given, limits=limits), OVERLAPPING, {"self_crossings": 4}),
+    (lambda given, limits: from_geojson(given, limits=limits), OVERLAPPING, {"seconds": 4}),
     (lambda given, limits: features_from_geojson(given, limits=limits), MAP,
      {"bytes": len(MAP), "elements": 3, "points": 15}),
-    (lambda given, limits: read_map(given, limits), CROSSED, {"self_crossings": 65}),
+    (lambda given, limits: read_map(given, limits), CROSSED, {"seconds": 65}),
     (lambda given, limits: from_engine_json(given, limits=limits), OUTLINE,
      {"bytes": len(OUTLINE), "elements": 3, "points": 12}),
     (lambda given, limits: frames_from_engine_json(given, limits=limits), FRAMES,
@@ -97,11 +99,22 @@ CASES: list[tuple[Reader, Any, dict[str, int]]] = [
 
 @pytest.mark.filterwarnings("ignore::nestedcages_core.errors.NestedCagesWarning")
 @pytest.mark.parametrize(("number", "name"), [(k, name) for k, case in enumerate(CASES) for name in case[2]])
-def test_what_reaches_a_limit_is_read_and_one_more_is_not(number: int, name: str) -> None:
+def test_what_reaches_a_limit_is_read_and_one_more_is_not(
+    number: int, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     read, given, used = CASES[number]
+    for crossings in ("CROSSINGS_PER_SECOND", "SELF_CROSSINGS_PER_SECOND") if name == "seconds" else ():
+        monkeypatch.setattr(limits, crossings, 1)
     assert read(given, replace(Limits(), **{name: used[name]})) is not None
-    with pytest.raises(NestedCagesError, match=f"raise the limit for {name.replace('_', '-')}, or make the input smal"):
+    with pytest.raises(NestedCagesError, match=f"raise the limit for {name}, or make the input smal"):
         read(given, replace(Limits(), **{name: used[name] - 1}))
+
+
+def test_circles_may_cross_each_other_a_hundred_thousand_times() -> None:
+    places = 1000.0 * np.random.default_rng(3).random((3200, 2))
+    drawing = svg("".join(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="29"/>' for x, y in places))
+    united = shapely.union_all(shapely.buffer(shapely.points(places.round(2)), 29.0, quad_segs=32))
+    assert from_svg(drawing).area == pytest.approx(united.area, rel=1e-3)
 
 
 @pytest.mark.parametrize("value", [0, -1, 1.5, True, None, 10**19, 10**400, "9"])
@@ -137,9 +150,9 @@ def test_files_are_read_no_further_than_the_limit(ending: str, content: bytes, r
 def test_the_command_limits_drawings_as_the_reader_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "star.svg"
     file.write_bytes(svg(f'<path d="{path(STAR)}"/>'))
-    assert main([str(file), "--levels", "12", "--limit", "self-crossings=64"]) == 1
-    assert "more than the 64 self-crossings allowed" in capsys.readouterr().err
-    assert main([str(file), "--levels", "12", "--limit", "self-crossings=65"]) == 0
+    assert main([str(file), "--levels", "12", "--limit", "points=13"]) == 1
+    assert "more than the 13 points allowed" in capsys.readouterr().err
+    assert main([str(file), "--levels", "12", "--limit", "points=14"]) == 0
     many = DRAWING_LIMITS.elements // 100
     file.write_bytes(svg('<g id="g">' + "<g/>" * many + "</g>" + '<use href="#g"/>' * 100))
     assert main([str(file), "--levels", "12"]) == 1

@@ -131,12 +131,12 @@ def test_a_pair_of_needs_is_kept_or_has_a_code(pair: tuple[str, ...]) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("first", [0, 10, 20])
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize("pair", [pair for pair in PAIRS if frozenset(pair) not in IMPOSSIBLE], ids=" and ".join)
-def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...], first: int) -> None:
-    codes = [made(pair, seed) for seed in range(first, first + 10)]
+def test_a_pair_of_needs_on_thirty_shapes(pair: tuple[str, ...]) -> None:
+    codes = [made(pair, seed) for seed in range(30)]
     assert set(codes) <= UNLUCKY | {""}
-    assert codes.count("") >= 9
+    assert codes.count("") >= 27
 
 
 @pytest.mark.parametrize(

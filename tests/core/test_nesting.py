@@ -54,8 +54,8 @@ def test_parents_are_kept_by_moved_and_pickled_meshes() -> None:
     mesh = Mesh.from_loops([ring(12, 3.0), ring(12, 2.0), ring(12, 1.0), ring(12, 1.0) + 9.0])
     assert mesh.parent_of_loop.tolist() == [-1, 0, 1, -1]
     assert mesh.moved(mesh.vertices + 1.0).parent_of_loop.tolist() == [-1, 0, 1, -1]
-    assert np.array_equal(mesh.edge_tree.starts, mesh.vertices[mesh.loop_order.vertices])
-    assert np.array_equal(mesh.edge_tree.ends, mesh.edge_ends[mesh.loop_order.vertices])
+    assert np.array_equal(mesh.edge_tree.starts, mesh.vertices[mesh.loop_order.numbers])
+    assert np.array_equal(mesh.edge_tree.ends, mesh.edge_ends[mesh.loop_order.numbers])
 
 
 def test_a_tree_and_all_pairs_agree_on_what_lies_in_what(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -163,7 +163,7 @@ def test_the_barrier_agrees_with_automatic_differentiation() -> None:
         candidates=AllPairs().candidates(bodies), step_filter=NoFilter(), exact_containment=True,
     )  # fmt: skip
     pairs = find_pairs(bodies, x, d_hat)
-    pairs = pairs.subset(pairs.measure(x).distance < d_hat)
+    pairs = pairs.take(pairs.measure(x).distance < d_hat)
     corners = np.stack([pairs.point, pairs.start, pairs.end], axis=1)
     p, a, b = points_of(x[corners])
     edge = b - a

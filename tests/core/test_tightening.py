@@ -122,7 +122,7 @@ def test_edges_are_flush_or_touch_at_their_middle(
     held |= set(pairs.start[~contacts.on_line].tolist()) | set(pairs.end[~contacts.on_line].tolist())
     balanced = free = 0
     for edge in range(bodies.m):
-        if {edge, int(bodies.cage_successor[edge])} & held:
+        if {edge, int(bodies.cage.successor[edge])} & held:
             continue
         touching = (pairs.start == edge) & (pairs.point >= bodies.m) & contacts.on_line
         t = contacts.parameter[touching]
@@ -241,7 +241,7 @@ def test_widening_shares_what_room_there_is() -> None:
     widened = drain(widen(bodies, x, clearance, CandidateList(bodies), InteriorPoint()))
     assert widened.closest == -1
     cage, home = widened.x[: bodies.m], fine.vertices
-    boundaries = BoxTree(home, home[bodies.fine_successor]), BoxTree(cage, cage[bodies.cage_successor])
+    boundaries = BoxTree(home, home[bodies.fine.successor]), BoxTree(cage, cage[bodies.cage.successor])
     assert smallest_gap(*boundaries) >= clearance
 
 

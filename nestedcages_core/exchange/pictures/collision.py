@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import scipy
@@ -12,6 +13,7 @@ from ...errors import NestedCagesError
 from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.mesh import Mesh
 from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
+from ...tasks import drain
 from ..limits import Limits
 from .boundary import boundary_of_pixels
 
@@ -73,17 +75,8 @@ def picture_cages(
 
     Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
-    steps = picture_cages_run(
-        picture, levels, padding=padding, threshold=threshold, holes=holes, settings=settings, limits=limits
-    )
-    while True:
-        try:
-            step = next(steps)
-        except StopIteration as done:
-            hierarchy: Hierarchy = done.value
-            return hierarchy
-        if progress is not None:
-            progress(step)
+    options: dict[str, Any] = {"padding": padding, "threshold": threshold, "holes": holes}
+    return drain(picture_cages_run(picture, levels, **options, settings=settings, limits=limits), progress)
 
 
 def picture_cages_run(

@@ -100,19 +100,19 @@ class Areas:
         """The inside of a shape; curves of thin shapes have finer chords, unless the tolerance is given."""
         tolerance = self.tolerance
         loops = [self._flat(path, matrix, tolerance) for path in shape.subpaths]
-        if self.options.tolerance is None:
+        if self.options.tolerance is None and any(path.is_curved for path in shape.subpaths):
             finer = max(THIN * abs(thickness(loops)), tolerance / MAX_FINER)
             if finer < tolerance:
                 loops = [self._flat(path, matrix, finer) for path in shape.subpaths]
         return Painted(loops, shape.evenodd)
 
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
-        curves = [moved(curve, matrix) for curve in path.curves]
-        if not np.abs(np.concatenate(curves)).max() < MAX_COORDINATE:
+        points = moved(path.points, matrix)
+        if not np.abs(points).max() < MAX_COORDINATE:
             raise NestedCagesError(
                 "The drawing has coordinates that are not finite, or too large; correct them.", code="file.invalid"
             )
-        points = flattened(curves, tolerance)
+        points = flattened(points, path.degrees, tolerance)
         self.budget.spend("points", len(points))
         return points
 
@@ -160,7 +160,7 @@ class Areas:
 
     def _of_two(self, operation: Callable[[Any, Any], Any], one: Any, other: Any) -> Any:
         """What an operation of shapely makes of two areas, their crossings counted before."""
-        spend_crossings(edges_in(load_shapely("shapes that overlap"), [one, other]), self.budget, "crossings")
+        spend_crossings(edges_in(load_shapely("shapes that overlap"), [one, other]), self.budget)
         return operation(one, other)
 
     def _clipped(self, areas: list[Area], group: Group, clip: Clip, outer: FloatArray) -> list[Area]:

@@ -11,11 +11,14 @@ from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ..limits import Limits
 from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, name_of, quoted, view_box_of
+from .outlines import OUTLINED
 from .transforms import read_transform
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
 
+DRAWN = OUTLINED | {"svg", "g", "a"}
+"""Elements that are drawn with all their children."""
 
 Box = tuple[float, float, float, float]
 """x, y, width and height."""
@@ -73,8 +76,12 @@ class Document:
             )
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
         self.by_id: dict[str, ET.Element] = {}
+        room = str(self.root.tag).rpartition("}")[0]
         for item in self.root.iter():
+            if isinstance(item.tag, str) and item.tag.rpartition("}")[0] != room:
+                item.tag = ""  # of another namespace: nobody draws it
             self.by_id.setdefault(item.get("id", ""), item)
+        limits.check("elements", _drawn(self.root))
         self.frame = Frame(
             view_box_of(self.root),
             self.root.get("width", ""),
@@ -106,3 +113,17 @@ class Document:
     def linked(self, link: str) -> ET.Element | None:
         """The element that `#id` names."""
         return self.by_id.get(link[1:]) if len(link) > 1 and link.startswith("#") else None
+
+
+def _drawn(root: ET.Element) -> int:
+    """How many elements are drawn without a reference: a lower bound, but for those that style sheets hide."""
+    number, waiting = 0, [root]
+    while waiting:
+        drawn = [
+            child
+            for child in waiting.pop()
+            if name_of(child) in DRAWN and "display" not in child.attrib and "display" not in child.get("style", "")
+        ]
+        number += len(drawn)
+        waiting += drawn
+    return number

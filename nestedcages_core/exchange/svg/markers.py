@@ -38,13 +38,14 @@ def vertices(subpaths: Sequence[Subpath]) -> list[Vertex]:
     """All vertices of a path in their order."""
     found: list[tuple[FloatArray, FloatArray]] = []
     for path in subpaths:
-        ways = [_ways(curve) for curve in path.curves]
+        curves = path.curves
+        ways = [_ways(curve) for curve in curves]
         around = path.closed
-        for k, curve in enumerate(path.curves):
+        for k, curve in enumerate(curves):
             way_in = ways[k - 1][1] if k or around else np.zeros(2)
             found.append((curve[0], way_in + ways[k][0]))
         way_out = ways[0][0] if around else np.zeros(2)
-        found.append((path.curves[-1][-1], ways[-1][1] + way_out))
+        found.append((path.points[-1], ways[-1][1] + way_out))
     places = ["start", *["mid"] * (len(found) - 2), "end"]
     return [Vertex(place, point, way) for place, (point, way) in zip(places, found, strict=True)]
 

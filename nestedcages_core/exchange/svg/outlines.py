@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from itertools import islice, pairwise
+from itertools import islice
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...geometry.arrays import FloatArray
 from ..limits import Budget, Limits
-from .curves import ellipse, line
+from .curves import CUBIC, LINE, ellipse
 from .lengths import Viewport, attribute, name_of, quoted, title_of
 from .path_data import PathReader, Subpath
 from .transforms import NUMBER
@@ -50,9 +51,10 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
             where = quoted(end[0])
             viewport.faults.add(f"The points of the {title_of(item)} go wrong at {where}; the rest is left out")
             text = text[: end.start()]
-        return _through(_coordinates(text, budget), closed=name == "polygon")
+        values = _coordinates(text, budget)
+        return _through(np.reshape(values[: len(values) // 2 * 2], (-1, 2)), closed=name == "polygon")
     if name == "line":
-        return [Subpath([line(np.array([length("x1"), length("y1")]), np.array([length("x2"), length("y2")]))])]
+        return _through([[length("x1"), length("y1")], [length("x2"), length("y2")]], closed=False)
     if name == "rect":
         rx, ry = item.get("rx", "auto").strip(), item.get("ry", "auto").strip()
         first = attribute(item, "rx" if rx != "auto" else "ry", viewport)
@@ -61,7 +63,7 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
     if name in ("circle", "ellipse"):
         radii = [length("r")] * 2 if name == "circle" else _radii(item, viewport)
         centre = np.array([length("cx"), length("cy")])
-        return [Subpath(ellipse(centre, np.diag(radii)), True)] if min(radii) > 0.0 else []
+        return [_cubics(ellipse(centre, np.diag(radii)))] if min(radii) > 0.0 else []
     return []
 
 
@@ -75,12 +77,15 @@ def _coordinates(text: str, budget: Budget) -> list[float]:
     return values
 
 
-def _through(values: list[float], *, closed: bool) -> list[Subpath]:
-    points = np.reshape(values[: len(values) // 2 * 2], (-1, 2))
-    if len(points) < 2:
-        return []
-    curves = [line(a, b) for a, b in pairwise(points)]
-    return [Subpath([*curves, line(points[-1], points[0])] if closed else curves, closed)]
+def _through(points: ArrayLike, *, closed: bool) -> list[Subpath]:
+    """Lines through points."""
+    given = np.asarray(points, dtype=np.float64)
+    around = np.concatenate((given, given[:1])) if closed else given
+    return [Subpath(around, np.full(len(around) - 1, LINE), closed)] if len(given) > 1 else []
+
+
+def _cubics(points: FloatArray) -> Subpath:
+    return Subpath(points, np.full(len(points) // CUBIC, CUBIC), True)
 
 
 def _radii(item: ET.Element, viewport: Viewport) -> list[float]:
@@ -95,13 +100,10 @@ def _rectangle(x: float, y: float, width: float, height: float, rx: float, ry: f
     rx, ry = min(rx, width / 2.0), min(ry, height / 2.0)
     corners = np.array([[x + width, y + height], [x, y + height], [x, y], [x + width, y]])
     if not (rx > 0.0 and ry > 0.0):
-        around = np.concatenate((corners[2:], corners[:3]))
-        return [Subpath([line(a, b) for a, b in pairwise(around)], True)]
+        return _through(np.roll(corners, 2, axis=0), closed=True)
     centres = corners + np.array([[-rx, -ry], [rx, -ry], [rx, ry], [-rx, ry]])
-    curves: list[FloatArray] = []
-    for k, centre in enumerate(centres):
-        quarter = ellipse(centre, np.diag((rx, ry)), k * math.pi / 2.0, math.pi / 2.0)
-        if curves:
-            curves.append(line(curves[-1][-1], quarter[0][0]))
-        curves += quarter
-    return [Subpath([*curves, line(curves[-1][-1], curves[0][0])], True)]
+    quarters = [
+        ellipse(centre, np.diag((rx, ry)), k * math.pi / 2.0, math.pi / 2.0) for k, centre in enumerate(centres)
+    ]
+    degrees = np.concatenate([np.append(np.full(len(quarter) // CUBIC, CUBIC), LINE) for quarter in quarters])
+    return [Subpath(np.concatenate((*quarters, quarters[0][:1])), degrees, True)]

@@ -4,31 +4,52 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.arrays import FloatArray
+from ...geometry.arrays import FloatArray, IntArray
 from ..limits import Budget
-from .curves import arc, line
+from .curves import CUBIC, LINE, arc
 
-NUMBER = re.compile(r"[\s,]*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
-FLAG = re.compile(r"[\s,]*([01])")
-COMMAND = re.compile(r"[\s,]*([MmLlHhVvCcSsQqTtAaZz])")
-BLANK = re.compile(r"[\s,]*")
+NUMBER = r"[\s,]*+((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))"
+FLAG = r"[\s,]*+([01])"
+"""One digit, which needs no separator."""
 
-ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
-"""How many numbers each command takes."""
-FLAGS_OF_ARC = (3, 4)
-"""Arguments of A that are one digit each and need no separator."""
+NUMBERS, BLANK = re.compile(NUMBER), re.compile(r"[\s,]*")
+
+ARGUMENTS = {
+    **{kind: [NUMBER] * count for kind, count in zip("ZHVMLTSQC", (0, 1, 1, 2, 2, 2, 4, 4, 6), strict=True)},
+    "A": [*[NUMBER] * 3, FLAG, FLAG, NUMBER, NUMBER],
+}
+"""What each command takes, again and again."""
+
+ARC = re.compile("".join(ARGUMENTS["A"]))
+WHOLE = {kind: re.compile(f"(?:{''.join(taken)})*+" if taken else "") for kind, taken in ARGUMENTS.items()}
+
+MIRRORED = {"S": "CS", "T": "QT"}
+"""Commands whose first control point mirrors the last one of a curve of one of these kinds."""
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Subpath:
-    """Consecutive curves, given by their control points."""
+    """Consecutive lines and Bézier curves; each begins where the one before ends."""
 
-    curves: list[FloatArray] = field(default_factory=list)
+    points: FloatArray
+    """(k, 2) all control points; ends that curves share are there once."""
+    degrees: IntArray
+    """(n,) of the curves."""
     closed: bool = False
+
+    @property
+    def is_curved(self) -> bool:
+        return bool((self.degrees != LINE).any())
+
+    @property
+    def curves(self) -> list[FloatArray]:
+        """The control points of each curve."""
+        ends = np.cumsum(self.degrees).tolist()
+        return [self.points[begin : end + 1] for begin, end in zip([0, *ends[:-1]], ends, strict=True)]
 
 
 class _WrongDataError(Exception):
@@ -44,9 +65,11 @@ class PathReader:
         self.place = 0
         self.fault = ""
         self.subpaths: list[Subpath] = []
-        self.at = np.zeros(2)
-        self.begin = np.zeros(2)
-        self.handle: FloatArray | None = None
+        self.x = self.y = 0.0
+        self.points: list[float] = []
+        """x and y of the current subpath's control points in turn; empty before the first one."""
+        self.degrees: list[int] = []
+        self.handle: tuple[float, float] = (0.0, 0.0)
         self.handle_of = ""
 
     def read(self) -> list[Subpath]:
@@ -59,68 +82,100 @@ class PathReader:
         except _WrongDataError as error:
             rest = self.data[self.place : self.place + 20].strip() or "its end"
             self.fault = f"go wrong at character {self.place} ({rest}): {error} is missing"
-        return [path for path in self.subpaths if path.curves]
+        self._end_subpath(closed=False)
+        return self.subpaths
 
     def _read(self) -> None:
         command = ""
-        while BLANK.match(self.data, self.place).end() < len(self.data):  # type: ignore[union-attr]
-            found = COMMAND.match(self.data, self.place)
-            if found:
-                command = found[1]
-                self.place = found.end()
+        while (begin := BLANK.match(self.data, self.place).end()) < len(self.data):  # type: ignore[union-attr]
+            letter = self.data[begin]
+            if letter.upper() in ARGUMENTS and letter.isascii():
+                command, self.place = letter, begin + 1
             elif command in ("", "Z", "z"):
                 raise _WrongDataError("a command")
-            elif command in "Mm":
-                command = "L" if command == "M" else "l"  # further points of a moveto are lines
-            if not self.subpaths and command not in "Mm":
+            else:
+                self._find_missing(command.upper())
+            kind = command.upper()
+            if kind != "M" and not self.points:
                 raise _WrongDataError("a path that begins with M")
-            self._follow(command)
-            self.budget.spend("points", 1)
+            text = WHOLE[kind].match(self.data, self.place)[0]  # type: ignore[index]
+            taken = ARC.findall(text) if kind == "A" else NUMBERS.findall(text)
+            values = [float(each) for each in (sum(taken, ()) if kind == "A" else taken)]
+            if not values and kind != "Z":
+                self._find_missing(kind)
+            self.budget.spend("points", len(values) // len(ARGUMENTS[kind]) if values else 1)
+            self._follow(kind, values, relative=command.islower())
+            self.place += len(text)
 
-    def _follow(self, command: str) -> None:
-        kind = command.upper()
-        values = [self._argument(kind, k) for k in range(ARGUMENTS[kind])]
-        origin = self.at if command.islower() else np.zeros(2)
-        previous, self.handle = self.handle, None
-        if kind == "M":
-            self.at = self.begin = origin + values
-            self.subpaths.append(Subpath())
-            return
-        if self.subpaths[-1].closed:
-            self.subpaths.append(Subpath())
-        path = self.subpaths[-1]
+    def _find_missing(self, kind: str) -> None:
+        """Raise the error for the first argument that is not there."""
+        for number, pattern in enumerate(ARGUMENTS[kind], 1):
+            found = re.compile(pattern).match(self.data, self.place)
+            if not found:
+                raise _WrongDataError(f"argument {number} of {kind}")
+            self.place = found.end()
+
+    def _follow(self, kind: str, values: list[float], *, relative: bool) -> None:
+        """Add what a command draws, as often as it has arguments."""
         if kind == "Z":
-            if (self.at != self.begin).any() or not path.curves:
-                path.curves.append(line(self.at, self.begin))
-            self.at, path.closed = self.begin, True
+            self._close()
             return
-        if kind == "A":
-            end = origin + values[5:]
-            curves = arc(self.at, end, values[:2], math.radians(values[2]), bool(values[3]), bool(values[4]))
-            self.budget.spend("points", len(curves))
-            path.curves += curves
-            self.at = end
-            return
-        if kind in "HV":
-            end = self.at.copy()
-            axis = "HV".index(kind)
-            end[axis] = origin[axis] + values[0]
-            control = [end]
-        else:
-            control = list(origin + np.reshape(values, (-1, 2)))
-            if kind in "ST":  # the first control point mirrors the last one of a curve of the same kind
-                like = {"S": "CS", "T": "QT"}[kind]
-                mirrored = previous is not None and self.handle_of in like
-                control.insert(0, 2.0 * self.at - previous if mirrored else self.at)  # type: ignore[operator]
-            if kind in "CSQT":
-                self.handle, self.handle_of = control[-2], kind
-        path.curves.append(np.stack((self.at, *control)))
-        self.at = control[-1]
+        size = len(ARGUMENTS[kind])
+        for place in range(0, len(values), size):
+            given = values[place : place + size]
+            x, y = self.x, self.y
+            if relative:
+                origin = {"V": (y,), "A": (0.0, 0.0, 0.0, 0.0, 0.0, x, y)}.get(kind, (x, y) * 3)
+                given = [value + shift for value, shift in zip(given, origin, strict=False)]
+            if kind == "M":
+                self._end_subpath(closed=False)
+                self.points, kind = given, "L"  # further points of a moveto are lines
+                self.x, self.y = given
+                self.handle_of = ""
+                continue
+            if kind == "A":
+                self._add_arc(given)
+                continue
+            if kind in "HV":
+                given = [given[0], y] if kind == "H" else [x, given[0]]
+            elif kind in "ST":
+                mirrored = self.handle_of in MIRRORED[kind] and self.handle_of != ""
+                given = [
+                    2.0 * x - self.handle[0] if mirrored else x,
+                    2.0 * y - self.handle[1] if mirrored else y,
+                    *given,
+                ]
+            self._add(given, len(given) // 2)
+            self.handle_of = kind if kind in "CSQT" else ""
+            if self.handle_of:
+                self.handle = (given[-4], given[-3])
 
-    def _argument(self, kind: str, index: int) -> float:
-        pattern = FLAG if kind == "A" and index in FLAGS_OF_ARC else NUMBER
-        found = pattern.match(self.data, self.place)
-        if not found:
-            raise _WrongDataError(f"argument {index + 1} of {kind}")
-        self.place = found.end()
-        return float(found[1])
+    def _add(self, given: list[float], degree: int, count: int = 1) -> None:
+        """Add curves through control points to the subpath."""
+        self.points += given
+        self.degrees += [degree] * count
+        self.x, self.y = given[-2:]
+
+    def _add_arc(self, given: list[float]) -> None:
+        start, end = (self.x, self.y), (given[5], given[6])
+        found = arc(start, end, (given[0], given[1]), math.radians(given[2]), bool(given[3]), bool(given[4]))
+        degree = LINE if len(found) == 1 else CUBIC
+        count = len(found) // degree
+        self.budget.spend("points", count)
+        if count:
+            self._add(np.ravel(found).tolist(), degree, count)
+        self.handle_of = ""
+
+    def _close(self) -> None:
+        begin = self.points[:2]
+        if [self.x, self.y] != begin or not self.degrees:
+            self._add(list(begin), LINE)
+        self._end_subpath(closed=True)
+        self.points = list(begin)
+        self.x, self.y = begin
+        self.handle_of = ""
+
+    def _end_subpath(self, *, closed: bool) -> None:
+        if self.degrees:
+            self.subpaths.append(Subpath(np.reshape(self.points, (-1, 2)), np.array(self.degrees), closed))
+        self.degrees = []

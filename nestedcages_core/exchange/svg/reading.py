@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InvalidMeshError, NestedCagesError
-from ...geometry.arrays import FloatArray
 from ...geometry.mesh import Mesh
-from ...geometry.mesh.validation import MAX_COORDINATE
 from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
 from ..libraries import load_shapely
@@ -224,24 +222,10 @@ def _is_seen(paint: Paint | None, options: SvgOptions) -> bool:
     return not stops or any(paint.opacity * stop.colour.alpha > options.faintest for stop in stops)
 
 
-def _controls(shape: Shape) -> FloatArray:
-    """Control points (k, 2) in the document. Raises NestedCagesError where they are out of range."""
-    points = np.concatenate([moved(curve, shape.matrix) for path in shape.subpaths for curve in path.curves])
-    if not np.abs(points).max() < MAX_COORDINATE:
-        raise NestedCagesError(
-            f"The {shape.name} has coordinates that are not finite, or too large; correct the drawing.",
-            code="file.invalid",
-        )
-    return points
-
-
 def _size(group: Group, page: Box | None) -> float:
     """Diagonal of the visible parts of all shapes."""
-    corners = []
-    for shape in group.shapes():
-        points = _controls(shape)
-        corners += [points.min(axis=0), points.max(axis=0)]
-    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    points = np.concatenate([moved(path.points, shape.matrix) for shape in group.shapes() for path in shape.subpaths])
+    low, high = points.min(axis=0), points.max(axis=0)
     if (low == high).all() or page is None:
         return float(np.hypot(*(high - low)))
     x, y, width, height = page
@@ -253,7 +237,8 @@ def _covers(shape: Shape, page: Box) -> bool:
     """Whether a shape is roughly a rectangle of the size of the page."""
     if shape.fill is None or len(shape.subpaths) != 1:
         return False
-    points = flattened([moved(curve, shape.matrix) for curve in shape.subpaths[0].curves], max(page[2:]))
+    path = shape.subpaths[0]
+    points = flattened(moved(path.points, shape.matrix), path.degrees, max(page[2:]))
     x, y, width, height = page
     inside = np.clip(points, (x, y), (x + width, y + height))
     ahead = np.roll(inside, -1, axis=0)

@@ -99,7 +99,7 @@ def stroked(shapely: Any, lines: Sequence[Polyline], stroke: Stroke, tolerance: 
         closed = line.closed and len(points) > 2
         curve = shapely.linearrings(points) if closed else shapely.linestrings(points)
         if not shapely.is_simple(curve):
-            spend_crossings(edges_in(shapely, [curve]), budget, "self_crossings")
+            spend_crossings(edges_in(shapely, [curve]), budget, own=True)
         tips = _tips(points, closed, radius, stroke.miter_limit) if stroke.join not in ("round", "bevel") else None
         cap = CAPS.get(stroke.cap, FLAT)
         join = stroke.join if stroke.join in ("round", "bevel") else "mitre" if tips is None else "bevel"

@@ -59,8 +59,7 @@ def turned(degrees: float) -> FloatArray:
 
 def moved(points: FloatArray, matrix: FloatArray) -> FloatArray:
     """Points (..., 2) under a matrix."""
-    with np.errstate(all="ignore"):  # coordinates are checked where they are used
-        return np.asarray(points @ matrix[:2, :2].T + matrix[:2, 2])
+    return np.asarray(points @ matrix[:2, :2].T + matrix[:2, 2])
 
 
 def _matrix(name: str, values: list[float]) -> FloatArray | None:

@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InvalidMeshError
 from ..arrays import FloatArray, IntArray
 from ..drawable import Drawable
-from ..loops import LoopOrder, enclosing_pairs, extreme_places, parents, signed_areas, trace_loops, turning_senses
+from ..loops import Loops, enclosing_pairs, extreme_places, parents, trace_loops, turning_senses
 from ..predicates import BoxTree
 from ..vectors import norm
 from .geo_interface import HasGeoInterface, rings_of, to_geo_interface
-from .validation import as_edges, as_vertices, check_simple, place
+from .validation import as_edges, as_rings, as_vertices, check_simple, place
 
 Number = TypeVar("Number", bound=np.generic)
 
@@ -34,7 +34,6 @@ TOPOLOGY = frozenset(
         "loop_of_vertex",
         "parent_of_loop",
         "component_of_loop",
-        "loop_order",
     )
 )
 """Attributes that do not change when vertices move."""
@@ -69,28 +68,27 @@ class Mesh(Drawable):
     """(L,) the component each loop bounds, numbered by outer loops; a hole belongs to the smallest loop around it."""
     is_validated: bool = field(init=False)
     """Whether these vertices have been validated; False for a mesh made by `moved`."""
-    loop_order: LoopOrder = field(init=False)
-    """The loops one after the other, for vectorised work on all of them."""
+    loop_order: Loops = field(init=False)
+    """The loops one after the other, for all that walks along them."""
 
     def __init__(self, vertices: ArrayLike, edges: ArrayLike) -> None:
         checked = as_vertices(vertices)
         joined = as_edges(edges, len(checked))
-        self._build(checked, joined, trace_loops(joined, len(checked)))
+        self._build(checked, joined, trace_loops(joined, checked))
 
-    def _build(self, checked: FloatArray, joined: IntArray, order: LoopOrder) -> None:
+    def _build(self, checked: FloatArray, joined: IntArray, order: Loops) -> None:
         """Validate and orient loops of vertices (n, 2) joined by edges (n, 2), which are turned in place."""
-        points = checked.take(order.vertices, axis=0)
-        tree = check_simple(points, order)
-        extreme = extreme_places(points, order)
+        check_simple(order)
+        extreme = extreme_places(order)
         if len(order.sizes) > 1:
-            depth, parent = parents(*enclosing_pairs(points[extreme], order, tree), len(order.sizes))
+            depth, parent = parents(*enclosing_pairs(order.vertices[extreme], order, order.tree), len(order.sizes))
         else:
             depth, parent = np.array([0]), np.array([-1])
         signs = 1 - 2 * (depth % 2)
-        reversed_ = turning_senses(points, order, extreme) != signs
+        reversed_ = turning_senses(order, extreme) != signs
         if reversed_.any():
             order = order.turned(reversed_)
-        following = order.successor()
+        following = order.successor
         turned = following[joined[:, 0]] != joined[:, 1]
         joined[turned] = joined[turned, ::-1]
         outer = signs > 0
@@ -100,15 +98,13 @@ class Mesh(Drawable):
             vertices=checked,
             edges=_frozen(joined),
             successor=_frozen(following),
-            loops=tuple(np.split(_frozen(order.vertices), order.begins[1:])),
+            loops=tuple(np.split(_frozen(order.numbers), order.begins[1:])),
             loop_signs=_frozen(signs),
             parent_of_loop=_frozen(parent),
             component_of_loop=_frozen(component),
             is_validated=True,
             loop_order=order,
         )
-        if not reversed_.any():
-            self._fill(edge_tree=tree)
         if not self.area > 0.0:
             raise InvalidMeshError(
                 f"The area inside the loops around {place(checked[0])} is too small for floating-point numbers; "
@@ -119,47 +115,9 @@ class Mesh(Drawable):
     @classmethod
     def from_loops(cls, loops: Iterable[ArrayLike]) -> Mesh:
         """A mesh from closed loops of points, each (k, 2), in any direction; a repeated closing point is dropped."""
-        try:
-            given = [np.asarray(loop) for loop in loops]
-        except Exception as error:
-            raise InvalidMeshError(
-                f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y).",
-                code="mesh.unreadable",
-            ) from error
-        if not given:
-            raise InvalidMeshError(
-                "The mesh is empty: there are no loops; give at least one loop of three points.", code="mesh.empty"
-            )
-        rings = []
-        for k, points in enumerate(given):
-            if points.ndim != 2 or points.shape[1] != 2:
-                raise InvalidMeshError(
-                    f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows "
-                    "(x, y).",
-                    code="mesh.unreadable",
-                )
-            ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
-            if len(ring) < 3:
-                at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
-                raise InvalidMeshError(
-                    f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it.",
-                    code="mesh.open",
-                )
-            rings.append(ring)
-        sizes = np.array([len(ring) for ring in rings])
-        begins = np.cumsum(sizes) - sizes
-        starts = np.arange(sizes.sum())
-        ends = starts + 1
-        ends[begins + sizes - 1] = begins
-        try:
-            together = np.concatenate(rings)
-        except TypeError as error:
-            kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
-            raise InvalidMeshError(
-                f"The loops hold different kinds of values ({kinds}); give numbers.", code="mesh.unreadable"
-            ) from error
-        mesh = object.__new__(cls)
-        mesh._build(as_vertices(together), np.stack((starts, ends), axis=1), LoopOrder(starts, sizes))
+        checked, sizes = as_rings(loops)
+        mesh, order = object.__new__(cls), Loops.of(checked, sizes)
+        mesh._build(checked, np.stack((order.numbers, order.ahead), axis=1), order)
         return mesh
 
     @classmethod
@@ -246,7 +204,8 @@ class Mesh(Drawable):
             )
         mesh = object.__new__(Mesh)
         kept = {name: value for name, value in vars(self).items() if name in TOPOLOGY}
-        mesh._fill(**kept, vertices=_frozen(moved), is_validated=False)
+        order = self.loop_order.moved(moved.take(self.loop_order.numbers, axis=0))
+        mesh._fill(**kept, vertices=_frozen(moved), is_validated=False, loop_order=order)
         return mesh
 
     def validated(self) -> Mesh:
@@ -257,18 +216,16 @@ class Mesh(Drawable):
         """Whether another mesh has as many outer loops and as many holes."""
         return np.array_equal(np.sort(self.loop_signs), np.sort(other.loop_signs))
 
-    @cached_property
+    @property
     def predecessor(self) -> IntArray:
         """(n,) the vertex before each vertex."""
-        before = np.empty_like(self.successor)
-        before[self.successor] = np.arange(len(before))
-        return _frozen(before)
+        return _frozen(self.loop_order.predecessor)
 
     @cached_property
     def loop_of_vertex(self) -> IntArray:
         """(n,) the loop of each vertex."""
         owner = np.empty_like(self.successor)
-        owner[self.loop_order.vertices] = self.loop_order.loop
+        owner[self.loop_order.numbers] = self.loop_order.loop
         return _frozen(owner)
 
     @property
@@ -281,11 +238,10 @@ class Mesh(Drawable):
         """(n,) length of the edge that starts at each vertex."""
         return _frozen(norm(self.edge_ends - self.vertices))
 
-    @cached_property
+    @property
     def edge_tree(self) -> BoxTree:
-        """Bounding boxes of the edges, loop after loop: segment k starts at vertex ``loop_order.vertices[k]``."""
-        order = self.loop_order.vertices
-        return BoxTree(self.vertices.take(order, axis=0), self.vertices.take(self.successor.take(order), axis=0))
+        """Bounding boxes of the edges, loop after loop: segment k starts at vertex ``loop_order.numbers[k]``."""
+        return self.loop_order.tree
 
     @cached_property
     def diagonal(self) -> float:
@@ -308,25 +264,16 @@ class Mesh(Drawable):
     @property
     def loop_areas(self) -> FloatArray:
         """(L,) signed area of each loop: holes count negative."""
-        return self._areas[0]
+        return _frozen(self.loop_order.areas)
 
     @property
     def area(self) -> float:
         """Area of the solid; positive for a validated mesh."""
-        return self._areas[1]
-
-    @cached_property
-    def _areas(self) -> tuple[FloatArray, float]:
-        areas, total = signed_areas(self.vertices.take(self.loop_order.vertices, axis=0), self.loop_order)
-        return _frozen(areas), total
+        return self.loop_order.area
 
     def _fill(self, **fields: Any) -> None:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All but the tree, which is cheap to rebuild."""
-        return {name: value for name, value in vars(self).items() if name != "edge_tree"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Pickled arrays lose their write protection, which is restored here."""

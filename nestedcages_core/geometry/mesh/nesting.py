@@ -30,19 +30,16 @@ class Nesting:
             hits = np.flatnonzero(segments_intersect(*tree.segments(i), *other.segments(j)))
             if len(hits):
                 k, m = i[hits[0]], j[hits[0]]
-                return int(self.outer.loop_order.vertices[k]), int(self.inner.loop_order.vertices[m])
+                return int(self.outer.loop_order.numbers[k]), int(self.inner.loop_order.numbers[m])
         return None
 
     @cached_property
     def pairs(self) -> tuple[IntArray, IntArray]:
         """Pairs (within, around) of loops of which one lies inside the other, (K,), (K,)."""
         meshes = self.outer, self.inner
-        extremes = np.concatenate(
-            [mesh.edge_tree.starts[extreme_places(mesh.edge_tree.starts, mesh.loop_order)] for mesh in meshes]
-        )
-        within, around = zip(
-            *(enclosing_pairs(extremes, mesh.loop_order, mesh.edge_tree) for mesh in meshes), strict=True
-        )
+        orders = [mesh.loop_order for mesh in meshes]
+        extremes = np.concatenate([order.vertices[extreme_places(order)] for order in orders])
+        within, around = zip(*(enclosing_pairs(extremes, order, order.tree) for order in orders), strict=True)
         return np.concatenate(within), np.concatenate((around[0], around[1] + len(self.outer.loops)))
 
     @cached_property

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...errors import InvalidMeshError
 from ..arrays import AnyArray, FloatArray, IntArray
-from ..loops import LoopOrder
-from ..predicates import BoxTree, orientation, segments_intersect
+from ..loops import Loops
+from ..predicates import orientation, segments_intersect
 
 MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 """Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""
@@ -173,18 +174,56 @@ def _has_two_gon(edges: IntArray, count: int) -> bool:
     return len(np.unique(pairs, axis=0)) < len(pairs)
 
 
+def as_rings(loops: Iterable[ArrayLike]) -> tuple[FloatArray, list[int]]:
+    """The points of closed loops (k, 2), one after the other, and their numbers; without repeated closing points.
+
+    Raises InvalidMeshError.
+    """
+    try:
+        given = [np.asarray(loop) for loop in loops]
+    except Exception as error:
+        raise InvalidMeshError(
+            f"The loops cannot be read as arrays ({error}); give a list of loops, each with rows (x, y).",
+            code="mesh.unreadable",
+        ) from error
+    if not given:
+        raise InvalidMeshError(
+            "The mesh is empty: there are no loops; give at least one loop of three points.", code="mesh.empty"
+        )
+    rings = []
+    for k, points in enumerate(given):
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise InvalidMeshError(
+                f"Loop {k} has shape {points.shape}, but (k, 2) is needed; give a list of loops, each with rows "
+                "(x, y).",
+                code="mesh.unreadable",
+            )
+        ring = points[:-1] if len(points) > 1 and bool(np.all(points[0] == points[-1])) else points
+        if len(ring) < 3:
+            at = f" at {place(as_vertices(ring)[0])}" if len(ring) else ""
+            raise InvalidMeshError(
+                f"Loop {k}{at} has {len(ring)} of the three vertices that a loop needs; add some, or remove it.",
+                code="mesh.open",
+            )
+        rings.append(ring)
+    try:
+        together = np.concatenate(rings)
+    except TypeError as error:
+        kinds = ", ".join(dict.fromkeys(str(ring.dtype) for ring in rings))
+        raise InvalidMeshError(
+            f"The loops hold different kinds of values ({kinds}); give numbers.", code="mesh.unreadable"
+        ) from error
+    return as_vertices(together), [len(ring) for ring in rings]
+
+
 def place(point: Sequence[float] | FloatArray) -> str:
     """A point in words, for messages."""
     return f"({float(point[0]):.6g}, {float(point[1]):.6g})"
 
 
-def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
-    """The tree over the edges of loops that neither cross nor touch each other or themselves.
-
-    points: (n, 2) by place. Raises InvalidMeshError with a fault and its place.
-    """
-    vertex, loop, ahead = order.vertices, order.loop, order.ahead
-    ends = points.take(ahead, axis=0)
+def check_simple(order: Loops) -> None:
+    """Check that loops neither cross nor touch each other or themselves. Raises InvalidMeshError with a place."""
+    points, vertex, loop, ahead, ends = order.vertices, order.numbers, order.loop, order.ahead, order.ends
     flat = np.flatnonzero((points[:, 0] == ends[:, 0]) & (points[:, 1] == ends[:, 1]))
     if len(flat):
         k = flat[0]
@@ -196,20 +235,19 @@ def check_simple(points: FloatArray, order: LoopOrder) -> BoxTree:
             vertices=[vertex[k], vertex[ahead[k]]],
             place=points[k],
         )
-    _check_fold_back(points, order)
-    tree = BoxTree(points, ends)
+    _check_fold_back(order)
+    tree = order.tree
     for i, j in tree.blocks(slim=True):
         apart = (ahead[i] != j) & (ahead[j] != i)
         i, j = i[apart], j[apart]
         hit = segments_intersect(*tree.segments(i), *tree.segments(j))
         if hit.any():
-            _raise_contact(points, order, i[hit], j[hit])
-    return tree
+            _raise_contact(order, i[hit], j[hit])
 
 
-def _check_fold_back(points: FloatArray, order: LoopOrder) -> None:
+def _check_fold_back(order: Loops) -> None:
     """Raise where a loop runs straight back over the edge it came by."""
-    ahead = order.ahead
+    points, ahead = order.vertices, order.ahead
     corner = points.take(ahead, axis=0)
     after = corner.take(ahead, axis=0)
     straight = np.flatnonzero(orientation(points, corner, after) == 0)
@@ -218,19 +256,18 @@ def _check_fold_back(points: FloatArray, order: LoopOrder) -> None:
     if back.any():
         k = ahead[straight[back.argmax()]]
         raise InvalidMeshError(
-            f"Loop {order.loop[k]} turns back over its own edge at vertex {order.vertices[k]}, {place(points[k])}; "
+            f"Loop {order.loop[k]} turns back over its own edge at vertex {order.numbers[k]}, {place(points[k])}; "
             "move or remove the vertex.",
             code="mesh.spike",
             loops=[order.loop[k]],
-            vertices=[order.vertices[k]],
+            vertices=[order.numbers[k]],
             place=points[k],
         )
 
 
-def _raise_contact(points: FloatArray, order: LoopOrder, i: IntArray, j: IntArray) -> None:
+def _raise_contact(order: Loops, i: IntArray, j: IntArray) -> None:
     """Raise for the first of the pairs (i, j) of edges in contact: a shared point, a touch or a crossing."""
-    vertex, loop, ahead = order.vertices, order.loop, order.ahead
-    ends = points[ahead]
+    points, vertex, loop, ahead, ends = order.vertices, order.numbers, order.loop, order.ahead, order.ends
 
     def edge(k: int) -> str:
         return f"edge {vertex[k]}-{vertex[ahead[k]]} of loop {loop[k]}"

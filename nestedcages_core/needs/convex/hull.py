@@ -49,7 +49,7 @@ class Tangents(NamedTuple):
     support: FloatArray
     """(N,) h, a length."""
 
-    def at(self, which: IntArray) -> Tangents:
+    def take(self, which: IntArray) -> Tangents:
         """Some of them, in an order."""
         return Tangents(self.angle[which], self.support[which])
 
@@ -129,7 +129,7 @@ class Hull:
                 if not blocked[k]:
                     taken.append(k)
                     blocked[[k - 1, k, (k + 1) % len(blocked)]] = True
-            left = left.at(np.delete(np.arange(len(left.angle)), taken))
+            left = left.take(np.delete(np.arange(len(left.angle)), taken))
         return left
 
     def _loss(self, tangents: Tangents) -> FloatArray:

@@ -55,7 +55,7 @@ def least_polygon(hull: Hull, count: int) -> Tangents | None:
             area, cycle = _improved(costs, cycle)
             found[np.sort(cycle).tobytes()] = area, cycle
     best = sorted(found.values(), key=lambda each: each[0])
-    turned = [_turned(hull, candidates.at(cycle)) for area, cycle in best[:MAX_TURNED] if area <= NEARLY * best[0][0]]
+    turned = [_turned(hull, candidates.take(cycle)) for area, cycle in best[:MAX_TURNED] if area <= NEARLY * best[0][0]]
     return min(turned, key=hull.area, default=None)
 
 
@@ -134,8 +134,8 @@ def _turned(hull: Hull, tangents: Tangents) -> Tangents:
 
 def _rests(hull: Hull, tangents: Tangents, k: int) -> bool:
     """Whether the middle of an edge lies on an edge of the offset hull, so that turning it costs area."""
-    around = tangents.at(np.array([k - 1, k, (k + 1) % len(tangents.angle)]))
-    ends = corner(around.at(np.array([0, 1])), around.at(np.array([1, 2])))
+    around = tangents.take(np.array([k - 1, k, (k + 1) % len(tangents.angle)]))
+    ends = corner(around.take(np.array([0, 1])), around.take(np.array([1, 2])))
     normal = np.array([np.cos(around.angle[1]), np.sin(around.angle[1])])
     touching = np.abs(hull.corners @ normal + hull.distance - around.support[1]) <= 1e-12 * np.abs(around.support[1])
     along = hull.corners[touching] @ rotated_left(normal)

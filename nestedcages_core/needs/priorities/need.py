@@ -15,11 +15,10 @@ from ...decimation import LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.importance import PIN_REACH, Importance
 from ...energies import Area, BoundSum, CageEnergy
-from ...errors import Fault, NestingError
+from ...errors import Fault, NestingError, note
 from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
-from ...geometry.mesh.validation import place
 from ...geometry.predicates import winding_number
 from ...geometry.signed_distance import EdgeSearch
 from ...geometry.vectors import cross, norm, rotated_right
@@ -128,8 +127,7 @@ class Priorities(Need):
         )
         if count <= most:
             return count, ()
-        said = f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}."
-        return most, (Fault(said, "note.count", asked=count, given=most),)
+        return most, (note("note.count", on="edges", asked=count, given=most, length=self.min_edge),)
 
     def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
         """An energy of a cage with the priorities; see `Need.energy`."""
@@ -154,10 +152,9 @@ class Priorities(Need):
             return BoundSum(tuple((w, self._weighted(term, coarse, inner, units, inside)) for w, term in energy.terms))
         if not isinstance(energy, Area):
             return energy
-        successor = coarse.predecessor if inside else coarse.successor
         return WeightedArea.of(
             coarse.vertices,
-            successor,
+            coarse.loop_order.walked(-1 if inside else 1).successor,
             inner,
             lambda points: self.importance.at(units.to_input(points)),
             inside=inside,
@@ -173,8 +170,8 @@ class Priorities(Need):
         mitre = (normal + before) / np.maximum(1.0 + (normal * before).sum(axis=1), 1.0 / MAX_MITRE**2)[:, None]
         length = norm(mitre)
         mitre *= np.minimum(1.0, MAX_MITRE / np.maximum(length, TINY))[:, None]
-        close = EdgeSearch(inner.vertices, inner.edge_ends).closest(pins)
-        on_edge = inner.vertices[close.edge] + close.parameter[:, None] * ahead[close.edge]
+        close = EdgeSearch.of(inner).closest(pins)
+        on_edge = close.between(inner.vertices, inner.edge_ends)
         target, away = np.empty_like(pins), np.empty(len(pins))
         for k, pin in enumerate(pins):
             distance = norm(inner.vertices - pin)
@@ -196,20 +193,15 @@ class Priorities(Need):
             for pin, aim, far in zip(pins, target, away, strict=True):
                 missed = float(norm(cage.vertices - aim).min())
                 if missed > KEPT * far + KEPT_ANYWAY * inner.diagonal:
-                    said = f"The closest cage vertex to the pin at {place(pin)} is {missed:.3g} away."
-                    notes.append(Fault(said, "note.pin", place=pin, distance=missed))
+                    notes.append(note("note.pin", place=pin, distance=missed))
         if self.min_edge is not None:
             shortest = float(cage.edge_lengths.min())
             if shortest < self.min_edge:
-                few = f"There is no room for edges of {self.min_edge:.6g}: the shortest has {shortest:.3g}"
-                notes.append(
-                    Fault(f"{few}; ask for fewer vertices.", "note.edge", wanted=self.min_edge, given=shortest)
-                )
+                notes.append(note("note.edge", wanted=self.min_edge, given=shortest))
         if self.min_angle is not None:
             sharpest = sharpest_angle(cage)
             if sharpest < self.min_angle:
-                said = f"There is no room for angles of {self.min_angle:.6g}°: the sharpest has {sharpest:.3g}°."
-                notes.append(Fault(said, "note.angle", wanted=self.min_angle, given=sharpest))
+                notes.append(note("note.angle", wanted=self.min_angle, given=sharpest))
         return tuple(notes)
 
 
@@ -242,7 +234,7 @@ def _assigned(places: FloatArray, vertices: FloatArray) -> tuple[IntArray, IntAr
 
 def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -> FloatArray:
     """(P, 2) places of all pins and joints on the outline, with their images. Raises NestingError."""
-    edges = EdgeSearch(fine.vertices, fine.edge_ends)
+    edges = EdgeSearch.of(fine)
     places: list[FloatArray] = []
     for pin in pins:
         if isinstance(pin, int):
@@ -255,7 +247,7 @@ def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -
                 )
             places.append(fine.vertices[pin])
         else:
-            places.append(_closest(edges, np.asarray(pin, np.float64)))
+            places.append(edges.nearest(np.asarray([pin], np.float64))[0])
     for joint in joints:
         places += _across(fine, edges, np.asarray(joint, np.float64))
     apart: list[FloatArray] = []
@@ -273,16 +265,9 @@ def _places(pins: Pins, joints: Places, fine: Mesh, symmetry: Symmetry | None) -
     return np.array(apart).reshape(-1, 2)
 
 
-def _closest(edges: EdgeSearch, point: FloatArray) -> FloatArray:
-    close = edges.closest(point[None])
-    start = edges.starts[close.edge[0]]
-    nearest: FloatArray = start + close.parameter[0] * (edges.ends[close.edge[0]] - start)
-    return nearest
-
-
 def _across(fine: Mesh, edges: EdgeSearch, joint: FloatArray) -> list[FloatArray]:
     """The closest place on the outline to a joint and, for a joint inside, the place straight across from it."""
-    near = _closest(edges, joint)
+    near: FloatArray = edges.nearest(joint[None])[0]
     away = joint - near
     if winding_number(joint[None], edges.starts, edges.ends)[0] != 1 or not away.any():
         return [near]

@@ -95,7 +95,7 @@ class FineOutline:
     def __init__(self, fine: Mesh, sense: float) -> None:
         """sense: 1 if the cage has the direction of the fine mesh, -1 if it is reversed."""
         self.fine, self.sense = fine, sense
-        self.edges = EdgeSearch(fine.vertices, fine.edge_ends)
+        self.edges = EdgeSearch.of(fine)
         self.length, self.area = np.empty(len(fine.vertices)), np.empty(len(fine.vertices))
         self.lengths, self.areas = np.empty(len(fine.loops)), np.empty(len(fine.loops))
         steps = 0.5 * cross(fine.vertices, fine.edge_ends)
@@ -110,8 +110,7 @@ class FineOutline:
     def swept(self, cage: FloatArray, successor: IntArray) -> tuple[FloatArray, FloatArray]:
         """Closest points (m, 2) of the cage's vertices, and the area (m,) from that of each to that of the next."""
         close = self.edges.closest(cage)
-        start, ahead = self.edges.starts[close.edge], self.edges.ends[close.edge] - self.edges.starts[close.edge]
-        point = start + close.parameter[:, None] * ahead
+        start, point = self.edges.starts[close.edge], close.between(self.edges.starts, self.edges.ends)
         loop = self.fine.loop_of_vertex[close.edge]
         place = self.length[close.edge] + close.parameter * self.fine.edge_lengths[close.edge]
         area = self.area[close.edge] + 0.5 * cross(start, point)

@@ -61,7 +61,7 @@ class Found:
 class _Search:
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self.edges = EdgeSearch(mesh.vertices, mesh.edge_ends)
+        self.edges = EdgeSearch.of(mesh)
         spacing = float(mesh.edge_lengths.sum()) / SAMPLES
         pieces = np.maximum(1, np.ceil(mesh.edge_lengths / spacing)).astype(np.int64)
         begin = np.cumsum(pieces) - pieces
@@ -120,9 +120,7 @@ class _Search:
         """The mirror that takes points closest to the points of the outline which are closest to their images."""
         best, least = mirror, self._mean(mirror)
         for _ in range(REFINEMENTS):
-            close = self.edges.closest(mirror.image(self.few))
-            start = self.mesh.vertices[close.edge]
-            target = start + close.parameter[:, None] * (self.mesh.edge_ends[close.edge] - start)
+            target = self.edges.nearest(mirror.image(self.few))
             a, b = self.few - self.few.mean(axis=0), target - target.mean(axis=0)
             # maximise Σ b · M a over mirrors M = (c s; s -c)
             turn = 0.5 * np.arctan2(

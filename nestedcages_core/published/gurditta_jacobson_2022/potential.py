@@ -64,7 +64,7 @@ class PaperPotential:
         self.candidates, self.step_filter = candidates, step_filter
         self.ends_at_target = ends_at_target
         self._ceiling = np.inf
-        self._exact = ContainmentEnergy(bodies.cage_successor, bodies.fine_successor) if exact_containment else None
+        self._exact = ContainmentEnergy(bodies.cage.successor, bodies.fine.successor) if exact_containment else None
 
     def value(self, x: FloatArray) -> float:
         """E at x (m + n, 2)."""
@@ -78,7 +78,7 @@ class PaperPotential:
         """E, its gradient and its projected Newton direction, named as further work by the paper."""
         barriers = self._barriers(x)
         value, gradient = self._slope(x, barriers)
-        hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage_successor)
+        hessian = self.energy.projected_hessian(x[: self.bodies.m], self.bodies.cage.successor)
         own = Blocks.sum([(self.weights.cages, hessian)])
         stiffness = np.full(self.bodies.n, self.weights.restoring)
         return NewtonModel(value, gradient, barriers.newton_direction(gradient, stiffness, own))
@@ -103,7 +103,7 @@ class PaperPotential:
     def _slope(self, x: FloatArray, barriers: BarrierSum) -> tuple[float, FloatArray]:
         self._ceiling = np.inf
         self._ceiling = self._value(x, barriers)
-        m, successor = self.bodies.m, self.bodies.cage_successor
+        m, successor = self.bodies.m, self.bodies.cage.successor
         gradient = barriers.gradient()
         gradient[:m] += self.weights.cages * self.energy.gradient(x[:m], successor)
         gradient[m:] += self.weights.restoring * (x[m:] - self.target)
@@ -113,7 +113,7 @@ class PaperPotential:
         """E; without E_cont, the costly term, where the others already exceed E at the last slope and the line search
         rejects the state anyway."""
         m = self.bodies.m
-        cages = self.energy.value(x[:m], self.bodies.cage_successor)
+        cages = self.energy.value(x[:m], self.bodies.cage.successor)
         if not np.isfinite(cages):
             return np.inf
         away = x[m:] - self.target
@@ -128,14 +128,14 @@ class PaperPotential:
         if self._exact is not None:
             return self._exact.value(x) == 0.0
         m = self.bodies.m
-        return contained_by_parity(x[:m], self.bodies.cage_successor, x[m:], self.bodies.fine_successor)
+        return contained_by_parity(x[:m], self.bodies.cage.successor, x[m:], self.bodies.fine.successor)
 
     def _barriers(self, x: FloatArray) -> BarrierSum:
         """The barriers of the pairs within range."""
         pairs = self.candidates.within(x, self.d_hat, self.d_hat)
         pair = pairs.measure(x)
         active = (pair.distance < self.d_hat) & (pair.distance >= SMALLEST_DISTANCE)
-        pairs, pair = pairs.subset(active), PointEdge(*(field[active] for field in pair))
+        pairs, pair = pairs.take(active), pair.take(active)
         return BarrierSum.at(x, pairs, pair, weight=self.weights.barrier, d_hat=self.d_hat)
 
     def _near(self, x: FloatArray, motion: FloatArray) -> tuple[Pairs, PointEdge]:

@@ -36,7 +36,7 @@ class SquaredBarrier:
         """The sum over those of the pairs that are closer than d̂."""
         measured = pairs.measure(x)
         active = measured.distance < d_hat
-        return cls(x, pairs.subset(active), PointEdge(*(field[active] for field in measured)), d_hat)
+        return cls(x, pairs.take(active), measured.take(active), d_hat)
 
     @cached_property
     def terms(self) -> BarrierTerms:

@@ -186,12 +186,12 @@ class _TimeStep:
     def _cage_gradient(self, x: FloatArray) -> FloatArray:
         """(m + n, 2) of the energy of the cage alone."""
         gradient = np.zeros_like(x)
-        gradient[: self.bodies.m] = self.energy.gradient(x[: self.bodies.m], self.bodies.cage_successor)
+        gradient[: self.bodies.m] = self.energy.gradient(x[: self.bodies.m], self.bodies.cage.successor)
         return gradient
 
     def _value(self, x: FloatArray, barriers: SquaredBarrier) -> float:
         m = self.bodies.m
-        value = self.energy.value(x[:m], self.bodies.cage_successor) + self.kappa * barriers.value
+        value = self.energy.value(x[:m], self.bodies.cage.successor) + self.kappa * barriers.value
         if self.arrived:
             return value
         away = x[m:] - self.target
@@ -201,7 +201,7 @@ class _TimeStep:
         """Newton direction; the fine mesh no longer moves once it has arrived."""
         m, x = self.bodies.m, self.x
         gradient = self._cage_gradient(x) + self.kappa * barriers.gradient()
-        cage = self.energy.projected_hessian(x[:m], self.bodies.cage_successor).sparse(m)
+        cage = self.energy.projected_hessian(x[:m], self.bodies.cage.successor).sparse(m)
         fine = np.full(2 * self.bodies.n, self.penalty)
         hessian = sp.block_diag([cage, sp.diags(fine)], format="csr") + self.kappa * barriers.hessian(projected=True)
         if self.arrived:

@@ -74,13 +74,13 @@ class ElTopo:
         descent = Descent(self.first_step, self.smallest_step, self.still, self.iterations)
         expansion = Expansion(descent, bodies, x)
         energy, final_energy = self.energy.at(bodies.coarse), self.final_energy.at(bodies.coarse)
-        idle = not energy.gradient(x[: bodies.m], bodies.cage_successor).any()
+        idle = not energy.gradient(x[: bodies.m], bodies.cage.successor).any()
         surface = _Surface(bodies, self.room if idle else self.proximity)
         for target in path:
             reached = yield from expansion.step_to(target, energy, surface.integrated)
             if not reached:
                 return ContactOutcome(expansion.x, False, surface.systems, expansion.blocking_vertex(target))
-        if final_energy.gradient(x[: bodies.m], bodies.cage_successor).any():
+        if final_energy.gradient(x[: bodies.m], bodies.cage.successor).any():
             surface.proximity = self.final_proximity
             yield from expansion.step_to(path[-1], final_energy, surface.integrated)
         return ContactOutcome(expansion.x, True, surface.systems)

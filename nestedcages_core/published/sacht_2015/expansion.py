@@ -58,7 +58,7 @@ class Expansion:
 
     def step_to(self, target: FloatArray, energy: CageEnergy, allowed: Filter) -> Stage[FloatArray, bool]:
         """Go back one step of the flow, to ``target`` (n, 2), and let the cage descend; False if that is blocked."""
-        descent, m, successor = self.descent, self.bodies.m, self.bodies.cage_successor
+        descent, m, successor = self.descent, self.bodies.m, self.bodies.cage.successor
         energy = energy.after(self.x[:m])
         step = descent.first_step
         lowest = np.inf

@@ -8,28 +8,49 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
 import bpy
 import numpy as np
 
-from . import keys
+from .. import keys
+from ..core import core
+from ..notes import in_scene, sentence
+from . import earlier
+from .earlier import CAGE as CAGE
+from .earlier import CHECK as CHECK
+from .earlier import FAULT as FAULT
+from .earlier import FINE as FINE
+from .earlier import HOLDS as HOLDS
+from .earlier import TEXT as TEXT
+from .earlier import TOLERANCE as TOLERANCE
+from .helpers import FIELD as FIELD
+from .helpers import FILL as FILL
+from .helpers import HANDLES as HANDLES
+from .helpers import LINES as LINES
+from .helpers import PROXY as PROXY
+from .helpers import Before as Before
+from .helpers import before as before
+from .helpers import is_helper as is_helper
+from .helpers import lines_of as lines_of
+from .helpers import link as link
+from .helpers import make_helper as make_helper
+from .helpers import set_before as set_before
+from .helpers import set_link as set_link
+from .helpers import shown as shown
 
 # Version of the schema.
 VERSION = 1
-FINE, CAGE = "FINE", "CAGE"
-HOLDS, FAULT = "HOLDS", "FAULT"
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
-# The code of notes that are sentences already.
-TEXT = "text"
 
 
 def of(collection: bpy.types.Collection) -> Any:
     """The record of a set, or what an earlier version stored, as a view."""
     found: Any = collection.nested_cages  # type: ignore[attr-defined]
-    return found if found.version or not keys.has(collection, keys.SOURCE) else _view(collection)
+    return found if found.version or not keys.has(collection, keys.SOURCE) else earlier.view(collection)
 
 
 def written(collection: bpy.types.Collection) -> Any:
@@ -43,7 +64,7 @@ def written(collection: bpy.types.Collection) -> Any:
 def member(obj: bpy.types.Object) -> Any:
     """What an object is in its set, or what an earlier version stored of that, as a view."""
     found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
-    return found if found.role != "NONE" or keys.integer(obj, keys.LEVEL) is None else _member_view(obj)
+    return found if found.role != "NONE" or keys.integer(obj, keys.LEVEL) is None else earlier.member_view(obj)
 
 
 def described(obj: bpy.types.Object) -> Any:
@@ -122,15 +143,30 @@ def fill(items: Any, objects: Any) -> None:
         items.add().object = obj
 
 
-def note(owner: Any, code: str, **data: Any) -> None:
-    """Adds a note to a member."""
-    item = owner.notes.add()
-    item.code, item.data = code, json.dumps(data)
+def set_notes(found: Any, given: Iterable[core.Fault], scale: float = 1.0) -> None:
+    """Replaces the notes on a member; scale: the scene's length of their unit."""
+    found.notes.clear()
+    for each in given:
+        said, item = in_scene(each, scale), found.notes.add()
+        item.code, item.data = said.code, json.dumps(dict(said.data))
 
 
-def sentences(found: Any) -> list[str]:
-    """The notes on a member, as sentences."""
-    return [text for item in found.notes if (text := _data(item.data).get(TEXT, ""))]
+def set_check(found: Any, finding: core.Fault) -> None:
+    """Replaces what Verify Cages found by another finding."""
+    for number in reversed([k for k, item in enumerate(found.notes) if item.code.startswith(CHECK)]):
+        found.notes.remove(number)
+    item = found.notes.add()
+    item.code, item.data = finding.code, json.dumps(dict(finding.data))
+
+
+def notes(found: Any) -> list[tuple[str, dict[str, Any]]]:
+    """Codes and data of the notes on a member."""
+    return [(item.code, _data(item.data)) for item in found.notes]
+
+
+def sentences(found: Any, *, checks: bool = False, others: bool = True) -> list[str]:
+    """The notes on a member, as sentences: those of Verify Cages only if ``checks``, and all ``others``."""
+    return [sentence(*each) for each in notes(found) if (checks if each[0].startswith(CHECK) else others)]
 
 
 def verdict(found: Any) -> str:
@@ -162,11 +198,16 @@ def certificate(found: Any) -> str:
     return f"Certified as stored: simple, {loops}, {nested}; clearance {found.clearance:.3g}, {area}"
 
 
-def restate(obj: bpy.types.Object, clearance: float, excess: float, need: str = "") -> None:
-    """What is certified of a cage that was moved or edited, instead of what was; lengths in scene units."""
+def restate(
+    obj: bpy.types.Object, clearance: float, excess: float, given: Iterable[core.Fault] = (), scale: float = 1.0
+) -> None:
+    """What is certified of a cage that was moved or edited, and noted on it, instead of what was; clearance: in scene
+    units. scale: the scene's length of the notes' unit.
+    """
     found = described(obj)
-    found.clearance, found.excess, found.most, found.need = clearance, excess, excess, need
-    found.check, found.finding, found.stamp = "NONE", "", stamp(obj)
+    found.clearance, found.excess, found.most = clearance, excess, excess
+    found.check, found.stamp = "NONE", stamp(obj)
+    set_notes(found, given, scale)
     publish(obj)
 
 
@@ -174,6 +215,12 @@ def is_edited(obj: bpy.types.Object) -> bool:
     """Whether a cage is not the one that was certified any more."""
     found = member(obj)
     return found.role == CAGE and bool(found.stamp) and found.stamp != stamp(obj)
+
+
+def is_judged(obj: bpy.types.Object) -> bool:
+    """Whether the last check was of a cage as it is now."""
+    found = member(obj)
+    return found.check in (HOLDS, FAULT) and found.judged == stamp(obj)
 
 
 def stamp(obj: bpy.types.Object) -> str:
@@ -188,19 +235,23 @@ def publish(obj: bpy.types.Object) -> None:
     found = described(obj)
     facts: dict[str, Any] = {keys.LEVEL: found.level, keys.VERTICES: len(obj.data.vertices)}
     if found.role == CAGE:
+        said: dict[str, list[str]] = {"need": [], "finding": [], "other": []}
+        for code, data in notes(found):
+            kind = "need" if code == TOLERANCE else "finding" if code.startswith(CHECK) else "other"
+            said[kind].append(sentence(code, data))
         facts |= {
             keys.CLEARANCE: found.clearance,
             keys.EXCESS: found.excess,
             keys.INSIDE: found.inside,
-            keys.NEED: found.need,
+            keys.NEED: " ".join(said["need"]),
             keys.BEGINS_FROM: found.start,
             keys.SECONDS: found.seconds,
-            keys.NOTES: "; ".join(sentences(found)),
+            keys.NOTES: "; ".join(said["other"]),
             keys.CERTIFICATE: certificate(found),
         }
         names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
         facts |= {name: frame for name, frame in zip(names, found.frames, strict=True) if frame >= 0}
-        facts |= {keys.CHECK: verdict(found), keys.FINDING: found.finding} if found.check != "NONE" else {}
+        facts |= {keys.CHECK: verdict(found), keys.FINDING: " ".join(said["finding"])} if found.check != "NONE" else {}
     keys.remove(obj, [name for name in PUBLISHED if name not in facts])
     keys.store(obj, facts)
 
@@ -217,8 +268,9 @@ def remove(obj: bpy.types.Object) -> None:
     """Makes an object a plain one."""
     found = described(obj)
     for prop in found.bl_rna.properties:
-        if prop.identifier not in {"rna_type", "kept"}:
+        if prop.identifier not in {"rna_type", "kept", "before"}:
             found.property_unset(prop.identifier)
+    found.before.mesh = None
     assign(found.kept, {"version": 0, "sources": [], "levels": [], "markers": []})
     keys.remove(obj, keys.ours(obj))
 
@@ -232,90 +284,10 @@ def _data(text: str) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _view(collection: bpy.types.Collection) -> SimpleNamespace:
-    """What an earlier version stored of a set. It had no clearance, grid and symmetry that were asked for."""
-    others = collection.get(keys.OTHERS)
-    stored = [collection.get(keys.SOURCE), *(others.values() if hasattr(others, "values") else ())]
-    hides = collection.get(keys.HIDES)
-    hidden = list(hides) if hasattr(hides, "__len__") and not isinstance(hides, str) else []
-    sources = [obj if isinstance(obj, bpy.types.Object) else None for obj in stored]
-    found: dict[int, bpy.types.Object] = {}
-    for obj in collection.objects:
-        level = keys.integer(obj, keys.LEVEL)
-        if obj.type == "MESH" and level is not None and level >= 0:
-            found.setdefault(level, obj)
-    frames = keys.numbers(collection, keys.FRAMES, 3)
-    colours = keys.integer(collection, keys.COLOURS)
-    return SimpleNamespace(
-        version=0,
-        sources=[
-            SimpleNamespace(object=obj, hidden=number < len(hidden) and bool(hidden[number]))
-            for number, obj in enumerate(sources)
-        ],
-        title=keys.text(collection, keys.NAME),
-        levels=[SimpleNamespace(object=found[level], hidden=False) for level in sorted(found)],
-        inside=keys.flag(collection, keys.INSIDE),
-        moving=keys.flag(collection, keys.MOVING),
-        known=False,
-        kinds=keys.text(collection, keys.KINDS),
-        colours=colours if colours is not None and colours >= 0 else -1,
-        bound=keys.text(collection, keys.BOUND),
-        playing=keys.has(collection, keys.HIDES),
-        frames=tuple(map(int, frames or (0, 0, 0))),
-        animated=frames is not None,
-        markers=[SimpleNamespace(name=name, frame=frame) for name, frame in _markers(collection)],
-    )
-
-
-def _markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:
-    """Names and frames of the markers that an earlier version stored; invalid entries are skipped."""
-    try:
-        found = json.loads(keys.text(collection, keys.MARKERS))
-    except (ValueError, RecursionError):
-        return []
-    pairs = [pair for pair in found if isinstance(pair, list) and len(pair) == 2] if isinstance(found, list) else []
-    return [(name, frame) for name, frame in pairs if isinstance(name, str) and isinstance(frame, int)]
-
-
-def _member_view(obj: bpy.types.Object) -> SimpleNamespace:
-    """What an earlier version stored of an object."""
-    level = keys.integer(obj, keys.LEVEL) or 0
-    home = next((found for found in obj.users_collection if keys.has(found, keys.SOURCE)), None)
-    check = keys.text(obj, keys.CHECK)
-    frames = [int(part) for part in check.split() if part.isdecimal()]
-    phases = keys.numbers(obj, keys.PHASES, 3)
-    names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
-    said = keys.text(obj, keys.NOTES)
-    return SimpleNamespace(
-        role="NONE" if level < 0 or obj.type != "MESH" else CAGE if level else FINE,
-        level=level,
-        of=keys.block(home, keys.SOURCE, bpy.types.Object) if home is not None else None,
-        home=home,
-        inside=keys.flag(obj, keys.INSIDE),
-        vertices=keys.integer(obj, keys.VERTICES) or -1,
-        certified=set(),
-        stamp="",
-        clearance=keys.number(obj, keys.CLEARANCE) or 0.0,
-        asked=0.0,
-        excess=keys.number(obj, keys.EXCESS) or 0.0,
-        most=keys.number(obj, keys.EXCESS) or 0.0,
-        start=keys.text(obj, keys.BEGINS_FROM),
-        seconds=keys.number(obj, keys.SECONDS) or 0.0,
-        phases=tuple(map(int, phases or (-1, -1, -1))),
-        frames=tuple(found if (found := keys.integer(obj, name)) is not None else -1 for name in names),
-        check=FAULT if check.startswith("Broken") else HOLDS if check else "NONE",
-        checked=(frames[0], frames[-1]) if frames else (0, 0),
-        finding=keys.text(obj, keys.FINDING),
-        need=keys.text(obj, keys.NEED),
-        notes=[SimpleNamespace(code=TEXT, data=json.dumps({TEXT: said}))] if said else [],
-        sentence=keys.text(obj, keys.CERTIFICATE),
-    )
-
-
 def _migrate(collection: bpy.types.Collection, found: Any) -> None:
     """Writes what an earlier version stored as a record."""
     if keys.has(collection, keys.SOURCE):
-        view = _view(collection)
+        view = earlier.view(collection)
         given = {name: value for name, value in vars(view).items() if name not in {"sources", "levels", "markers"}}
         assign(found, given)
         for old, new in ((view.sources, found.sources), (view.levels, found.levels)):
@@ -333,11 +305,9 @@ def _migrate(collection: bpy.types.Collection, found: Any) -> None:
 def _migrate_member(obj: bpy.types.Object, level: int, collection: bpy.types.Collection, found: Any) -> None:
     if not obj.is_editable:
         return
-    view, made = _member_view(obj), described(obj)
-    said = [_data(item.data).get(TEXT, "") for item in view.notes]
-    assign(made, {name: value for name, value in vars(view).items() if name not in {"notes", "sentence", "home"}})
+    view, made = earlier.member_view(obj), described(obj)
+    given = {name: value for name, value in vars(view).items() if name not in {"sentence", "home"}}
+    assign(made, given | {"notes": [vars(item) for item in view.notes]})
     made.level, made.home = level, collection
     made.of = found.sources[0].object if len(found.sources) else None
     made.certified = {"LOOPS"} if "all loops kept" in view.sentence else set()
-    for text in said:
-        note(made, TEXT, text=text)
