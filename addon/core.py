@@ -13,9 +13,11 @@ from .errors import UserError
 if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
-    from nestedcages_core import tasks, tolerance
+    from nestedcages_core import tasks
+    from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
     from nestedcages_core.geometry import predicates, triangulation
+    from nestedcages_core.level import steps
 else:
 
     class _LazyModule(ModuleType):
@@ -44,8 +46,9 @@ else:
     memory = _LazyModule("cache")
     pictures = _LazyModule("exchange.pictures")
     predicates = _LazyModule("geometry.predicates")
+    errors = _LazyModule("errors.notes")
+    steps = _LazyModule("level.steps")
     tasks = _LazyModule("tasks")
-    tolerance = _LazyModule("tolerance")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "memory", "pictures", "predicates", "tasks", "tolerance", "triangulation"]
+__all__ = ["core", "errors", "memory", "pictures", "predicates", "steps", "tasks", "triangulation"]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,6 +16,8 @@ import bpy
 import numpy as np
 
 from . import keys
+from .core import core
+from .notes import in_scene, sentence
 
 # Version of the schema.
 VERSION = 1
@@ -22,8 +25,8 @@ FINE, CAGE = "FINE", "CAGE"
 HOLDS, FAULT = "HOLDS", "FAULT"
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
-# The code of notes that are sentences already.
-TEXT = "text"
+# Codes of notes that are sentences already, of those on a distance or an excess, and the beginning of findings' codes.
+TEXT, TOLERANCE, CHECK = "note.text", "note.tolerance", "check."
 
 
 def of(collection: bpy.types.Collection) -> Any:
@@ -122,15 +125,30 @@ def fill(items: Any, objects: Any) -> None:
         items.add().object = obj
 
 
-def note(owner: Any, code: str, **data: Any) -> None:
-    """Adds a note to a member."""
-    item = owner.notes.add()
-    item.code, item.data = code, json.dumps(data)
+def set_notes(found: Any, given: Iterable[core.Fault], scale: float = 1.0) -> None:
+    """Replaces the notes on a member; scale: the scene's length of their unit."""
+    found.notes.clear()
+    for each in given:
+        said, item = in_scene(each, scale), found.notes.add()
+        item.code, item.data = said.code, json.dumps(dict(said.data))
 
 
-def sentences(found: Any) -> list[str]:
-    """The notes on a member, as sentences."""
-    return [text for item in found.notes if (text := _data(item.data).get(TEXT, ""))]
+def set_check(found: Any, finding: core.Fault) -> None:
+    """Replaces what Verify Cages found by another finding."""
+    for number in reversed([k for k, item in enumerate(found.notes) if item.code.startswith(CHECK)]):
+        found.notes.remove(number)
+    item = found.notes.add()
+    item.code, item.data = finding.code, json.dumps(dict(finding.data))
+
+
+def notes(found: Any) -> list[tuple[str, dict[str, Any]]]:
+    """Codes and data of the notes on a member."""
+    return [(item.code, _data(item.data)) for item in found.notes]
+
+
+def sentences(found: Any, *, checks: bool = False, others: bool = True) -> list[str]:
+    """The notes on a member, as sentences: those of Verify Cages only if ``checks``, and all ``others``."""
+    return [sentence(*each) for each in notes(found) if (checks if each[0].startswith(CHECK) else others)]
 
 
 def verdict(found: Any) -> str:
@@ -162,11 +180,16 @@ def certificate(found: Any) -> str:
     return f"Certified as stored: simple, {loops}, {nested}; clearance {found.clearance:.3g}, {area}"
 
 
-def restate(obj: bpy.types.Object, clearance: float, excess: float, need: str = "") -> None:
-    """What is certified of a cage that was moved or edited, instead of what was; lengths in scene units."""
+def restate(
+    obj: bpy.types.Object, clearance: float, excess: float, given: Iterable[core.Fault] = (), scale: float = 1.0
+) -> None:
+    """What is certified of a cage that was moved or edited, and noted on it, instead of what was; clearance: in scene
+    units. scale: the scene's length of the notes' unit.
+    """
     found = described(obj)
-    found.clearance, found.excess, found.most, found.need = clearance, excess, excess, need
-    found.check, found.finding, found.stamp = "NONE", "", stamp(obj)
+    found.clearance, found.excess, found.most = clearance, excess, excess
+    found.check, found.stamp = "NONE", stamp(obj)
+    set_notes(found, given, scale)
     publish(obj)
 
 
@@ -194,19 +217,23 @@ def publish(obj: bpy.types.Object) -> None:
     found = described(obj)
     facts: dict[str, Any] = {keys.LEVEL: found.level, keys.VERTICES: len(obj.data.vertices)}
     if found.role == CAGE:
+        said: dict[str, list[str]] = {"need": [], "finding": [], "other": []}
+        for code, data in notes(found):
+            kind = "need" if code == TOLERANCE else "finding" if code.startswith(CHECK) else "other"
+            said[kind].append(sentence(code, data))
         facts |= {
             keys.CLEARANCE: found.clearance,
             keys.EXCESS: found.excess,
             keys.INSIDE: found.inside,
-            keys.NEED: found.need,
+            keys.NEED: " ".join(said["need"]),
             keys.BEGINS_FROM: found.start,
             keys.SECONDS: found.seconds,
-            keys.NOTES: "; ".join(sentences(found)),
+            keys.NOTES: "; ".join(said["other"]),
             keys.CERTIFICATE: certificate(found),
         }
         names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
         facts |= {name: frame for name, frame in zip(names, found.frames, strict=True) if frame >= 0}
-        facts |= {keys.CHECK: verdict(found), keys.FINDING: found.finding} if found.check != "NONE" else {}
+        facts |= {keys.CHECK: verdict(found), keys.FINDING: " ".join(said["finding"])} if found.check != "NONE" else {}
     keys.remove(obj, [name for name in PUBLISHED if name not in facts])
     keys.store(obj, facts)
 
@@ -291,7 +318,8 @@ def _member_view(obj: bpy.types.Object) -> SimpleNamespace:
     frames = [int(part) for part in check.split() if part.isdecimal()]
     phases = keys.numbers(obj, keys.PHASES, 3)
     names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
-    said = keys.text(obj, keys.NOTES)
+    said = {TEXT: keys.text(obj, keys.NOTES), TOLERANCE: keys.text(obj, keys.NEED)}
+    said[f"{CHECK}text"] = keys.text(obj, keys.FINDING)
     return SimpleNamespace(
         role="NONE" if level < 0 or obj.type != "MESH" else CAGE if level else FINE,
         level=level,
@@ -311,9 +339,7 @@ def _member_view(obj: bpy.types.Object) -> SimpleNamespace:
         frames=tuple(found if (found := keys.integer(obj, name)) is not None else -1 for name in names),
         check=FAULT if check.startswith("Broken") else HOLDS if check else "NONE",
         checked=(frames[0], frames[-1]) if frames else (0, 0),
-        finding=keys.text(obj, keys.FINDING),
-        need=keys.text(obj, keys.NEED),
-        notes=[SimpleNamespace(code=TEXT, data=json.dumps({TEXT: said}))] if said else [],
+        notes=[SimpleNamespace(code=code, data=json.dumps({"text": text})) for code, text in said.items() if text],
         sentence=keys.text(obj, keys.CERTIFICATE),
     )
 
@@ -340,10 +366,8 @@ def _migrate_member(obj: bpy.types.Object, level: int, collection: bpy.types.Col
     if not obj.is_editable:
         return
     view, made = _member_view(obj), described(obj)
-    said = [_data(item.data).get(TEXT, "") for item in view.notes]
-    assign(made, {name: value for name, value in vars(view).items() if name not in {"notes", "sentence", "home"}})
+    given = {name: value for name, value in vars(view).items() if name not in {"sentence", "home"}}
+    assign(made, given | {"notes": [vars(item) for item in view.notes]})
     made.level, made.home = level, collection
     made.of = found.sources[0].object if len(found.sources) else None
     made.certified = {"LOOPS"} if "all loops kept" in view.sentence else set()
-    for text in said:
-        note(made, TEXT, text=text)

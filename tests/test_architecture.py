@@ -51,6 +51,7 @@ ROOMS = (
 ADDON_ROOMS = (
     "errors",
     "core",
+    "notes",
     "keys",
     "record",
     "scene",

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import keys, record
+from ..core import core
 
 Frames = TypeVar("Frames", float, NDArray[np.float64])
 # Name and frame of a marker.
@@ -48,31 +49,24 @@ class Timing:
         return found
 
 
-class Phases(Protocol):
+@dataclass(frozen=True)
+class Phases:
     """The phases of a level as indices of its steps: the last of the flow, the first of the tightening, and the last of
     all.
     """
-
-    @property
-    def flow_end(self) -> int: ...
-
-    @property
-    def tightening(self) -> int: ...
-
-    @property
-    def last(self) -> int: ...
-
-
-@dataclass(frozen=True)
-class StoredPhases:
-    """The phases of a level in an earlier output, as its cage stores them."""
 
     flow_end: int
     tightening: int
     last: int
 
     @classmethod
-    def of(cls, cage: bpy.types.Object) -> StoredPhases | None:
+    def of(cls, level: core.Level) -> Phases:
+        """The phases of a level whose flow and reinflation play in one sequence."""
+        flow_end, way = len(level.flow.steps) - 1, level.reinflation
+        return cls(flow_end, flow_end + way.tightening_start, flow_end + len(way.cage_steps) - 1)
+
+    @classmethod
+    def stored(cls, cage: bpy.types.Object) -> Phases | None:
         """The phases of an animated cage; None if there are none, or invalid ones."""
         found = tuple(record.member(cage).phases)
         return cls(*found) if 0 <= found[0] <= found[1] <= found[2] else None

@@ -15,10 +15,12 @@ import numpy as np
 from .. import record
 from ..animation import shape_keys
 from ..binding import field
+from ..core import core
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check
 from ..generation.job import completed, running
 from ..io import silhouette
+from ..notes import note
 from ..scene import convert, ownership, placement
 from ..scene.convert import Drawing, Outline
 from ..scene.plane import Frame, transform, world_matrix
@@ -84,15 +86,16 @@ def remember(checked: Sequence[bpy.types.Object], findings: Sequence[Finding]) -
         outer, inner = by_name[finding.cage], by_name[finding.fine]
         cage = outer if ownership.depth_of(outer) > 0 else inner
         if ownership.home_of_member(cage) is not None:
-            _remember(cage, finding.holds, finding.sentence, finding.frames)
+            _remember(cage, finding.holds, finding.note, finding.frames)
 
 
-def _remember(cage: bpy.types.Object, holds: bool, sentence: str, frames: tuple[int, int]) -> None:
+def _remember(cage: bpy.types.Object, holds: bool, finding: core.Fault, frames: tuple[int, int]) -> None:
     home, found = ownership.home_of_member(cage), record.described(cage)
     if home is not None:
         record.written(home)
-    found.check, found.checked, found.finding = record.HOLDS if holds else record.FAULT, frames, sentence
+    found.check, found.checked = record.HOLDS if holds else record.FAULT, frames
     found.judged = record.stamp(cage)
+    record.set_check(found, finding)
     record.publish(cage)
 
 
@@ -151,7 +154,7 @@ def _check(context: bpy.types.Context, collection: bpy.types.Collection) -> None
         findings = [found for found in check(context, [chain]) if named & {found.fine, found.cage}]
     except UserError as error:
         frame = context.scene.frame_current
-        _remember(cage, False, str(error), (frame, frame))
+        _remember(cage, False, note("check.invalid", text=str(error), when=""), (frame, frame))
     else:
         findings.sort(key=lambda finding: not finding.holds)
         if findings and (known or not findings[-1].holds):

@@ -21,8 +21,7 @@ from .. import record
 from ..animation import bake
 from ..core import core
 from ..errors import UserError
-from ..generation import needs
-from ..generation.generate import AUTOMATIC_CLEARANCES, FLOAT32_ROUNDING, MARGIN, Generation, Options, Request, Result
+from ..generation.generate import STORED, Generation, Options, Request, Result
 from ..generation.job import Job, Work, running
 from ..generation.levels import wanted_levels
 from ..keys import found_object
@@ -126,25 +125,23 @@ class Live:
             return False
         if np.array_equal(before.vertices, after.vertices):
             return True
-        settings, wanted_of = self.options.methods.settings(), self._tolerances(drawing, after, len(objects) - 1)
-        margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(after.vertices).max())
-        moved, certificates, needs_met = [after], [], []
+        settings = replace(self.options.methods.settings(), stored=STORED)
+        wanted_of, scale = self._tolerances(drawing, after, len(objects) - 1), scale_of(objects[0])
+        moved, certificates, met = [after], [], []
         for cage, tolerance in zip(cages, wanted_of, strict=True):
             wanted = self._clearance(drawing, moved[0])
-            found = core.followed(cage, before, moved[-1], wanted + margin, settings)
-            if found is None:
+            found = core.followed(cage, before, moved[-1], wanted, settings)
+            if found is None or (tolerance is not None and not tolerance.is_met(found, after)):
                 return False
-            stored = found.moved(found.vertices.astype(np.float32).astype(np.float64))
-            certificates.append(core.verify(stored, moved[-1], wanted))
-            if not certificates[-1].holds or (tolerance is not None and not tolerance.is_met(stored, after)):
-                return False
-            needs_met.append(needs.kept(tolerance, stored, after, scale_of(objects[0])))
-            before, moved = cage, [*moved, stored]
+            certificates.append(core.verify(found, moved[-1], wanted))
+            met.append(
+                () if tolerance is None else (tolerance.note(len(found.vertices), tolerance.measured(found, after)),)
+            )
+            before, moved = cage, [*moved, found]
         for obj, mesh in zip(objects, moved, strict=True):
             _move(obj, drawing.frame.points(mesh.vertices))
-        scale = scale_of(objects[0])
-        for obj, certificate, need in zip(objects[1:], certificates, needs_met, strict=True):
-            record.restate(obj, float(certificate.clearance) * scale, float(certificate.excess), need)
+        for obj, certificate, notes in zip(objects[1:], certificates, met, strict=True):
+            record.restate(obj, float(certificate.clearance) * scale, float(certificate.excess), notes, scale)
         return True
 
     def _clearance(self, drawing: Drawing, fine: core.Mesh) -> float:
@@ -154,7 +151,7 @@ class Live:
             return self.options.clearance / scale_of(source)
         if self.options.clearance_share > 0.0:
             return self.options.clearance_share * drawing.mesh().diagonal
-        return AUTOMATIC_CLEARANCES[0] * fine.diagonal
+        return float(core.hierarchy.DEFAULT_CLEARANCE * fine.diagonal)
 
     def _tolerances(self, drawing: Drawing, fine: core.Mesh, count: int) -> list[core.Within | None]:
         """The distance or excess that each cage keeps, in the drawing's units; None for a number of vertices."""

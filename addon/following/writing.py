@@ -17,11 +17,10 @@ from ..core import core
 from ..errors import UserError
 from ..generation import output
 from ..generation.generate import Result
-from ..generation.storage import CageLevel
 from ..scene import ownership
 from ..scene.convert import Drawing
 from ..scene.plane import Frame, scale_of
-from .moving import Moving, MovingCage
+from .moving import Moving
 
 
 def write(
@@ -49,12 +48,30 @@ def write(
 
 def _standing(result: Moving) -> Result:
     """The first pose with its cages as a result for one frame."""
-    inner, edges = result.poses.points[:1].astype(np.float32), result.edges
-    levels = []
+    inner, levels = result.poses.drawing.mesh(), []
     for cage in result.cages:
-        levels.append(CageLevel(edges, cage.edges, inner, cage.steps[:1], 0, 0, cage.certificates[0], _report(cage)))
-        inner, edges = cage.steps[:1], cage.edges
+        least, excess = _measures(cage)
+        report = core.NestingReport(
+            True, True, least, least, float(np.median(excess)), "flow", {}, {"following": cage.report.seconds},
+            cage.report.notes,
+        )  # fmt: skip
+        levels.append(_at_rest(inner, cage.cage, report))
+        inner = cage.cage
     return Result(_in_world(result.poses.drawing, result.poses.scale), tuple(levels))
+
+
+def _at_rest(fine: core.Mesh, cage: core.Mesh, report: core.NestingReport) -> core.Level:
+    """A level without flow and reinflation."""
+    rest = fine.vertices[None]
+    return core.Level(
+        fine, cage, cage, core.FlowResult(rest, 0, "inside"), core.Reinflation(rest, cage.vertices[None], 0), report
+    )
+
+
+def _measures(cage: core.MovingLevel) -> tuple[float, NDArray[np.float64]]:
+    """The least clearance of all keys, and their excess (K,)."""
+    certificates = cage.report.certificates
+    return min(float(each.clearance) for each in certificates), np.array([each.excess for each in certificates])
 
 
 def _in_world(drawing: Drawing, scale: float) -> Drawing:
@@ -65,21 +82,6 @@ def _in_world(drawing: Drawing, scale: float) -> Drawing:
     return replace(drawing, frame=Frame(world @ frame.matrix, frame.height, scale, frame.own))
 
 
-def _report(cage: MovingCage) -> core.NestingReport:
-    excess, least = float(np.median(cage.excess)), cage.clearance
-    return core.NestingReport(
-        strict=True,
-        simple=True,
-        clearance=least,
-        wanted_clearance=least,
-        excess=excess,
-        start="flow",
-        iterations={},
-        seconds={"following": cage.seconds},
-        notes=tuple(core.Fault(note, "note.text") for note in cage.notes),
-    )
-
-
 def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Moving) -> None:
     """Keys the shapes of the objects of an output, which are children of the drawing's object."""
     poses = result.poses
@@ -87,7 +89,7 @@ def _play(scene: bpy.types.Scene, collection: bpy.types.Collection, result: Movi
     fine, *cages = ownership.members(collection)
     shape_keys.add_steps(fine, poses.points.astype(np.float32), poses.frames, "Level 1")
     for number, (obj, cage) in enumerate(zip(cages, result.cages, strict=True), 1):
-        shape_keys.add_steps(obj, cage.steps, cage.frames, f"Level {number}")
+        shape_keys.add_steps(obj, cage.cage_steps.astype(np.float32), cage.times, f"Level {number}")
         _describe(obj, poses.frames, cage, poses.scale)
     found = record.written(collection)
     first, last = round(float(poses.frames[0])), round(float(poses.frames[-1]))
@@ -112,10 +114,7 @@ def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) ->
     source = result.drawing.source
     if source is None:
         raise UserError(f"'{result.drawing.name}' was deleted meanwhile, so its cages were discarded")
-    levels = [
-        replace(level, fine_steps=level.fine_steps[-1:], cage_steps=level.cage_steps[-1:], flow_end=0, tightening=0)
-        for level in result.levels
-    ]
+    levels = [_at_rest(level.fine, level.cage, level.report) for level in result.levels]
     timing = Timing(start_frame=scene.frame_current, frames_per_step=1, show_flow=False)
     drawing = _in_world(result.drawing, scale_of(source))
     (collection,), _ = output.write(scene, [Result(drawing, tuple(levels), result.kinds, used)], timing)
@@ -125,9 +124,9 @@ def write_still(scene: bpy.types.Scene, result: Result, used: dict[str, Any]) ->
     record.keep(collection)
 
 
-def _describe(obj: bpy.types.Object, frames: NDArray[np.float64], cage: MovingCage, scale: float) -> None:
+def _describe(obj: bpy.types.Object, frames: NDArray[np.float64], cage: core.MovingLevel, scale: float) -> None:
     """Describes a cage that follows; scale: the scene's length of its unit."""
-    found, excess = record.described(obj), cage.excess
-    found.clearance, found.certified = cage.clearance * scale, {"MOTION"}
+    found, (clearance, excess) = record.described(obj), _measures(cage)
+    found.clearance, found.certified = clearance * scale, {"MOTION"}
     found.excess, found.most = float(np.median(excess)), float(excess.max())
     found.frames = (round(float(frames[0])), -1, -1, round(float(frames[-1])))

@@ -6,13 +6,14 @@ from math import ceil, pi
 
 from ..core import core
 from ..errors import UserError
+from ..notes import note
 from ..scene.convert import Drawing
 from .memory import remembered
 
 # Excess over the drawing above which a cage is called loose, and the excess that the advice aims at.
 LOOSE, GOOD = 0.5, 0.25
-# Excess from which on it is said in times, and the part of it that a clearance takes alone, to be called its cause;
-# one that is loose by itself always is, since no number of vertices helps.
+# Excess from which on it is said in times, and the part of a cage's that a clearance takes alone, to be called its
+# cause; one that is loose by itself always is, since no number of vertices helps.
 MANY_TIMES, CLEARANCE_PART = 10.0, 0.25
 # Factor from one tested vertex count to the next; drawings with more vertices than this are not tested.
 COUNT_GROWTH, LARGEST_TRIED = 1.3, 5000
@@ -37,29 +38,21 @@ def check_room(fine: core.Mesh, clearance: float, levels: int, drawing: Drawing)
     )
 
 
-def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[str, ...]:
+def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: float) -> tuple[core.Fault, ...]:
     """Why a cage is loose, and what number of vertices would be enough; empty if it is not."""
     excess, count = cage.area / fine.area - 1.0, len(cage.vertices)
     if excess <= LOOSE or not isinstance(wanted, int):
         return ()
     around = clearance * (float(fine.edge_lengths.sum()) + pi * clearance) / fine.area
     if around > min(CLEARANCE_PART * excess, LOOSE):
-        size = 100.0 * clearance / fine.diagonal
-        return (f"{_larger(excess)} than the drawing, since the clearance is {size:.3g} % of its size: ask for less.",)
-    loops = len(fine.loops)
-    share = f" for its {loops} loops" if loops > 1 else ""
-    better = _enough(fine, count, clearance)
-    remedy = f"{better} would make it less than {100.0 * GOOD:.0f} % larger" if better else "ask for more of them"
-    return (f"{_larger(excess)} than the drawing: {count} vertices are few{share}; {remedy}.",)
+        return (note("loose.clearance", excess=float(excess), share=float(clearance / fine.diagonal)),)
+    better, facts = _enough(fine, count, clearance), {"count": count, "loops": len(fine.loops), "excess": float(excess)}
+    return (note("loose.enough", **facts, better=better, good=GOOD) if better else note("loose.count", **facts),)
 
 
 def part(excess: float) -> str:
     """An excess in percent or, from `MANY_TIMES` on, in times."""
     return f"{100.0 * excess:.2f} %" if excess < MANY_TIMES else f"{excess:,.0f} times"
-
-
-def _larger(excess: float) -> str:
-    return f"{100.0 * excess:.0f} % larger" if excess < MANY_TIMES else f"{part(excess)} larger"
 
 
 def _enough(fine: core.Mesh, count: int, clearance: float) -> int | None:

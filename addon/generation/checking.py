@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..core import core, predicates
 from ..errors import UserError
+from ..notes import note
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from ..scene.plane import Frame
 from .job import Progress, Work
@@ -22,14 +23,14 @@ from .job import Progress, Work
 
 @dataclass(frozen=True)
 class Finding:
-    """The finding for one cage and the mesh in it from the first to the last of `frames`: a sentence, the smallest
+    """The finding for one cage and the mesh in it from the first to the last of `frames`: a note, the smallest
     clearance in scene units, and the points at fault, (k, 3) in each object's space, on the last frame.
     """
 
     cage: str
     fine: str
     holds: bool
-    sentence: str
+    note: core.Fault
     clearance: float
     frames: tuple[int, int]
     cage_faults: NDArray[np.float32]
@@ -103,18 +104,16 @@ def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work
 
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:
-    """The finding of the first frame with a fault; its sentence names the frame."""
-    sentence = f"Frame {frame}: {finding.sentence}"
-    return replace(finding, frames=(first, frame), sentence=sentence)
+    """The finding of the first frame with a fault; its note names the frame."""
+    said = note(finding.note.code, **{**finding.note.data, "when": f"Frame {frame}: "})
+    return replace(finding, frames=(first, frame), note=said)
 
 
 def _enclosing(finding: Finding, first: int, last: int) -> Finding:
-    """The finding of smallest clearance; its sentence is about all frames."""
-    sentence = (
-        f"'{finding.cage}' encloses '{finding.fine}' on all frames from {first} to {last}: "
-        f"clearance {finding.clearance:.3g} at least"
+    """The finding of smallest clearance; its note is about all frames."""
+    return replace(
+        finding, frames=(first, last), note=note("check.frames", **finding.note.data, first=first, last=last)
     )
-    return replace(finding, frames=(first, last), sentence=sentence)
 
 
 @contextmanager
@@ -133,20 +132,21 @@ def _finding(inner: Outline, fine: Drawing, outer: Outline, cage: Drawing, frame
         outside, inside = cage.mesh(), fine.mesh()
         certificate = core.verify(outside, inside, same_loops=outside.has_loops_like(inside))
     except UserError as error:
-        holds, sentence = False, str(error)
+        holds, said = False, note("check.invalid", text=str(error), when="")
     else:
         holds, clearance = bool(certificate.holds), float(certificate.clearance) * fine.frame.scale
+        names = {"outer": outer.name, "inner": inner.name, "when": ""}
         if holds:
-            excess = 100.0 * certificate.excess
-            sentence = f"'{outer.name}' encloses '{inner.name}': clearance {clearance:.3g}, excess {excess:.2f} %"
+            said = note("check.holds", **names, clearance=clearance, excess=float(certificate.excess))
         else:
-            sentence = f"'{outer.name}' does not enclose '{inner.name}'. {' '.join(certificate.problems)}"
+            codes = [problem.code for problem in certificate.problems]
+            said = note("check.broken", **names, text=" ".join(certificate.problems), codes=codes)
     cage_faults, fine_faults = _faults(cage, fine)
     return Finding(
         outer.name,
         inner.name,
         holds,
-        sentence,
+        said,
         clearance,
         (frame, frame),
         outer.points[cage_faults].astype(np.float32),

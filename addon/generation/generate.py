@@ -6,37 +6,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
-from ..core import core, memory
+from ..core import core, memory, steps
 from ..errors import UserError
 from ..scene.convert import Drawing
-from . import needs
 from .advice import check_room, excess_note
 from .job import Progress
 from .levels import Level, Wanted, are_counts, wanted_levels
 from .memory import known, remembered
 from .methods import Methods
 from .rules import Places, Rules
-from .storage import CageLevel, stored
 
-# Automatic clearances as fractions of the drawing's diagonal: the core's default, and one for drawings whose gaps are
-# too narrow for it. Smaller ones are lost in float32.
-AUTOMATIC_CLEARANCES = (1e-5, 1e-6)
-# Largest relative error of a coordinate rounded to float32; of a point, sqrt(2) times that.
-FLOAT32_ROUNDING = float(np.finfo(np.float32).eps) / 2.0
-# Added to the wanted clearance, in roundings of the drawing's largest coordinate: twice the largest loss of one rounded
-# mesh, as the cage is larger than the drawing.
-MARGIN = 2.0 * np.sqrt(2.0)
-# Multiples of this margin to try: rounding can also close gaps between parts of the cage.
-MARGINS = (1.0, 64.0)
-# How much stricter, in these margins, a distance or an excess is asked for with each of them.
-SLACKS = (0.0, 64.0)
-
-# Factors on the automatic clearance from one level to the one inside it, which may leave the next one no room between
-# its loops.
-ROOMS = (1.0, 10.0)
-
+# What Blender stores coordinates in; cages and their motion are certified on these numbers.
+STORED = "float32"
 # Size in bytes of the advice on a level, for the memory.
 ADVICE_BYTES = 1000
 
@@ -85,7 +66,7 @@ class Result:
     """
 
     drawing: Drawing
-    levels: tuple[CageLevel, ...]
+    levels: tuple[core.Level, ...]
     kinds: tuple[str, ...] = ()
     used: dict[str, Any] | None = None
 
@@ -97,13 +78,12 @@ class Result:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be made for a drawing; clearances, to be tried in turn, in its units."""
+    """What is to be made for a drawing, in its units."""
 
     request: Request
     fine: core.Mesh
     levels: tuple[Wanted, ...]
     settings: core.Settings
-    clearances: tuple[float, ...]
 
 
 class Generation:
@@ -141,15 +121,11 @@ class Generation:
         merges = options.rules.merge > 0.0
         wanted = wanted_levels(options.levels, fine, own, request.fine.name, scale, convex=convex, merges=merges)
         settings = options.rules.settings(options.methods.settings(), fine, scale, request.places)
-        plan = Plan(request, fine, wanted, settings, self._clearances(fine, scale))
-        if (
-            len(plan.clearances) == 1
-            and not own
-            and not options.inside
-            and not (convex or merges)
-            and options.methods.keeps_loops()
-        ):
-            check_room(fine, plan.clearances[0], len(wanted), request.fine)
+        clearance = options.clearance / scale or options.clearance_share * fine.diagonal or None
+        plan = Plan(request, fine, wanted, replace(settings, clearance=clearance, stored=STORED))
+        keeps_loops = not (convex or merges) and options.methods.keeps_loops()
+        if clearance is not None and keeps_loops and not own and not options.inside:
+            check_room(fine, clearance, len(wanted), request.fine)
         return plan
 
     def _check_some(self, found: Sequence[object]) -> None:
@@ -161,129 +137,58 @@ class Generation:
         total = sum(len(plan.levels) for plan in self._plans)
         done, reached = 0, 0.0
         for plan in self._plans:
-            finished: list[CageLevel] = []
+            finished: list[core.Level] = []
             try:
                 for progress in self._levels(plan, finished):
                     # A level that starts over goes back; the displayed progress does not.
-                    reached = max(reached, (done + progress.fraction) / total)
+                    reached = max(reached, (done + len(plan.levels) * progress.fraction) / total)
                     yield Progress(reached, progress.message)
             except UserError as error:
                 self.problems.append(error)
-                done += len(plan.levels)
-                continue
+            else:
+                kinds = tuple(self.options.rules.kinds(plan.request.places))
+                self.results.append(Result(plan.request.fine, tuple(finished), kinds))
             done += len(plan.levels)
-            reached = done / total
-            kinds = tuple(self.options.rules.kinds(plan.request.places))
-            self.results.append(Result(plan.request.fine, tuple(finished), kinds))
         self._check_some(self.results)
 
-    def _levels(self, plan: Plan, finished: list[CageLevel]) -> Iterator[Progress]:
-        """Fills `finished`; the fraction of the progress is in levels. Raises: UserError."""
-        for room in ROOMS:
-            finished.clear()
+    def _levels(self, plan: Plan, finished: list[core.Level]) -> Iterator[Progress]:
+        """Fills `finished`. Raises: UserError."""
+        options, name = self.options, plan.request.fine.name
+        wanted = [each.level for each in plan.levels]
+        yield Progress(0.0, f"{name}, level 1")  # shown before anything is computed
+        key = memory.key_of("levels", plan.fine, *wanted, plan.settings, options.inside, options.shrink)
+        levels = known().get(key)
+        if levels is None:
+            asked = [core.hierarchy.Rising(level) if isinstance(level, int) else level for level in wanted]
+            run = (core.InnerCagesRun if options.inside else core.NestedCagesRun)(plan.fine, asked, plan.settings)
             try:
-                yield from self._levels_with(plan, finished, room)
-                return
-            except _NoRoomError:
-                if not finished or len(plan.clearances) == 1 or room == ROOMS[-1]:
-                    raise
-
-    def _levels_with(self, plan: Plan, finished: list[CageLevel], room: float) -> Iterator[Progress]:
-        """The same, with a factor on the clearance from one level to the one inside it."""
-        inner, given = plan.fine, plan.clearances
-        for number, wanted in enumerate(plan.levels, 1):
-            name = f"{plan.request.fine.name}, level {number}"
-            yield Progress(number - 1.0, name)  # shown before anything is computed
-            plan = replace(plan, clearances=tuple(room ** (len(plan.levels) - number) * each for each in given))
-            for step in self._known_or_made(plan, name, inner, wanted.level):
-                if isinstance(step, CageLevel):
-                    cage = step.mesh
-                    advice = () if step.inside or plan.settings.convex else _advice(plan, cage, wanted.level)
-                    told = [core.Fault(text, "note.text") for text in (*plan.request.places.notes, *wanted.notes)]
-                    notes = (*told, *step.report.notes, *(core.Fault(text, "note.text") for text in advice))
-                    finished.append(replace(step, report=replace(step.report, notes=tuple(dict.fromkeys(notes)))))
-                    inner = cage
-                else:
-                    yield Progress(number - 1.0 + step.fraction, f"{name}: {STAGES[step.stage]}")
-            yield Progress(float(number), name)
-
-    def _clearances(self, fine: core.Mesh, scale: float) -> tuple[float, ...]:
-        """The wanted clearance in the drawing's units, or the automatic ones to try in turn."""
-        if self.options.clearance > 0.0:
-            return (self.options.clearance / scale,)
-        share = self.options.clearance_share
-        return tuple(part * fine.diagonal for part in ((share,) if share > 0.0 else AUTOMATIC_CLEARANCES))
-
-    def _shrinks(self, plan: Plan, fine: core.Mesh) -> bool:
-        """Whether a mesh shrinks further than it has to; not a cage, which would cross the drawing in it."""
-        return self.options.shrink and fine is plan.fine
-
-    def _known_or_made(
-        self, plan: Plan, name: str, fine: core.Mesh, wanted: int | core.Mesh | core.Within
-    ) -> Iterator[core.Progress | CageLevel]:
-        """As `_level`, but a level that is remembered is not made again."""
-        options, places = self.options, plan.request.places
-        about = plan.fine if isinstance(wanted, core.Within) or options.rules.kinds(places) else None
-        key = memory.key_of(
-            "level", fine, wanted, plan.clearances, options.methods, options.rules, options.inside,
-            replace(places, notes=()), plan.request.fine.frame.scale, about, self._shrinks(plan, fine),
-        )  # fmt: skip
-        found = known().get(key)
-        if found is not None:
-            yield found
-            return
-        for step in self._level(plan, name, fine, wanted):
-            if isinstance(step, CageLevel):
-                known().put(key, step, step.fine_steps.nbytes + step.cage_steps.nbytes)
-            yield step
-
-    def _level(
-        self, plan: Plan, name: str, fine: core.Mesh, wanted: int | core.Mesh | core.Within
-    ) -> Iterator[core.Progress | CageLevel]:
-        """Yields the core's progress of one level, and returns its `CageLevel`. Raises: UserError."""
-        problem, kind = "", UserError
-        margin = MARGIN * FLOAT32_ROUNDING * float(np.abs(fine.vertices).max())
-        cages_run = core.InnerCagesRun if self.options.inside else core.NestedCagesRun
-        for clearance in plan.clearances:
-            for margins, slack in zip(MARGINS, SLACKS, strict=True):
-                asked = replace(plan.settings, clearance=clearance + margins * margin)
-                level = core.hierarchy.Rising(wanted) if isinstance(wanted, int) else wanted
-                run = cages_run(fine, [needs.stricter(level, plan.fine, slack * margin)], asked)
-                try:
-                    yield from run
-                    made = run.hierarchy.levels[0]
-                    found = stored(fine, made, clearance, shrink=self._shrinks(plan, fine))
-                except core.NestedCagesError as error:
-                    problem = problem or str(error)
-                    kind = _NoRoomError if error.code == "clearance.no_room" else UserError
-                    break
-                finally:
-                    run.close()
-                missed = needs.missed(wanted, plan.fine, found)
-                if found.certificate.holds and not missed:
-                    yield needs.told(found, wanted, plan.fine, clearance, plan.request.fine.frame.scale)
-                    return
-                problem = missed or (
-                    "the cage does not hold in Blender's single precision "
-                    f"({'; '.join(found.certificate.problems)}); move the drawing closer to its object's origin, or "
-                    "ask for more clearance"
-                )
-        raise kind(f"'{name}': {problem}")
+                for step in run:
+                    yield Progress(step.fraction, f"{name}, level {step.level + 1}: {STAGES[step.stage]}")
+            except core.NestedCagesError as error:
+                number = 1 + (len(error.partial) if error.partial is not None else 0)
+                raise UserError(f"'{name}, level {number}': {error}") from error
+            finally:
+                run.close()
+            levels = list(run.hierarchy)
+            if options.shrink:  # not a cage, which would cross the drawing in it
+                levels[0] = steps.shrunk(levels[0])
+            known().put(key, levels, sum(_size(level) for level in levels))
+        for each, level in zip(plan.levels, levels, strict=True):
+            advice = () if options.inside or options.rules.convex else _advice(plan, level, each.level)
+            notes = (*plan.request.places.notes, *each.notes, *level.report.notes, *advice)
+            finished.append(replace(level, report=replace(level.report, notes=tuple(dict.fromkeys(notes)))))
+        yield Progress(1.0, f"{name}, level {len(levels)}")
 
 
-class _NoRoomError(UserError):
-    """A clearance that the gaps in what is to be enclosed have no room for."""
+def _size(level: core.Level) -> int:
+    """Bytes of the steps of a level."""
+    steps = level.flow.steps, level.reinflation.moving_steps, level.reinflation.cage_steps
+    return sum(each.nbytes for each in steps)
 
 
-def _advice(plan: Plan, cage: core.Mesh, wanted: int | core.Mesh | core.Within) -> tuple[str, ...]:
+def _advice(plan: Plan, level: core.Level, wanted: int | core.Mesh | core.Within) -> tuple[core.Fault, ...]:
     """Why a cage is loose; empty if it is not."""
-    clearance = plan.clearances[0]
+    fine, cage, clearance = plan.fine, level.cage, level.report.wanted_clearance
     return remembered(
-        lambda: excess_note(plan.fine, cage, wanted, clearance),
-        ADVICE_BYTES,
-        "advice",
-        plan.fine,
-        cage,
-        wanted,
-        clearance,
+        lambda: excess_note(fine, cage, wanted, clearance), ADVICE_BYTES, "advice", fine, cage, wanted, clearance
     )

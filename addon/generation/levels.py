@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from ..core import core
 from ..errors import UserError
+from ..notes import note
 
 # Stands for an own coarse drawing in a list of levels.
 OWN = "*"
@@ -22,7 +23,7 @@ class Wanted:
     """A vertex count, own ``Mesh`` or need of a drawing, in its units, and what is to be said about it."""
 
     level: int | core.Mesh | core.Within
-    notes: tuple[str, ...] = ()
+    notes: tuple[core.Fault, ...] = ()
 
 
 def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
@@ -42,15 +43,12 @@ def parse_levels(text: str, units: Mapping[str, float]) -> tuple[Level, ...]:
 
 def counted(level: int | core.hierarchy.Share, sizes: Sequence[int]) -> Wanted:
     """The vertex count that a level comes to for loops of these sizes: enough for each."""
-    total = sum(sizes)
-    loops = "an outline needs" if len(sizes) == 1 else f"its {len(sizes)} loops need"
     if isinstance(level, int):
         least = 3 * len(sizes)
-        note = f"A level of {level} is too small: {loops} {least} vertices, and that many are used."
-        return Wanted(level) if level >= least else Wanted(least, (note,))
-    count, share = level.of(sizes), 100.0 * level.fraction
-    note = f"{share:g} % of {total} vertices is too few: {loops} {count} for a close fit, and that many are used."
-    return Wanted(count, () if count == round(total * level.fraction) else (note,))
+        return Wanted(level) if level >= least else Wanted(least, (note("level.small", asked=level, given=least),))
+    count, total = level.of(sizes), sum(sizes)
+    raised = note("level.share", share=100.0 * level.fraction, total=total, given=count)
+    return Wanted(count, () if count == round(total * level.fraction) else (raised,))
 
 
 def wanted_levels(
@@ -95,11 +93,8 @@ def _in_order(wanted: Wanted, before: Sequence[Wanted]) -> Wanted:
     last = before[-1].level if before else None
     if not (isinstance(last, int) and isinstance(wanted.level, int) and wanted.level > last):
         return wanted
-    note = (
-        f"Levels go from fine to coarse: level {len(before) + 1} asks for {wanted.level} vertices, more than the "
-        f"{last} of the cage in it, so it has {last} too. Give the larger number first."
-    )
-    return Wanted(last, (*wanted.notes, note))
+    lowered = note("level.order", level=len(before) + 1, asked=wanted.level, given=last)
+    return Wanted(last, (*wanted.notes, lowered))
 
 
 def are_counts(levels: Sequence[Level]) -> bool:

@@ -5,6 +5,7 @@ output.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple
 
 import bpy
 import numpy as np
@@ -12,19 +13,19 @@ from numpy.typing import NDArray
 
 from .. import record
 from ..animation import shape_keys, stage, timeline, visibility
-from ..animation.timeline import Span, StoredPhases, Timing
+from ..animation.timeline import Phases, Span, Timing
+from ..core import core
 from ..errors import UserError
 from ..rigging.rig import Rig, is_rigged
 from ..scene import display, ownership, placement
 from ..scene.ownership import collection_of, colours_of, level_of, member, members
 from .generate import Result
 from .rollback import Rollback
-from .storage import CageLevel
 
 
 def length(collection: bpy.types.Collection, timing: Timing) -> int | None:
     """Frames that the steps of an output would take with other timing; None if it has no steps."""
-    stored = [StoredPhases.of(cage) for cage in members(collection)[1:]]
+    stored = [Phases.stored(cage) for cage in members(collection)[1:]]
     phases = [found for found in stored if found is not None]
     if not stored or len(phases) < len(stored):
         return None
@@ -45,18 +46,19 @@ def write(
     staged: list[bpy.types.Collection] = []
     try:
         home = _home(scene, [result for result, before in zip(results, earlier, strict=True) if before is None])
-        timings = timing.of_each([result.levels for result in results])
+        phases = [list(map(Phases.of, result.levels)) for result in results]
+        timings = timing.of_each(phases)
         marker = None
         if len(results) > 1 and not timing.in_turn:  # they play together: one marker, on the last result
-            ends = [timeline.spans(result.levels, timing)[-1].end for result in results]
+            ends = [timeline.spans(each, timing)[-1].end for each in phases]
             marker = (f"{len(results)} Drawings", max(ends))
         dropped: list[timeline.Mark] = []
         added: list[timeline.Mark] = []
         collections = []
-        for result, when, before in zip(results, timings, earlier, strict=True):
+        for result, each, when, before in zip(results, phases, timings, earlier, strict=True):
             collection = before or _new_collection(home, result)
             dropped += timeline.stop(scene, collection)
-            played = timeline.spans(result.levels, when)
+            played = timeline.spans(each, when)
             _write_one(result, when, played, collection, rollback)
             added.append(timeline.play_in(collection, played, when, marker))
             record.keep(collection)
@@ -102,7 +104,7 @@ def _set_thickness(collection: bpy.types.Collection, result: Result, thickness: 
     """Gives the lines of an output a thickness in renders, in scene units; 0: only the cages, in proportion to the
     drawing.
     """
-    automatic = display.AUTOMATIC_PART * float(np.linalg.norm(np.ptp(result.levels[0].fine_steps[-1], axis=0)))
+    automatic = display.AUTOMATIC_PART * result.levels[0].fine.diagonal
     for obj in members(collection):
         if thickness > 0.0:
             display.set_thickness(obj, thickness / result.drawing.frame.scale)
@@ -139,25 +141,15 @@ def _write_one(
     _rename(collection, name)
 
     inner = "Inner " if result.inside else ""
-    fine = _member_with_mesh(
-        collection, 0, f"{name} {inner}Fine", first.fine_edges, first.fine_steps[-1], result, rollback
-    )
-    _play(fine, first.fine_steps, first, played, timing, 1)
+    fine = _member_with_mesh(collection, 0, f"{name} {inner}Fine", first.fine, result, rollback)
+    _play(fine, _fine_steps(first), first, played, timing, 1)
     made = [fine]
     for number, (level, span) in enumerate(zip(result.levels, played, strict=True), 1):
-        cage = _member_with_mesh(
-            collection,
-            number,
-            f"{name} {inner}Cage {number}",
-            level.cage_edges,
-            level.cage,
-            result,
-            rollback,
-        )
-        _play(cage, level.cage_steps, level, played, timing, number)
+        cage = _member_with_mesh(collection, number, f"{name} {inner}Cage {number}", level.cage, result, rollback)
+        _play(cage, _cage_steps(level), level, played, timing, number)
         if number < len(result.levels):
             following = result.levels[number]
-            _play(cage, following.fine_steps, following, played, timing, number + 1, from_rest=True)
+            _play(cage, _fine_steps(following), following, played, timing, number + 1, from_rest=True)
         gone = timeline.mirrored(span.flow, played[-1].end, timing)
         visibility.hide_until(cage, span.flow, round(gone) if timing.loop_back else None)
         _describe(cage, result, level, span)
@@ -176,10 +168,24 @@ def _write_one(
         member_of_it.level, member_of_it.of, member_of_it.home = number, source, collection
 
 
+def _fine_steps(level: core.Level) -> NDArray[np.float32]:
+    """Flow and reinflation of the drawing in one sequence (S, n, 2)."""
+    steps: NDArray[np.float32] = np.concatenate([level.flow.steps[:-1], level.reinflation.fine_steps]).astype(
+        np.float32
+    )
+    return steps
+
+
+def _cage_steps(level: core.Level) -> NDArray[np.float32]:
+    """The same of the cage (S, m, 2), which rests during the flow."""
+    resting = np.broadcast_to(level.coarse.vertices, (len(level.flow.steps) - 1, *level.coarse.vertices.shape))
+    return np.asarray(np.concatenate([resting, level.reinflation.cage_steps]), np.float32)
+
+
 def _play(
     obj: bpy.types.Object,
     steps: NDArray[np.float32],
-    level: CageLevel,
+    level: core.Level,
     played: Sequence[Span],
     timing: Timing,
     number: int,
@@ -187,8 +193,9 @@ def _play(
     from_rest: bool = False,
 ) -> None:
     """Animates the steps of a level, given by its number, on one object."""
-    shown = steps if timing.show_flow else steps[level.flow_end :]
-    frames = timeline.step_frames(level, played[number - 1], timing)
+    phases = Phases.of(level)
+    shown = steps if timing.show_flow else steps[phases.flow_end :]
+    frames = timeline.step_frames(phases, played[number - 1], timing)
     back = timeline.mirrored(frames, played[-1].end, timing) if timing.loop_back else None
     shape_keys.add_steps(obj, shown, frames, f"Level {number}", back=back, from_rest=from_rest)
 
@@ -197,8 +204,7 @@ def _member_with_mesh(
     collection: bpy.types.Collection,
     level: int,
     name: str,
-    edges: NDArray[np.int64],
-    vertices: NDArray[np.float32],
+    shape: core.Mesh,
     result: Result,
     rollback: Rollback,
 ) -> bpy.types.Object:
@@ -206,10 +212,10 @@ def _member_with_mesh(
     artist's work on its mesh.
     """
     mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(len(vertices))
-    mesh.edges.add(len(edges))
-    mesh.vertices.foreach_set("co", result.drawing.frame.points(vertices).astype(np.float32).ravel())
-    mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
+    mesh.vertices.add(len(shape.vertices))
+    mesh.edges.add(len(shape.edges))
+    mesh.vertices.foreach_set("co", result.drawing.frame.points(shape.vertices).astype(np.float32).ravel())
+    mesh.edges.foreach_set("vertices", shape.edges.astype(np.int32).ravel())
     mesh.update()
     obj = member(collection, level)
     if obj is None:
@@ -225,19 +231,17 @@ def _member_with_mesh(
     return obj
 
 
-def _describe(obj: bpy.types.Object, result: Result, level: CageLevel, span: Span) -> None:
+def _describe(obj: bpy.types.Object, result: Result, level: core.Level, span: Span) -> None:
     """What is certified of a cage, how it came about and when it plays; lengths in scene units."""
     found, report = record.described(obj), level.report
-    found.inside, found.need = level.inside, level.need
-    found.clearance, found.excess = level.certificate.clearance * result.drawing.frame.scale, level.excess
-    found.most, found.start, found.seconds = level.excess, str(report.start), float(sum(report.seconds.values()))
-    found.certified = {"LOOPS"} if level.certificate.loops_kept else set()
+    found.inside = level.inside
+    found.clearance, found.excess = report.clearance * result.drawing.frame.scale, report.excess
+    found.most, found.start, found.seconds = report.excess, str(report.start), float(sum(report.seconds.values()))
+    found.certified = {"LOOPS"} if level.cage.has_loops_like(level.fine) else set()
     found.frames = (span.flow, span.reinflation, span.tightening, span.end)
-    found.phases = (level.flow_end, level.tightening, level.last)
-    found.check, found.finding, found.stamp = "NONE", "", record.stamp(obj)
-    found.notes.clear()
-    for note in report.notes:
-        record.note(found, record.TEXT, text=note)
+    found.phases = astuple(Phases.of(level))
+    found.check, found.stamp = "NONE", record.stamp(obj)
+    record.set_notes(found, report.notes, result.drawing.frame.scale)
 
 
 def _rename(collection: bpy.types.Collection, name: str) -> None:

@@ -40,7 +40,7 @@ class Places:
     weights: tuple[float, ...] = ()
     pins: tuple[int, ...] = ()
     joints: tuple[tuple[float, float], ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[core.Fault, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,6 @@ class Rules:
         try:
             return replace(
                 settings,
-                about=fine,
                 convex=self.convex,
                 grid=self.grid / scale or None,
                 merge=self.merge / scale or None,

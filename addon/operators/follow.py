@@ -132,9 +132,10 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
 
     def _tell(self, results: list[moving.Moving]) -> None:
         cages = [cage for result in results for cage in result.cages]
-        for note in dict.fromkeys(note for cage in cages for note in cage.notes):
+        for note in dict.fromkeys(note for cage in cages for note in cage.report.notes):
             self.report({"WARNING"}, note)
-        shown = ", ".join(f"{100.0 * cage.excess.mean():.2f} %" for cage in cages)
+        means = [sum(each.excess for each in c.report.certificates) / len(c.report.certificates) for c in cages]
+        shown = ", ".join(f"{100.0 * mean:.2f} %" for mean in means)
         certified = f"certified on {counted(len(results[0].poses.frames), 'frame')} and between them"
         self.report({"INFO"}, f"{counted(len(cages), 'cage')} {certified}; mean excess {shown}")
 

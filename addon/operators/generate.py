@@ -19,6 +19,7 @@ from ..generation.generate import Generation, Request, Result
 from ..generation.job import Work, completed, running
 from ..generation.levels import OWN
 from ..generation.rules import Places
+from ..notes import in_scene, note
 from ..properties import conversion, groups
 from ..properties.settings import GenerationProperties, OperatorProperties
 from ..rigging.pose import Pose, unmoved
@@ -108,10 +109,9 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         for sentence in lost:
             self.report({"WARNING"}, sentence)
         cages = [level for result in results for level in result.levels]
-        for note in dict.fromkeys(note for level in cages for note in level.report.notes):
-            self.report({"WARNING"}, note)
-        for need in filter(None, (level.need for level in cages)):
-            self.report({"INFO"}, need)
+        scale = results[0].drawing.frame.scale
+        for said in dict.fromkeys(said for level in cages for said in level.report.notes):
+            self.report({"INFO"} if said.code == record.TOLERANCE else {"WARNING"}, in_scene(said, scale))
         sizes = [abs(level.excess) for level in cages]
         around, shown = "", ", ".join(map(part, sizes))
         if len(results) > 1:
@@ -267,12 +267,12 @@ def _places(
     context: bpy.types.Context, objects: Sequence[bpy.types.Object], fine: convert.Drawing, values: GenerationProperties
 ) -> Places:
     """Where it matters in a drawing. Raises: UserError."""
-    points, notes = np.concatenate(fine.loops), []
+    points, missing = np.concatenate(fine.loops), []
     found = {}
     for group in filter(None, (values.weight_group, values.pin_group)):
         weights = painted.painted(context, objects, fine.frame, group, points)
         if weights is None or not weights.any():
-            notes.append(f"'{fine.name}' has nothing in a vertex group '{group}', so that was left out.")
+            missing.append(note("places.empty", name=fine.name, group=group))
         else:
             found[group] = weights
     joints: list[list[float]] = []
@@ -285,7 +285,7 @@ def _places(
         weights=tuple(found[values.weight_group].tolist()) if values.weight_group in found else (),
         pins=tuple(np.flatnonzero(found[values.pin_group] > PINNED).tolist()) if values.pin_group in found else (),
         joints=tuple((x, y) for x, y in joints),
-        notes=tuple(notes),
+        notes=tuple(missing),
     )
 
 

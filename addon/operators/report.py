@@ -51,8 +51,8 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
         edited = not ownership.is_bound(collection) and record.is_edited(obj)
         unknown = "" if edited and record.is_judged(obj) else record.EDITED
         certificate = unknown if edited else record.certificate(found)
-        said = (found.start, certificate, found.need, keys.text(obj, keys.LINK), *record.sentences(found))
-        for sentence in filter(None, (*said, found.finding)):
+        said = (found.start, certificate, keys.text(obj, keys.LINK), *record.sentences(found, checks=True))
+        for sentence in filter(None, said):
             yield f"    {sentence}"
 
 

@@ -68,7 +68,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
         claims.remember(checked, findings)
         names = {original.name for original in originals}
         shown = [found for found in findings if not found.holds or names.isdisjoint((found.fine, found.cage))]
-        for holds, sentence in dict.fromkeys((finding.holds, finding.sentence) for finding in shown):
+        for holds, sentence in dict.fromkeys((finding.holds, finding.note) for finding in shown):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))

@@ -98,9 +98,7 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     )
     check: EnumProperty(name="Check", description="What Verify Cages found", items=CHECKS)
     checked: IntVectorProperty(name="Checked", description="First and last frame of the check", size=2)
-    finding: StringProperty(name="Finding", description="What Verify Cages said")
     judged: StringProperty(name="Judged", description="Digest of the coordinates that Verify Cages judged")
-    need: StringProperty(name="Need", description="How a distance or an excess was met")
     notes: CollectionProperty(name="Notes", description="Notes on the run", type=NestedCagesNote)
 
 

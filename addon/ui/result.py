@@ -38,8 +38,8 @@ def _notes(obj: bpy.types.Object) -> list[str]:
     method, _, _ = keys.text(obj, keys.LINK).partition(",")
     follows = f"Follows by {method}" if method else ""
     found = record.member(obj)
-    wrong = found.finding if found.check == record.FAULT else ""
-    sentences = [follows, record.verdict(found), wrong, found.need, *record.sentences(found)]
+    wrong = " ".join(record.sentences(found, checks=True, others=False)) if found.check == record.FAULT else ""
+    sentences = [follows, record.verdict(found), wrong, *record.sentences(found)]
     if not ownership.is_bound_member(obj) and record.is_edited(obj):
         sentences = [record.verdict(found), wrong] if record.is_judged(obj) else [record.EDITED]
     return [line for sentence in sentences for line in textwrap.wrap(sentence, NOTE_WIDTH)]

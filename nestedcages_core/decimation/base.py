@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
-from ..errors import Fault, NestingError
+from ..errors import Fault, NestingError, note
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
 
@@ -63,22 +63,14 @@ def clamped(count: int, fine: Mesh) -> tuple[int, tuple[Fault, ...]]:
     available = len(fine.vertices)
     if count <= available:
         return count, ()
-    return available, (
-        Fault(
-            f"{count} vertices were asked for, but the mesh inside has {available}: so the cage has as many.",
-            "note.count",
-            asked=count,
-            given=available,
-        ),
-    )
+    return available, (note("note.count", on="mesh", asked=count, given=available),)
 
 
 def shared_anew(count: Count, coarse: Mesh) -> tuple[Fault, ...]:
     """A note if the numbers of vertices per loop of a coarse mesh differ from the request."""
     if isinstance(count, int | np.integer) or list(count) == [len(loop) for loop in coarse.loops]:
         return ()
-    said = "The vertices per loop of the coarse mesh do not fit the mesh inside: their total is redistributed."
-    return (Fault(said, "note.count", asked=list(count), given=[len(loop) for loop in coarse.loops]),)
+    return (note("note.count", on="loops", asked=list(count), given=[len(loop) for loop in coarse.loops]),)
 
 
 @dataclass(frozen=True)

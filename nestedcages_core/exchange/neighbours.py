@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Fault, InvalidMeshError, NestedCagesError
+from ..errors import Fault, InvalidMeshError, NestedCagesError, note
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..level.choices import DEFAULT_CLEARANCE
@@ -46,13 +46,9 @@ class Cut:
     def note(self) -> Fault:
         """The outcome in words."""
         if not self.certified:
-            return Fault("Not cut at its borders: the cut cage could not be certified.", "note.cut")
+            return note("note.cut", on="failed")
         size, before, now = len(self.cage.vertices), self.overlap_before, self.overlap
-        return Fault(
-            f"Cut at its borders: {size} vertices instead of {self.points_before}, {now:.3g} of its neighbours covered "
-            f"instead of {before:.3g}.",
-            "note.cut",
-        )
+        return note("note.cut", asked=self.points_before, given=size, covered=now, before=before)
 
 
 def cut_at_borders(

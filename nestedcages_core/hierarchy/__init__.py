@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..geometry.group import Symmetry
+from ..level.choices import DEFAULT_CLEARANCE
 from ..level.report import Hierarchy, Level, NestingReport, Progress
 from ..level.tightest_place import tightest_place
 from ..tolerance.within import Within
@@ -11,6 +12,7 @@ from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
 
 __all__ = [
+    "DEFAULT_CLEARANCE",
     "LEAST",
     "Hierarchy",
     "InnerCagesRun",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
 
-from ..errors import Fault, NestedCagesError
+from ..errors import Fault, NestedCagesError, note
 from ..geometry.mesh import Mesh
 from ..tolerance.within import Within
 
@@ -50,10 +50,8 @@ class Rising(int):
 
     def notes(self) -> tuple[Fault, ...]:
         """What became of it; empty if it did not rise."""
-        if self == self.asked:
-            return ()
-        sentence = f"{self.asked} vertices are too few for this shape; {int(self)} is the least found."
-        return (Fault(sentence, "note.count", asked=self.asked, given=int(self), on=LEAST),)
+        rose = note("note.count", asked=self.asked, given=int(self), on=LEAST)
+        return () if self == self.asked else (rose,)
 
 
 @dataclass(frozen=True)

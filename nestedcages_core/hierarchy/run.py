@@ -34,8 +34,7 @@ LOOSE = 0.5
 """Excess above which a note says what fewer loops would give."""
 
 Wanted: TypeAlias = int | Share | MeshLike | Within
-"""A level as asked for: a vertex count, a share of the mesh's own, a coarse mesh, or the fewest vertices within a
-distance or an excess."""
+"""A level as asked for."""
 
 
 def nested_cages(
@@ -54,9 +53,8 @@ def nested_cages(
     progress: called between iterations; may raise to cancel. True: a progress bar, if tqdm is installed.
     options: fields of `Settings`, such as ``clearance=0.01``, that replace those of ``settings``.
 
-    Exact predicates certify every returned cage.
-
-    Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
+    Exact predicates certify every returned cage. Raises a NestedCagesError when a level cannot be made; its ``partial``
+    is the Hierarchy of the finished ones.
     """
     return listened(NestedCagesRun(fine, levels, settings, **options), progress)
 
@@ -72,22 +70,14 @@ def inner_cages(
     """Cages inside ``fine``, of locally largest area, each inside the one before; see `nested_cages`.
 
     Level k is certified to lie strictly inside level k - 1, or inside the fine mesh, at the clearance; so its
-    ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. No flow is needed,
-    so of the settings `flow` and `contact` are not used, nor is a decimation other than the hull.
-
-    Raises a NestedCagesError when a level cannot be made; its ``partial`` is the Hierarchy of the finished ones.
+    ``report.excess`` is negative. A user's own mesh, from which the cage starts, must lie inside. The settings `flow`
+    and `contact` are not used, nor is a decimation other than the hull. Errors are those of `nested_cages`.
     """
     return listened(InnerCagesRun(fine, levels, settings, **options), progress)
 
 
 class NestedCagesRun(Run[Progress, Hierarchy]):
-    """The work of :func:`nested_cages` as an iterator over its progress; dropping it cancels the work.
-
-    >>> run = NestedCagesRun(fine, [64, 16])            # doctest: +SKIP
-    >>> for progress in run:                            # doctest: +SKIP
-    ...     print(progress.message)
-    >>> run.hierarchy.cages                             # doctest: +SKIP
-    """
+    """The work of :func:`nested_cages` as an iterator over its progress; dropping it cancels the work."""
 
     side = 1
     """1 for cages around the mesh, -1 for cages inside it."""

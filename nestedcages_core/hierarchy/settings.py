@@ -102,6 +102,7 @@ class Settings(Choices):
                 f"stored must be float64, {' or '.join(STORED_TYPES)}, not {self.stored!r}.",
                 code="setting.invalid",
             )
+        object.__setattr__(self, "stored", type_name(self.stored))  # a name, so that levels are remembered
         check_flag(self, "convex")
         if not isinstance(self.about, Mesh | None):
             raise NestedCagesError(f"about must be a Mesh, not {type(self.about).__name__}.", code="setting.invalid")

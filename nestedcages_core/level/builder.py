@@ -15,7 +15,7 @@ from ..decimation import Decimation, LineCycles, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import Area, inwards, signed_area
-from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError
+from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
@@ -115,8 +115,7 @@ class LevelBuilder:
                 notes = clamping
                 if attempt.fallback and self.starts:
                     start = self.starts[0]
-                    said = f"Started from the {start.source} instead of the coarse mesh: {failures[0]}"
-                    reason = Fault(said, "note.start", source=start.source)
+                    reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
                 make = self._tightest if attempt.tightened else self._untightened
                 level = yield from make(attempt, notes)
@@ -170,12 +169,10 @@ class LevelBuilder:
         for cage in sorted(cages, key=lambda cage: cage.rank):
             source = cage.start.source
             if errors and source != tried[0]:
-                what = "shrink into" if isinstance(errors[0], FlowError) else "return from"
-                said = f"Started from the {source}: the mesh could not {what} a coarse mesh {tried[0]}."
-                notes = (*notes, Fault(said, "note.start", source=source))
+                on = "flow" if isinstance(errors[0], FlowError) else "reinflation"
+                notes = (*notes, note("note.start", on=on, source=source, first=tried[0]))
             elif attempt.prefers_curve and source == HULL and self.starts[0].on_curve is None:
-                said = f"Started from the {source}: with its vertices on the curve it would cross itself."
-                notes = (*notes, Fault(said, "note.start", source=source))
+                notes = (*notes, note("note.start", on="curve", source=source))
             try:
                 return (yield from self._certified(attempt, cage, notes))
             except NestingError as error:
@@ -320,17 +317,13 @@ class LevelBuilder:
                 step=motion.step,
             )
         if clearance < wanted:
-            why = "The fine mesh is so narrow that there is" if self.plan.inside else "The gaps of the fine mesh leave"
-            said = f"{why} room for a clearance of {clearance:.3g}, not {wanted:.3g}."
-            notes = (*notes, Fault(said, "note.clearance", wanted=wanted, given=clearance))
+            on = "inside" if self.plan.inside else "gaps"
+            notes = (*notes, note("note.clearance", on=on, wanted=wanted, given=clearance))
         if not same_loops:
-            kept, given = loops_in_words(coarse), loops_in_words(self.fine)
-            notes = (*notes, Fault(f"The cage has {kept}, but the mesh in it has {given}.", "note.loops"))
+            notes = (*notes, note("note.loops", given=loops_in_words(coarse), wanted=loops_in_words(self.fine)))
         notes = (*notes, *self.plan.notes(result, clearance))
         if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
-            energy = type(self.settings.energy).__name__
-            said = f"The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter."
-            notes = (*notes, Fault(said, "note.energy"))
+            notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
         return self.assembly.level(coarse, result, (flow, reinflation), certificate, clearance, start, counts, notes)
@@ -348,13 +341,9 @@ class LevelBuilder:
             certificate = self.plan.verify(start.coarse, 0.0)
             clearance = min(wanted, certificate.clearance) if may_be_less else wanted
             if certificate.holds and certificate.clearance >= clearance:
-                note = Fault(
-                    "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
-                    "note.untightened",
-                )
                 counts = {"flow": 0, "reinflation": 0}
                 resting = self.assembly.resting(start.coarse.vertices[None])
-                mesh, every = start.coarse, (note, *notes)
+                mesh, every = start.coarse, (note("note.untightened"), *notes)
                 return self.assembly.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
         raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
 

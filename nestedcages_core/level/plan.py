@@ -40,7 +40,6 @@ class Numbers(Protocol):
     @property
     def room(self) -> float:
         """Clearance that all cages have in reserve for these numbers; 0 where few need it."""
-        ...
 
     @property
     def stored(self) -> str | None:

@@ -22,7 +22,6 @@ from .choices import Choices
 from .plan import EdgeCost, Numbers, Plan
 from .progress import LevelProgress
 from .report import Level, Progress
-from .steps import with_stored_steps
 from .symmetrised_start import orbits_of
 from .units import SolverUnits
 
@@ -61,7 +60,10 @@ class Settling:
             return None
         self.progress.stop_clock()
         notes = self._noted(level, found)
-        found = with_stored_steps(found) if found.report.stored is not None else found
+        if found.report.stored is not None:
+            from .steps import with_stored_steps
+
+            found = with_stored_steps(found)
         return replace(found, report=replace(found.report, notes=notes, seconds=dict(self.progress.seconds)))
 
     def failure(self, level: Level) -> Stage[Progress, NestingError]:

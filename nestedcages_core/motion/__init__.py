@@ -5,6 +5,7 @@ from __future__ import annotations
 from .animated import AnimatedCagesRun, animated_cages, stream_cages
 from .results import Key, MotionReport, MovingCages, MovingLevel
 from .stepping import followed
+from .still import certified_still
 
 __all__ = [
     "AnimatedCagesRun",
@@ -13,6 +14,7 @@ __all__ = [
     "MovingCages",
     "MovingLevel",
     "animated_cages",
+    "certified_still",
     "followed",
     "stream_cages",
 ]

@@ -8,7 +8,7 @@ from itertools import chain, islice
 
 import numpy as np
 
-from ..errors import Fault, NestedCagesError, NestingError
+from ..errors import Fault, NestedCagesError, NestingError, note
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
@@ -164,8 +164,7 @@ class LevelMotion:
                 code="motion.blocked",
                 pose=pose.number,
             ) from error
-        said = f"The path to pose {pose.number} is blocked: a new cage was made there."
-        self.notes.append(Fault(said, "note.pose", pose=pose.number))
+        self.notes.append(note("note.pose", pose=pose.number))
         return self.units.points(level.cage.vertices)
 
     def _is_free(self, begin: Instant, end: Instant) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from ..contact.reinflation import Reinflation
 from ..decimation import OuterHull
 from ..decimation.base import LEAST_PER_LOOP
-from ..errors import Fault, InvalidMeshError, NestedCagesError, NestingError
+from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..level.builder import LevelBuilder
@@ -56,17 +56,9 @@ def fewest(need: Within, fine: Mesh, builder: LevelBuilder, *, strictly: float) 
     level = search.best
     if level is None:
         raise search.failure()
-    count, taken = len(level.cage.vertices), search.taken_by(level.cage)
-    bounded = need.distance is not None and not builder.plan.inside
-    if need.distance is None:
-        note = f"{count} vertices, {need}: {100.0 * taken:.4g} %."
-    else:
-        least = f"; no cage {need} has fewer than {search.bound}" if bounded else ""
-        note = f"{count} vertices, {need}: {taken:.6g}{least}."
-    fewest_possible = search.bound if bounded else None
-    told = Fault(note, "note.tolerance", limit=need.limit, taken=float(taken), count=count, fewest=fewest_possible)
-    report = replace(level.report, fewest=fewest_possible, notes=(*level.report.notes, told))
-    return replace(level, report=report)
+    bound = search.bound if need.distance is not None and not builder.plan.inside else None
+    told = need.note(len(level.cage.vertices), search.taken_by(level.cage), bound)
+    return replace(level, report=replace(level.report, fewest=bound, notes=(*level.report.notes, told)))
 
 
 def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Progress, Level]:
@@ -75,10 +67,7 @@ def _fewest_exact(need: Within, fine: Mesh, builder: LevelBuilder) -> Stage[Prog
     for count in range(LEAST_PER_LOOP, most + 1):
         level = yield from builder.build(count)
         if need.is_met(level.cage, fine):
-            taken = need.measured(level.cage, fine)
-            said = f"{taken:.6g}" if need.distance is not None else f"{100.0 * taken:.4g} %"
-            note = f"{len(level.cage.vertices)} vertices, {need}: {said}."
-            told = Fault(note, "note.tolerance", limit=need.limit, taken=float(taken), count=len(level.cage.vertices))
+            told = need.note(len(level.cage.vertices), need.measured(level.cage, fine))
             return replace(level, report=replace(level.report, notes=(*level.report.notes, told)))
         if len(level.cage.vertices) <= count - step:  # the whole hull
             break

@@ -7,7 +7,7 @@ from math import isfinite
 
 import numpy as np
 
-from ..errors import NestedCagesError
+from ..errors import Fault, NestedCagesError, note
 from ..geometry.mesh import Mesh
 
 
@@ -43,6 +43,11 @@ class Within:
         from .reach import reach  # imports triangulations, which few need
 
         return reach(cage, fine) if self.distance is not None else cage.area / fine.area - 1.0
+
+    def note(self, count: int, taken: float, fewest: int | None = None) -> Fault:
+        """What a cage of so many vertices takes of the limit; fewest: a lower bound on their number."""
+        on = "excess" if self.distance is None else "distance" if fewest is None else "bounded"
+        return note("note.tolerance", on=on, limit=self.limit, taken=float(taken), count=count, fewest=fewest)
 
     def is_met(self, cage: Mesh, fine: Mesh) -> bool:
         """Whether a cage stays within the limit."""

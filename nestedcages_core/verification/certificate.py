@@ -158,10 +158,10 @@ class _Pair:
         is_cage = np.arange(2 * kept) < kept
         parent = self.nesting.parents
         children = np.bincount(parent[parent >= 0], minlength=2 * kept)
-        partner = np.where(is_cage == (signs > 0), -1, parent)
         lower = np.flatnonzero(is_cage != (signs > 0))
-        alone = (partner[lower] >= 0) & (children[partner[lower]] == 1)
-        alone &= (signs[partner[lower]] == signs[lower]) & (is_cage[partner[lower]] != is_cage[lower])
+        partner = parent[lower]
+        alone = (partner >= 0) & (children[partner] == 1)
+        alone &= (signs[partner] == signs[lower]) & (is_cage[partner] != is_cage[lower])
         if alone.all():
             return []
         k = int(lower[~alone][0])

@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -85,13 +86,17 @@ def core(extension: ModuleType) -> ModuleType:
 
 @pytest.fixture
 def runs(core: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """What every run of the core that makes cages was asked for: its levels."""
+    """The levels that the core has computed, not remembered."""
     found: list[object] = []
-    make = core.NestedCagesRun.__init__
+    run = import_module(f"{core.__name__}.hierarchy.run")
+    remembered = run.whole_level
 
-    def noted(self: object, fine: object, levels: object, settings: object = None) -> None:
-        found.append(levels)
-        make(self, fine, levels, settings)
+    def noted(work: Any, progress: Any, *asked: Any) -> Any:
+        def made() -> Any:
+            found.append(asked[3])
+            return (yield from work)
 
-    monkeypatch.setattr(core.NestedCagesRun, "__init__", noted)
+        return (yield from remembered(made(), progress, *asked))
+
+    monkeypatch.setattr(run, "whole_level", noted)
     return found

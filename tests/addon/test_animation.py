@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -21,29 +23,25 @@ def level(addon):
     fine, cage = circle(20), circle(8, 1.3)
     shrink = np.array([1.0, 0.9, 0.8, 0.7, 0.75, 0.8, 0.9, 1.0, 1.0])
     grow = np.array([0.8, 0.8, 0.8, 0.8, 0.85, 0.9, 1.0, 1.1, 1.0])
-    ring = np.column_stack([np.arange(20), np.roll(np.arange(20), -1)])
-    return addon.generation.generate.CageLevel(
-        fine_edges=ring,
-        cage_edges=np.column_stack([np.arange(8), np.roll(np.arange(8), -1)]),
+    return SimpleNamespace(
+        phases=addon.animation.timeline.Phases(FLOW_END, 7, STEPS - 1),
         fine_steps=(fine[None] * shrink[:, None, None]).astype(np.float32),
         cage_steps=(cage[None] * grow[:, None, None]).astype(np.float32),
-        flow_end=FLOW_END,
-        tightening=7,
-        certificate=None,
-        report=None,
     )
 
 
 def test_levels_play_one_after_the_other(addon, level) -> None:
     timing = addon.animation.timeline.Timing(start_frame=10, frames_per_step=PER_STEP)
-    first, second = addon.animation.timeline.spans([level, level], timing)
+    first, second = addon.animation.timeline.spans([level.phases] * 2, timing)
     assert (first.flow, first.reinflation, first.tightening, first.end) == (10, 22, 38, 42)
     assert second.flow == first.end + PER_STEP
     assert second.end - second.flow == first.end - first.flow
 
 
 def test_without_the_flow_the_animation_starts_at_the_reinflation(addon, level) -> None:
-    (span,) = addon.animation.timeline.spans([level], addon.animation.timeline.Timing(5, PER_STEP, show_flow=False))
+    (span,) = addon.animation.timeline.spans(
+        [level.phases], addon.animation.timeline.Timing(5, PER_STEP, show_flow=False)
+    )
     assert (span.flow, span.reinflation, span.end) == (5, 5, 5 + (STEPS - 1 - FLOW_END) * PER_STEP)
 
 

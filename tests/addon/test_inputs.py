@@ -159,10 +159,9 @@ def test_the_operator_gives_the_core_s_cages(addon, core, tmp_path, name) -> Non
     assert count is None or len(points) == count
 
     mesh = core.Mesh(points.astype(float), edges_of(fine).astype(int))
-    margin = addon.generation.generate.MARGIN * addon.generation.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
     wanted = max(3 * len(mesh.loops), round(0.4 * len(points)))
-    (level,) = core.nested_cages(mesh, [wanted], core.Settings(clearance=1e-5 * mesh.diagonal + margin)).levels
-    np.testing.assert_array_equal(corners, level.cage.vertices.astype(np.float32))
+    (level,) = core.nested_cages(mesh, [wanted], stored=np.float32).levels
+    np.testing.assert_array_equal(corners, level.cage.vertices)
     np.testing.assert_array_equal(edges_of(cage), level.cage.edges)
     assert core.verify(core.Mesh(corners.astype(float), edges_of(cage).astype(int)), mesh).holds
 

@@ -57,10 +57,8 @@ def test_the_operator_gives_what_the_core_gives(addon, core) -> None:
     assert generate(levels="20") == {"FINISHED"}
     _, fine, (cage,) = output()
     mesh = core.Mesh.from_loops([star().astype(np.float32).astype(float)])
-    margin = addon.generation.generate.MARGIN * addon.generation.generate.FLOAT32_ROUNDING * np.abs(mesh.vertices).max()
-    settings = core.Settings(clearance=1e-5 * mesh.diagonal + margin)
-    (level,) = core.nested_cages(mesh, [20], settings).levels
-    np.testing.assert_array_equal(evaluated(cage, at_frame(5000))[:, :2], level.cage.vertices.astype(np.float32))
+    (level,) = core.nested_cages(mesh, [20], stored=np.float32).levels
+    np.testing.assert_array_equal(evaluated(cage, at_frame(5000))[:, :2], level.cage.vertices)
     np.testing.assert_array_equal(evaluated(fine)[:, :2], mesh.vertices.astype(np.float32))
     np.testing.assert_array_equal(edges_of(cage), level.cage.edges)
     assert cage["nested_cages_excess"] == pytest.approx(level.report.excess, rel=1e-3)

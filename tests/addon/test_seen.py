@@ -129,7 +129,7 @@ def test_cages_have_a_width_in_renders(addon) -> None:
 @pytest.mark.parametrize("loop_back", [False, True])
 @pytest.mark.parametrize("ease", [False, True])
 def test_the_animation_fits_a_length(addon, loop_back, ease) -> None:
-    levels = [addon.animation.timeline.StoredPhases(3, 40, 95), addon.animation.timeline.StoredPhases(0, 20, 33)]
+    levels = [addon.animation.timeline.Phases(3, 40, 95), addon.animation.timeline.Phases(0, 20, 33)]
     for length in (30, 120, 400):
         timing = addon.animation.timeline.Timing(11, ease=ease, loop_back=loop_back, fit_length=True, length=length)
         spans = addon.animation.timeline.spans(levels, timing)

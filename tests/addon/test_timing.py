@@ -15,7 +15,7 @@ FLOW_END, TIGHTENING, LAST, PER_STEP = 3, 7, 12, 4
 
 @pytest.fixture
 def level(addon):
-    return addon.animation.timeline.StoredPhases(FLOW_END, TIGHTENING, LAST)
+    return addon.animation.timeline.Phases(FLOW_END, TIGHTENING, LAST)
 
 
 def generate(**properties):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 
 import numpy as np
@@ -11,7 +12,7 @@ from nestedcages_core import ArcLength, Mesh, NestedCagesError, OnCurve, Setting
 from nestedcages_core.checker import touches, whole_numbers
 from nestedcages_core.contact.pairs import Pairs
 from nestedcages_core.geometry.predicates import BoxTree, crossing_pairs
-from nestedcages_core.verification.linear_motion import never_meet
+from nestedcages_core.verification.linear_motion import COEFFICIENT_ROUNDING, UNDERFLOW, _bernstein, never_meet
 from shapes import annulus, letter_a, letter_a_coarse, ring, star
 
 
@@ -56,6 +57,31 @@ def test_pairs_are_certified_only_where_exact_arithmetic_finds_no_contact(scale:
     assert not (free & meets).any()
     if scale == 1.0:
         assert np.array_equal(free, ~meets)
+        assert [bool(never_meet(*lattice[..., k : k + 1])[0]) for k in range(400)] == free[:400].tolist()
+
+
+@pytest.mark.parametrize("cross", [True, False])
+def test_errors_of_coefficients_are_those_of_the_worst_rounding(cross: bool) -> None:
+    random = np.random.default_rng(4)
+    u0, u1, w0, w1 = random.normal(size=(4, 2, 50))
+    margin, nothing = random.uniform(0.1, 1.0, 50), np.zeros(50)
+
+    def product(u: np.ndarray, w: np.ndarray) -> np.ndarray:
+        return u[0] * w[1] - u[1] * w[0] if cross else u[0] * w[0] + u[1] * w[1]
+
+    values, errors = _bernstein(u0, u1, w0, w1, nothing, cross=cross)
+    np.testing.assert_allclose(values, [product(u0, w0), (product(u0, w1) + product(u1, w0)) / 2, product(u1, w1)])
+    sizes = abs(u0[0] * w0[1 if cross else 0]) + abs(u0[1] * w0[0 if cross else 1])
+    np.testing.assert_allclose(errors[0], COEFFICIENT_ROUNDING * sizes)
+    assert (_bernstein(*4 * [np.zeros((2, 50))], nothing, cross=cross)[1] == UNDERFLOW).all()
+    # where nothing moves, and signs agree, the bound is reached; where one end is larger, that end counts
+    u0, w0 = abs(u0), abs(w0) * ([[-1.0], [1.0]] if cross else 1.0)
+    values, errors = _bernstein(u0, u0, w0, w0, margin, cross=cross)
+    shifts = [np.array(signs)[:, None] * margin for signs in itertools.product((-1.0, 1.0), repeat=4)]
+    worst = np.max([abs(product(u0 + shift[:2], w0 + shift[2:]) - values) for shift in shifts], axis=0)
+    np.testing.assert_allclose(errors, worst)
+    for larger in ((2.0 * u0, u0, w0, w0), (u0, 2.0 * u0, w0, w0), (u0, u0, 2.0 * w0, w0), (u0, u0, w0, 2.0 * w0)):
+        assert (_bernstein(*larger, margin, cross=cross)[1] > 1.01 * errors).all()
 
 
 def exactly_meet(before: np.ndarray, after: np.ndarray) -> bool:

@@ -141,6 +141,12 @@ def test_as_many_loops_in_other_places_are_not_kept() -> None:
     apart = mesh(square(9.0), square(1.0, (20.0, 0.0)))
     sentence = "The cage has 2 outer loops and no holes, but the fine mesh has 1 outer loop and 1 hole."
     expect(verify(apart, mesh(ring(40), ring(40, 0.5))), sentence, strict=True, loops_kept=False)
+    # an island alone in the fine hole and a cage's hole alone in a cage's loop; a cage's hole alone in the fine solid
+    far = mesh(square(9.0), square(4.0, (20.0, 0.0)), square(3.0, (20.0, 0.0)))
+    island = mesh(square(5.0), square(3.0), square(1.0))
+    expect(verify(far, island), "Loop 2 of the cage near (17, -3) matches", strict=True, loops_kept=False)
+    wide = mesh(square(9.0), square(2.0))
+    expect(verify(wide, mesh(square(5.0), square(1.0))), "Loop 1 of the cage near", strict=False, loops_kept=False)
     # each hole of the fine mesh must have its own
     holes = mesh(square(9.0), square(1.0), square(1.0, (5.0, 0.0)))
     crowded = mesh(square(9.5), square(0.2, (-0.5, 0.0)), square(0.2, (0.5, 0.0)))
@@ -157,6 +163,12 @@ def test_contact_is_found() -> None:
     certificate = verify(mesh(touching), fine)
     expect(certificate, "The cage meets the fine mesh near (1, 1)", simple=True, strict=False, loops_kept=False)
     assert certificate.clearance == 0.0
+    crossed = verify(mesh(np.array([[-9.0, -9.0], [0.0, -9.0], [0.0, 9.0], [-9.0, 9.0]])), fine).problems[0]
+    assert crossed.data["vertices"] in ((1, 2, 0, 1), (1, 2, 2, 3))
+    assert (crossed.code, verify(fine, fine.moved(square(3.0)), 0.1).problems[0].code) == (
+        "cage.meets",
+        "cage.leaves_out",
+    )
 
 
 def test_a_cage_that_crosses_itself() -> None:
@@ -185,10 +197,14 @@ def test_numbers_that_are_none(value: float) -> None:
     coarse, fine = mesh(square(3.0)), mesh(ring(9))
     broken = square(3.0)
     broken[2, 1] = value
-    expect(verify(coarse.moved(broken), fine), "The cage is not a valid mesh: Vertex 2", simple=False, strict=False)
+    certificate = verify(coarse.moved(broken), fine)
+    expect(certificate, "The cage is not a valid mesh: Vertex 2", simple=False, strict=False, loops_kept=False)
+    assert certificate.problems[0].code == "cage.invalid"
     inner = ring(9)
     inner[2, 1] = value
-    expect(verify(coarse, fine.moved(inner)), "The fine mesh is not a valid mesh: Vertex 2", simple=True, strict=False)
+    certificate = verify(coarse, fine.moved(inner))
+    expect(certificate, "The fine mesh is not a valid mesh: Vertex 2", simple=True, strict=False, loops_kept=False)
+    assert certificate.problems[0].code == "fine.invalid"
 
 
 def test_a_fine_mesh_that_crosses_itself() -> None:

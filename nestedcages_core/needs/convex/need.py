@@ -9,7 +9,7 @@ import numpy as np
 
 from ...contact.pairs import Bodies
 from ...decimation.base import LEAST_PER_LOOP
-from ...errors import Fault, NestingError
+from ...errors import Fault, NestingError, note
 from ...geometry.arrays import FloatArray
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
@@ -58,8 +58,7 @@ class Convex(Need):
             return None
         hull = without_dents(cage)
         count, most = len(cage.vertices), len(hull.vertices)
-        said = f"On the grid, {count} vertices make no convex cage: it has {most} at most."
-        return hull, Fault(said, "note.count", asked=count, given=most, on="grid")
+        return hull, note("note.count", asked=count, given=most, on="grid")
 
 
 def _solved(
@@ -194,32 +193,14 @@ class _Solver:
         steps = self._steps(cage, hulls, polygons) if self.plan.group is None else cage.vertices[None]
         notes: tuple[Fault, ...] = ()
         if not cage.has_loops_like(self.fine):
-            said = f"The cage has {loops_in_words(cage)}, but the mesh in it has {loops_in_words(self.fine)}."
-            notes = (Fault(said, "note.loops"),)
+            notes = (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(self.fine)),)
         fewest = min(len(each.angle) for each in polygons)
         if fewest != wanted:
             is_hull = fewest < wanted and fewest == min(len(hull.flush) for hull in hulls)
-            why = f"but a hull has {fewest}: with these, the cage is as tight"
-            why = why if is_hull else f"with {self.plan.group} the cage can have {fewest}"
-            notes = (
-                *notes,
-                Fault(
-                    f"{wanted} vertices were asked for, {why}.",
-                    "note.count",
-                    asked=wanted,
-                    given=fewest,
-                ),
-            )
+            on = {"on": "hull"} if is_hull else {"on": "symmetry", "symmetry": str(self.plan.group)}
+            notes = (*notes, note("note.count", asked=wanted, given=fewest, **on))
         if clearance < self.clearances[0]:
-            notes = (
-                *notes,
-                Fault(
-                    f"The parts leave room for a clearance of {clearance:.3g}, not {self.clearances[0]:.3g}.",
-                    "note.clearance",
-                    wanted=self.clearances[0],
-                    given=clearance,
-                ),
-            )
+            notes = (*notes, note("note.clearance", on="parts", wanted=self.clearances[0], given=clearance))
         return Solution(cage, steps, certificate, clearance, SOURCE, notes)
 
     def _steps(self, cage: Mesh, hulls: list[Hull], polygons: list[Tangents]) -> FloatArray:

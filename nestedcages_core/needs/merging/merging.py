@@ -9,7 +9,7 @@ import numpy as np
 
 from ...decimation import Count, Decimation, LineCycles, Start
 from ...decimation.base import LEAST_PER_LOOP
-from ...errors import Fault, InvalidMeshError, NestedCagesError, NestingError
+from ...errors import Fault, InvalidMeshError, NestedCagesError, NestingError, note
 from ...geometry.mesh import Mesh
 from ...parameters import check_limit, check_part
 from ...tasks import Stage, drain
@@ -101,11 +101,8 @@ def advice(fine: Mesh, cage: Mesh) -> tuple[Fault, ...]:
     fewer = mesh.area / fine.area - 1.0
     if fewer > WORTHWHILE * excess:
         return ()
-    said = (
-        f"Keeping all {len(fine.loops)} loops makes the cage {100.0 * excess:.0f} % larger than the shape; "
-        f"merge={distance:.3g} would make it about {100.0 * fewer:.0f} % larger, with {len(mesh.loops)}."
-    )
-    return (Fault(said, "note.loops"),)
+    loops = {"wanted": len(fine.loops), "given": len(mesh.loops)}
+    return (note("note.loops", on="merge", excess=excess, better=fewer, distance=distance, **loops),)
 
 
 def least_joining(fine: Mesh) -> float:

@@ -15,11 +15,10 @@ from ...decimation import LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.importance import PIN_REACH, Importance
 from ...energies import Area, BoundSum, CageEnergy
-from ...errors import Fault, NestingError
+from ...errors import Fault, NestingError, note
 from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
-from ...geometry.mesh.validation import place
 from ...geometry.predicates import winding_number
 from ...geometry.signed_distance import EdgeSearch
 from ...geometry.vectors import cross, norm, rotated_right
@@ -128,8 +127,7 @@ class Priorities(Need):
         )
         if count <= most:
             return count, ()
-        said = f"{count} vertices were asked for; edges of at least {self.min_edge:.6g} leave room for {most}."
-        return most, (Fault(said, "note.count", asked=count, given=most),)
+        return most, (note("note.count", on="edges", asked=count, given=most, length=self.min_edge),)
 
     def energy(self, plan: Plan, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> CageEnergy:
         """An energy of a cage with the priorities; see `Need.energy`."""
@@ -195,20 +193,15 @@ class Priorities(Need):
             for pin, aim, far in zip(pins, target, away, strict=True):
                 missed = float(norm(cage.vertices - aim).min())
                 if missed > KEPT * far + KEPT_ANYWAY * inner.diagonal:
-                    said = f"The closest cage vertex to the pin at {place(pin)} is {missed:.3g} away."
-                    notes.append(Fault(said, "note.pin", place=pin, distance=missed))
+                    notes.append(note("note.pin", place=pin, distance=missed))
         if self.min_edge is not None:
             shortest = float(cage.edge_lengths.min())
             if shortest < self.min_edge:
-                few = f"There is no room for edges of {self.min_edge:.6g}: the shortest has {shortest:.3g}"
-                notes.append(
-                    Fault(f"{few}; ask for fewer vertices.", "note.edge", wanted=self.min_edge, given=shortest)
-                )
+                notes.append(note("note.edge", wanted=self.min_edge, given=shortest))
         if self.min_angle is not None:
             sharpest = sharpest_angle(cage)
             if sharpest < self.min_angle:
-                said = f"There is no room for angles of {self.min_angle:.6g}°: the sharpest has {sharpest:.3g}°."
-                notes.append(Fault(said, "note.angle", wanted=self.min_angle, given=sharpest))
+                notes.append(note("note.angle", wanted=self.min_angle, given=sharpest))
         return tuple(notes)
 
 

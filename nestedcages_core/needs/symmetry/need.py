@@ -11,7 +11,7 @@ import numpy as np
 from ...contact import SequentialQP
 from ...decimation import Decimation, LineCycles
 from ...decimation.base import LEAST_PER_LOOP
-from ...errors import Fault, InvalidMeshError, NestingError
+from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import winding_number
@@ -88,8 +88,7 @@ def on_lattice(symmetry: Symmetry, numbers: Numbers, fine: Mesh) -> tuple[Symmet
     shift = float(np.abs(after - before).max())
     if shift <= NEGLIGIBLE_SHIFT * fine.diagonal:
         return moved, ()
-    said = f"The symmetry is moved by {shift:.3g} to the grid: {moved}."
-    return moved, (Fault(said, "note.symmetry", symmetry=str(moved), difference=shift),)
+    return moved, (note("note.symmetry", on="grid", symmetry=str(moved), difference=shift),)
 
 
 def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, tuple[Fault, ...]]:
@@ -98,13 +97,9 @@ def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, 
     if isinstance(symmetry, Found):
         found, difference = symmetry.of(fine)
         if found is None:
-            said = (
-                f"No symmetry was found within {100.0 * symmetry.tolerance:.3g} % of the diagonal; the cage has none."
-            )
-            return None, (Fault(said, "note.symmetry"),)
+            return None, (note("note.symmetry", on="none", tolerance=float(symmetry.tolerance)),)
         symmetry = found
-        said = f"Found {found}; the drawing differs from its image by at most {difference:.3g}."
-        notes = (Fault(said, "note.symmetry", symmetry=str(found), difference=difference),)
+        notes = (note("note.symmetry", on="found", symmetry=str(found), difference=float(difference)),)
     return symmetry.placed(fine), notes
 
 
@@ -165,14 +160,11 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
             "symmetry, or draw the shape more symmetric.",
             code="symmetry.not_found",
         ) from error
-    change = 100.0 * (together.area / fine.area - 1.0)
-    if abs(change) < NEGLIGIBLE_CHANGE:
+    area = together.area / fine.area
+    if 100.0 * abs(area - 1.0) < NEGLIGIBLE_CHANGE:
         return together, ()
-    if inside:
-        note = f"The drawing and its images have {100.0 + change:.3g} % of its area in common: the cage lies in that."
-    else:
-        note = f"The drawing and its images cover {change:.3g} % more than the drawing: the cage encloses them all."
-    return together, (Fault(note, "note.outline", change=change),)
+    said = note("note.outline", on="inside" if inside else "", area=float(area), change=float(area - 1.0))
+    return together, (said,)
 
 
 def _overlaid(images: Sequence[Mesh], *, inside: bool) -> Mesh:
@@ -218,5 +210,4 @@ def possible_count(count: int, fine: Mesh, symmetry: Symmetry) -> tuple[int, tup
     possible = max(count // step * step, least)
     if possible == count:
         return count, ()
-    said = f"{count} vertices were asked for; with {symmetry} the cage can have {possible}."
-    return possible, (Fault(said, "note.count", asked=count, given=possible),)
+    return possible, (note("note.count", on="symmetry", asked=count, given=possible, symmetry=str(symmetry)),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -64,21 +65,21 @@ CODES: Mapping[str, tuple[str, ...]] = {
     "cage.loops_differ": ("loops", "place"),
     "cage.too_close": ("clearance", "wanted"),
     # notes of a report
-    "note.count": ("asked", "given", "on"),
-    "note.start": ("source",),
-    "note.clearance": ("wanted", "given"),
-    "note.loops": (),
-    "note.energy": (),
+    "note.count": ("asked", "given", "on", "symmetry", "length"),
+    "note.start": ("source", "on", "first", "text"),
+    "note.clearance": ("wanted", "given", "on"),
+    "note.loops": ("wanted", "given", "on", "excess", "better", "distance"),
+    "note.energy": ("energy",),
     "note.untightened": (),
-    "note.symmetry": ("symmetry", "difference"),
-    "note.outline": ("change",),
+    "note.symmetry": ("symmetry", "difference", "on", "tolerance"),
+    "note.outline": ("change", "area", "on"),
     "note.pin": ("place", "distance"),
     "note.edge": ("wanted", "given"),
     "note.angle": ("wanted", "given"),
-    "note.tolerance": ("limit", "taken", "count", "fewest"),
+    "note.tolerance": ("limit", "taken", "count", "fewest", "on"),
     "note.pose": ("pose",),
-    "note.cut": (),
-    "note.text": (),
+    "note.cut": ("asked", "given", "before", "covered", "on"),
+    "note.text": ("text",),
 }
 """All codes, each with the names of the data that it may carry. Places are (x, y) in the input's units; loops and
 vertices are lists of indices; lengths are in the input's units."""
@@ -107,6 +108,13 @@ class Fault(str):
     def said(self, sentence: str) -> Fault:
         """The same fault in another sentence."""
         return Fault(sentence, self.code, **self.data)
+
+
+def note(code: str, **data: Any) -> Fault:
+    """A note with the sentence of its code."""
+    from .notes import sentence  # most runs have none
+
+    return Fault(sentence(code, data), code, **data)
 
 
 def _plain(value: Any) -> Any:
@@ -139,11 +147,7 @@ class NestedCagesError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Keep code, data and `partial` when the error is pickled."""
-        return _rebuilt, (type(self), self.fault, self.partial)
-
-
-def _rebuilt(kind: type[NestedCagesError], fault: Fault, partial: Any) -> NestedCagesError:
-    return kind(fault, partial=partial)
+        return functools.partial(type(self), partial=self.partial), (self.fault,)
 
 
 class InvalidMeshError(NestedCagesError):

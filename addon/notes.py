@@ -1,0 +1,57 @@
+"""What is said of cages: codes with data, stored with them, and the sentences made of these when they are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .core import core, errors
+
+SENTENCES: Mapping[str, str] = {
+    "level.small": "A level of {asked} is too small: {given} vertices are used, 3 for each of its loops.",
+    "level.share": "{share:g} % of {total} vertices is too few for a close fit of each loop: {given} are used.",
+    "level.order": (
+        "Levels go from fine to coarse: level {level} asks for {asked} vertices, more than the {given} of the cage in "
+        "it, so it has {given} too. Give the larger number first."
+    ),
+    "places.empty": "'{name}' has nothing in a vertex group '{group}', so that was left out.",
+    "loose.clearance": (
+        "{excess_percent:.0f} % larger than the drawing, since the clearance is {share_percent:.3g} % of its size: ask "
+        "for less."
+    ),
+    "loose.count": (
+        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for {loops} loops; ask for more."
+    ),
+    "loose.enough": (
+        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for {loops} loops; {better} would "
+        "make it less than {good_percent:.0f} % larger."
+    ),
+    "check.holds": "{when}'{outer}' encloses '{inner}': clearance {clearance:.3g}, excess {excess_percent:.2f} %",
+    "check.frames": (
+        "'{outer}' encloses '{inner}' on all frames from {first} to {last}: clearance {clearance:.3g} at least"
+    ),
+    "check.broken": "{when}'{outer}' does not enclose '{inner}'. {text}",
+    "check.invalid": "{when}{text}",
+}
+"""Of the add-on's own codes: a format for their data; those of the core are in its `notes`."""
+
+
+def note(code: str, **data: Any) -> core.Fault:
+    """A note with a code of the add-on."""
+    return core.Fault(sentence(code, data), code, **data)
+
+
+def in_scene(given: core.Fault, scale: float) -> core.Fault:
+    """A note of the core in units of the scene; scale: the scene's length of the drawing's unit."""
+    return note(given.code, **errors.in_units(given.data, given.code, scale))
+
+
+def sentence(code: str, data: Mapping[str, Any]) -> str:
+    """What a note says; the plain text, if there is any, for what this version does not know."""
+    if code not in SENTENCES:
+        return str(errors.sentence(code, data))
+    percent = {f"{name}_percent": 100.0 * value for name, value in data.items() if isinstance(value, float)}
+    try:
+        return SENTENCES[code].format(**data, **percent)
+    except (KeyError, IndexError, ValueError, TypeError):
+        return str(data.get("text", ""))

@@ -1,0 +1,73 @@
+"""Sentences of notes, made of a code and its data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+NOTES: Mapping[str, str] = {
+    "count least": "{asked} vertices are too few for this shape; {given} is the least found.",
+    "count mesh": "{asked} vertices were asked for, but the mesh inside has {given}: so the cage has as many.",
+    "count loops": "The vertices per loop of the coarse mesh do not fit the mesh inside: they are redistributed.",
+    "count symmetry": "{asked} vertices were asked for; with {symmetry} the cage can have {given}.",
+    "count edges": "{asked} vertices were asked for; edges of at least {length:.6g} leave room for {given}.",
+    "count grid": "On the grid, {asked} vertices make no convex cage: it has {given} at most.",
+    "count hull": "{asked} vertices were asked for, but a hull has {given}: with these, the cage is as tight.",
+    "start fallback": "Started from the {source} instead of the coarse mesh: {text}",
+    "start flow": "Started from the {source}: the mesh could not shrink into a coarse mesh {first}.",
+    "start reinflation": "Started from the {source}: the mesh could not return from a coarse mesh {first}.",
+    "start curve": "Started from the {source}: with its vertices on the curve it would cross itself.",
+    "clearance gaps": "The gaps of the fine mesh leave room for a clearance of {given:.3g}, not {wanted:.3g}.",
+    "clearance inside": "The fine mesh is narrow: there is room for a clearance of {given:.3g}, not {wanted:.3g}.",
+    "clearance parts": "The parts leave room for a clearance of {given:.3g}, not {wanted:.3g}.",
+    "loops": "The cage has {given}, but the mesh in it has {wanted}.",
+    "loops merge": "Keeping all {wanted} loops makes the cage {excess_percent:.0f} % larger than the shape; "
+    "merge={distance:.3g} would make it about {better_percent:.0f} % larger, with {given}.",
+    "energy": "The cage is the coarse mesh, where {energy} is smallest; Area() makes it tighter.",
+    "untightened": "The coarse mesh is not tightened: details of the fine mesh are too small for that.",
+    "symmetry grid": "The symmetry is moved by {difference:.3g} to the grid: {symmetry}.",
+    "symmetry none": "No symmetry was found within {tolerance_percent:.3g} % of the diagonal; the cage has none.",
+    "symmetry found": "Found {symmetry}; the drawing differs from its image by at most {difference:.3g}.",
+    "outline": "The drawing and its images cover {change_percent:.3g} % more than it: the cage encloses them all.",
+    "outline inside": "The drawing and its images have {area_percent:.3g} % of its area in common: the cage is there.",
+    "pin": "The closest cage vertex to the pin at ({place[0]:.6g}, {place[1]:.6g}) is {distance:.3g} away.",
+    "edge": "There is no room for edges of {wanted:.6g}: the shortest has {given:.3g}; ask for fewer vertices.",
+    "angle": "There is no room for angles of {wanted:.6g}°: the sharpest has {given:.3g}°.",
+    "tolerance distance": "{count} vertices, within a distance of {limit:.6g}: {taken:.6g}.",
+    "tolerance bounded": "{count} vertices, within a distance of {limit:.6g}: {taken:.6g}; no cage within that has "
+    "fewer than {fewest}.",
+    "tolerance excess": "{count} vertices, within an excess of {limit_percent:.6g} %: {taken_percent:.4g} %.",
+    "pose": "The path to pose {pose} is blocked: a new cage was made there.",
+    "cut": "Cut at its borders: {given} vertices instead of {asked}, {covered:.3g} of its neighbours covered instead "
+    "of {before:.3g}.",
+    "cut failed": "Not cut at its borders: the cut cage could not be certified.",
+    "text": "{text}",
+}
+"""Sentences of notes, by the code without `note.`, and by what it is `on` where it has several: formats for their data.
+`…_percent` is 100 times a value."""
+
+LENGTHS: Mapping[str, tuple[str, ...]] = {
+    "note.count": ("length",),
+    "note.clearance": ("wanted", "given"),
+    "note.loops": ("distance",),
+    "note.symmetry": ("difference",),
+    "note.pin": ("distance",),
+    "note.edge": ("wanted", "given"),
+    "note.tolerance": ("limit", "taken"),
+}
+"""Data that are lengths in the input's units; the limit of an excess is none."""
+
+
+def sentence(code: str, data: Mapping[str, Any]) -> str:
+    """What a note says; the plain text, if there is any, for codes and data that this version does not know."""
+    percent = {f"{name}_percent": 100.0 * value for name, value in data.items() if isinstance(value, float)}
+    try:
+        return NOTES[f"{code.removeprefix('note.')} {data.get('on', '')}".strip()].format(**data, **percent)
+    except (KeyError, IndexError, ValueError, TypeError):
+        return str(data.get("text", ""))
+
+
+def in_units(data: Mapping[str, Any], code: str, scale: float) -> dict[str, Any]:
+    """The data of a note with lengths in other units, of which an input unit has so many."""
+    names = () if data.get("on") == "excess" else LENGTHS.get(code, ())
+    return {name: scale * value if name in names else value for name, value in data.items()}
