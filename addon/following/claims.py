@@ -8,9 +8,11 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
+from itertools import pairwise
 
 import bpy
 import numpy as np
+from mathutils import Matrix, Vector
 
 from .. import record
 from ..animation import shape_keys
@@ -18,6 +20,7 @@ from ..binding import field
 from ..core import core
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check
+from ..generation.folding import Folding
 from ..generation.job import completed, running
 from ..io import silhouette
 from ..notes import note
@@ -30,8 +33,13 @@ from . import live
 # Seconds that a drawing must rest before its cages are checked.
 REST = 0.3
 
+# Points of a drawing that tell whether its transform was applied, and their largest relative error then.
+MAX_CORNERS, UNMOVED = 8, 1e-5
+
 # Names of changed outputs, and the time of the last change.
 _changed: dict[str, float] = {}
+# By session ID of drawings: where they stood, and some of their points.
+_stood: dict[int, tuple[Matrix, list[Vector]]] = {}
 
 
 def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Chain:
@@ -45,7 +53,7 @@ def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) ->
         or collection is None
         or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
     ):
-        return Chain(objects)
+        return Chain(objects, folding=_folding(objects))
     found = [
         original for original in ownership.originals(collection) if original not in objects and original.visible_get()
     ]
@@ -53,7 +61,13 @@ def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) ->
     if not ownership.is_bound(collection):
         return Chain(objects, [each for each in found if _is_readable(context, collection, each)], place)
     originals = [original for original in found if field.followed(original) is not None]
-    return Chain(objects, originals, place, instead=bool(originals), seen=_displayed)
+    return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
+
+
+def _folding(objects: Sequence[bpy.types.Object]) -> list[Folding]:
+    """The fields that bound objects follow, each with the cage around them."""
+    pairs = [(inner, cage, field.field_of(cage)) for inner, cage in pairwise(objects)]
+    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == shows]
 
 
 def _is_readable(context: bpy.types.Context, collection: bpy.types.Collection, obj: bpy.types.Object) -> bool:
@@ -101,23 +115,55 @@ def _remember(cage: bpy.types.Object, holds: bool, finding: core.Fault, frames: 
 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Notes outputs whose drawing has changed its shape or how it carries what is parented to it."""
+    """Notes outputs whose drawing has changed its shape; cages stay where it is, however it carries them."""
     outputs = [found for found in bpy.data.collections if ownership.is_output(found)]
     if not outputs or running() is not None:
         return
     updated = {update.id.original.session_uid for update in depsgraph.updates if update.is_updated_geometry}
     for collection in outputs:
         sources, cages = ownership.originals(collection), ownership.members(collection)[1:]
+        for source in sources:
+            _stay(collection, source)
         theirs = {id.session_uid for obj in sources for id in (obj, obj.data) if id is not None}
         if cages and theirs & updated and updated.isdisjoint(cage.session_uid for cage in cages):
-            for obj in (*ownership.members(collection), *ownership.helpers(collection)):
+            for obj in _carried(collection):
                 for source in sources:
                     placement.keep_carried(obj, source)
-            for source in sources:
-                field.keep_in_place(source)
             _changed[collection.name] = time.perf_counter()
             if not bpy.app.timers.is_registered(_on_timer):
                 bpy.app.timers.register(_on_timer, first_interval=REST)
+
+
+def _carried(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """All objects that a drawing carries."""
+    return [*ownership.members(collection), *ownership.helpers(collection)]
+
+
+def _stay(collection: bpy.types.Collection, source: bpy.types.Object) -> None:
+    """Leaves cages where they are when a transform of their drawing was applied, or its origin set: its points have
+    other coordinates and the same places.
+    """
+    before, now = _stood.get(source.session_uid), (source.matrix_world.copy(), _corners(source))
+    _stood[source.session_uid] = now
+    if before is None or before[0] == now[0] or before[1] == now[1] or len(before[1]) != len(now[1]):
+        return
+    there, here = ([matrix @ point for point in points] for matrix, points in (before, now))
+    size = max(point.length for point in there)
+    if any((one - other).length > UNMOVED * size for one, other in zip(there, here, strict=True)):
+        return
+    back = now[0].inverted_safe() @ before[0]
+    for obj in _carried(collection):
+        placement.rebase(obj, source, back)
+    field.leave_place(source)
+
+
+def _corners(obj: bpy.types.Object) -> list[Vector]:
+    """The first points of a curve or mesh, in its own space."""
+    if obj.type == "MESH":
+        return [vertex.co.copy() for vertex in obj.data.vertices[:MAX_CORNERS]]
+    splines = obj.data.splines[:MAX_CORNERS] if obj.type == "CURVE" else ()
+    points = [point for spline in splines for point in (spline.bezier_points or spline.points)[:MAX_CORNERS]]
+    return [point.co.to_3d() for point in points]
 
 
 def _on_timer() -> float | None:
@@ -170,3 +216,4 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_on_timer):
         bpy.app.timers.unregister(_on_timer)
     _changed.clear()
+    _stood.clear()

@@ -75,6 +75,16 @@ def keep_carried(obj: bpy.types.Object, source: bpy.types.Object) -> None:
         carry(obj, *carrier_of(obj))
 
 
+def rebase(obj: bpy.types.Object, source: bpy.types.Object, back: Matrix) -> None:
+    """Leaves an object where it is while the space of the drawing that carries it by a constraint has changed.
+
+    back: from the space of before to that of now. Blender does so for children.
+    """
+    constraint = constraint_of(obj)
+    if constraint is not None and constraint.target == source:
+        constraint.inverse_matrix = back @ constraint.inverse_matrix
+
+
 def accompany(obj: bpy.types.Object, other: bpy.types.Object, at: Matrix = HERE) -> None:
     """Puts an object at a place in the space of another one, and lets the same drawing carry both."""
     carry(obj, *carrier_of(other))

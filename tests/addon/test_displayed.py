@@ -132,19 +132,30 @@ def test_a_change_that_cages_cannot_follow_is_said_at_once(addon, change, bound)
     assert cage["nested_cages_check"].startswith("Holds")
 
 
-def test_a_scale_that_is_applied_to_a_bound_drawing_changes_nothing() -> None:
-    source = wire("Drawing", [star()])
-    source.scale = (2.0, 2.0, 2.0)
-    assert bpy.ops.object.nested_cages_generate(levels="24, 12") == {"FINISHED"} == bpy.ops.object.nested_cages_bind()
+@pytest.mark.parametrize("bound", [True, False])
+@pytest.mark.parametrize("add", [bezier, lambda: wire("Drawing", [star()])])
+def test_a_transform_that_is_applied_moves_no_cage(add, bound) -> None:
+    add()
+    source = bpy.context.object
+    source.scale, source.rotation_euler, source.location = (2.0, 2.0, 2.0), (0.1, 0.2, 0.3), (1.0, 2.0, 3.0)
+    assert bpy.ops.object.nested_cages_generate(levels="16, 8") == {"FINISHED"}
+    cages = [bpy.data.objects[f"{source.name} Cage {level}"] for level in (1, 2)]
+    end = bpy.context.scene.frame_current
+    if bound:
+        bpy.ops.object.nested_cages_bind()
     for obj in bpy.context.selected_objects:
         obj.select_set(False)
     source.select_set(True)
     bpy.context.view_layer.objects.active = source
     bpy.ops.object.transform_apply()
-    cage = bpy.data.objects["Drawing Cage 2"]
-    for point in cage.data.vertices:
-        point.co.x += 0.3 * point.co.y
-    check_enclosed(source, bpy.data.objects["Drawing Cage 1"], 200)
+    for cage in cages:
+        check_enclosed(source, cage, end)
+    if bound:
+        for point in cages[1].data.vertices:
+            point.co.x += 0.3 * point.co.y
+    source.location.x += 1.0
+    for cage in cages:
+        check_enclosed(source, cage, end)
 
 
 def closed_curve(add):
