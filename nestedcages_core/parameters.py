@@ -50,6 +50,13 @@ def check_count(method: object, *names: str, least: int = 1) -> None:
             raise _error(method, name, f"must be a whole number of at least {least}", value)
 
 
+def check_side(method: object) -> None:
+    """NestedCagesError unless ``side`` is 1 or -1."""
+    side = getattr(method, "side", None)
+    if side not in (1, -1):
+        raise _error(method, "side", "must be 1 or -1", side)
+
+
 def check_part(method: object, name: str, needed: str, example: str) -> None:
     """NestedCagesError unless the named parameter is an object, not a class, with an attribute ``needed``."""
     value = getattr(method, name)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
+import numpy as np
 import pytest
+
+from nestedcages_core import Mesh, to_engine_json, to_svg
+from nestedcages_core.command import main
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("nestedcages_core", "addon", "packaging", "examples", "benchmarks")
@@ -80,3 +85,24 @@ def test_names_of_files_are_allowed_and_distinct_everywhere() -> None:
         assert len(name) <= LONGEST_PATH, name
         parts = PurePosixPath(name).parts
         assert not any(RESERVED.fullmatch(part) or part.endswith((".", " ")) for part in parts), name
+
+
+STAR = Mesh.from_loops([np.array([[0, 0], [10, 0], [10, 10], [6, 10], [5, 4], [4, 10], [0, 10]], float)])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a b.svg", to_svg(STAR).replace("><", ">\n<")),
+        ("ä.geojson", json.dumps(STAR.__geo_interface__, indent=1)),
+        ("a.json", to_engine_json(STAR).replace(",", ",\n")),
+    ],
+)
+def test_files_that_windows_wrote_are_read(tmp_path: Path, name: str, text: str) -> None:
+    """A byte order mark, and lines that end with a carriage return too."""
+    path = tmp_path / name
+    for mark, end in ((b"", "\n"), (b"\xef\xbb\xbf", "\r\n")):
+        path.write_bytes(mark + text.replace("\n", end).encode("utf-8"))
+        assert main([str(path), "--levels", "4", "-o", str(tmp_path / f"{len(mark)}.json")]) == 0
+    plain, windows = ((tmp_path / f"{size}.json").read_bytes() for size in (0, 3))
+    assert plain == windows

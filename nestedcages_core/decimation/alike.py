@@ -7,9 +7,9 @@ import numpy as np
 from ..errors import NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
+from ..geometry.loops import Loops
 from ..geometry.orbits import Orbits
 from ..geometry.vectors import norm
-from .outline import Outline
 
 SYMMETRY_TOLERANCE = 1e-3
 """Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric. Offsets in
@@ -20,7 +20,7 @@ class AsymmetricError(NestingError):
     """An outline that is not symmetric."""
 
 
-def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:
+def orbits_of(outline: Loops, symmetry: Symmetry) -> Orbits:
     """The orbits of an outline. Raises AsymmetricError."""
     orbits = Orbits.of(outline.vertices, outline.successor, symmetry, SYMMETRY_TOLERANCE * outline.diameter)
     if orbits is None:
@@ -32,14 +32,14 @@ def orbits_of(outline: Outline, symmetry: Symmetry) -> Orbits:
     return orbits
 
 
-def symmetrised(outline: Outline, symmetry: Symmetry | None) -> Outline:
+def symmetrised(outline: Loops, symmetry: Symmetry | None) -> Loops:
     """An outline that is symmetric up to a tolerance, made exactly symmetric. Raises AsymmetricError."""
     if symmetry is None:
         return outline
     return outline.moved(orbits_of(outline, symmetry).symmetrised(outline.vertices))
 
 
-def padded_alike(outline: Outline, total: int, symmetry: Symmetry) -> list[FloatArray]:
+def padded_alike(outline: Loops, total: int, symmetry: Symmetry) -> list[FloatArray]:
     """The loops (k, 2) of a symmetric outline with edges divided evenly, images alike, up to `total` vertices.
 
     May have fewer vertices where edges come in orbits. Raises AsymmetricError.
@@ -63,6 +63,5 @@ def padded_alike(outline: Outline, total: int, symmetry: Symmetry) -> list[Float
     begin = np.cumsum(of_edge) - of_edge
     fraction = (np.arange(of_edge.sum()) - np.repeat(begin, of_edge)) / np.repeat(of_edge, of_edge)
     vertices = np.repeat(outline.vertices, of_edge, axis=0) + fraction[:, None] * np.repeat(steps, of_edge, axis=0)
-    grown = tuple(np.add.reduceat(of_edge, outline.begins).tolist())
-    padded = Outline(vertices, grown)
-    return symmetrised(padded, symmetry).loops
+    padded = Loops.of(vertices, np.add.reduceat(of_edge, outline.begins))
+    return symmetrised(padded, symmetry).split()

@@ -58,6 +58,26 @@ class SeveralStarts(Protocol):
         ...
 
 
+@runtime_checkable
+class CurveStarts(SeveralStarts, Protocol):
+    """A decimation whose starts come with meshes on the curve, and that knows the fewest vertices there can be."""
+
+    @property
+    def on_curve(self) -> bool:
+        """Whether they do."""
+        ...
+
+    @property
+    def outside(self) -> Decimation:
+        """The same without meshes on the curve."""
+        ...
+
+    @property
+    def inside(self) -> Decimation:
+        """The same for meshes inside the fine one."""
+        ...
+
+
 def clamped(count: int, fine: Mesh) -> tuple[int, tuple[Fault, ...]]:
     """A number of vertices, clamped to that of the fine mesh, with a note if it was larger."""
     available = len(fine.vertices)

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.group import Symmetry
+from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import norm
-from .outline import Outline
 
 LEAST_WEIGHT = 0.02
 """Lower bound of the weights, as a fraction of their mean, so that all edges are pulled inwards."""
@@ -73,7 +73,7 @@ class Importance:
         weight: FloatArray = start + close.parameter * (end - start)
         return weight
 
-    def pinned(self, outline: Outline) -> BoolArray:
+    def pinned(self, outline: Loops) -> BoolArray:
         """(n,) the vertices of an outline that are closest to pins; with `with_vertices` all pins have one."""
         held = np.zeros(len(outline.vertices), bool)
         for pin in self.pins:
@@ -81,7 +81,7 @@ class Importance:
             held[int(np.argmin(distance))] |= bool(distance.min() <= FARTHEST_PIN * self.fine.diagonal)
         return held
 
-    def with_vertices(self, outline: Outline) -> Outline:
+    def with_vertices(self, outline: Loops) -> Loops:
         """The outline with additional vertices at pins without one."""
         for pin in self.pins:
             if norm(outline.vertices - pin).min() > 0.5 * PIN_REACH * self.fine.diagonal:
@@ -89,13 +89,13 @@ class Importance:
         return outline
 
 
-def _with_vertex(outline: Outline, place: FloatArray) -> Outline:
+def _with_vertex(outline: Loops, place: FloatArray) -> Loops:
     """The outline with a vertex at the point on it that is closest to a place."""
     starts = outline.vertices
     close = EdgeSearch(starts, starts[outline.successor]).closest(place[None])
     edge, t = int(close.edge[0]), float(close.parameter[0])
     new = starts[edge] + t * (starts[outline.successor[edge]] - starts[edge])
     loop = int(np.searchsorted(outline.begins, edge, side="right")) - 1
-    sizes: list[int] = list(outline.sizes)
+    sizes: list[int] = outline.sizes.tolist()
     sizes[loop] += 1
-    return Outline(np.insert(starts, edge + 1, new, axis=0), tuple(sizes))
+    return Loops.of(np.insert(starts, edge + 1, new, axis=0), sizes)

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray, IntArray
+from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import cross, norm
 from .base import LEAST_PER_LOOP, Count, checked_budget
 from .hull.apportion import padded
 from .hull.small_holes import with_room
-from .outline import Outline
 
 TIE_TOLERANCE = 1e-9
 """Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
@@ -36,20 +35,23 @@ class Request:
     """
 
     fine: Mesh
-    outline: Outline
+    outline: Loops
     loop_order: IntArray
     total: int
     per_loop: IntArray | None
-    side: ClassVar[int] = 1
-    """1 for meshes around the fine one, -1 for meshes inside it."""
+    side: int = 1
+    """1 for meshes around the fine one; -1 for meshes inside it, which are around what surrounds it: the loops of the
+    outline then have that on their left."""
 
     @classmethod
-    def of(cls, fine: Mesh, count: Count) -> Request:
+    def of(cls, fine: Mesh, count: Count, side: int = 1) -> Request:
         """The request for a count as in `Decimation.decimate`. Raises NestingError."""
         budget = checked_budget(fine, count)
         outline, loop_order = canonical_order(fine)
+        if side < 0:
+            outline = Loops.of(outline.turned(np.ones(len(outline.sizes), bool)).vertices, outline.sizes)
         per_loop = None if budget.per_loop is None else np.array(budget.per_loop)[loop_order]
-        return cls(fine, outline, loop_order, budget.total, per_loop)
+        return cls(fine, outline, loop_order, budget.total, per_loop, side)
 
     @property
     def minimum(self) -> list[int]:
@@ -62,7 +64,7 @@ class Request:
         """Number of vertices to decimate to. Loops that want more than their own get them by divided edges."""
         return self.total if self.per_loop is None else sum(self.minimum)
 
-    def coarse(self, outline: Outline) -> Mesh:
+    def coarse(self, outline: Loops) -> Mesh:
         """The coarse mesh of an outline with at most `target` vertices: edges are divided until there are enough.
 
         Raises InvalidMeshError where loops cross.
@@ -74,12 +76,13 @@ class Request:
         return Mesh.from_loops([loops[k] for k in np.argsort(self.loop_order)])
 
     def with_room(self, coarse: Mesh, clearance: float) -> Mesh:
-        """The coarse mesh with small polygons in holes that the clearance nearly fills."""
-        return with_room(coarse, self.fine, clearance)
+        """The coarse mesh with small polygons in holes that the clearance nearly fills; inside there is space."""
+        return with_room(coarse, self.fine, clearance) if self.side > 0 else coarse
 
     def nests(self, coarse: Mesh) -> bool:
         """Whether each loop of the coarse mesh lies on the right side of its fine one, by exact predicates."""
-        return Nesting(coarse, self.fine).encloses_loop_by_loop()
+        outer, inner = (coarse, self.fine) if self.side > 0 else (self.fine, coarse)
+        return Nesting(outer, inner).encloses_loop_by_loop()
 
     def same_roles(self, coarse: Mesh) -> Mesh:
         """The coarse mesh. Raises InvalidMeshError if its loops do not lie in each other as those of the fine mesh."""
@@ -105,7 +108,7 @@ def _first_of(candidates: IntArray, points: FloatArray, tie: float) -> int:
     return int(candidates[min(range(len(sequences)), key=lambda k: tuple(sequences[k]))])
 
 
-def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
+def canonical_order(fine: Mesh) -> tuple[Loops, IntArray]:
     """The loops of a mesh, largest first, each from the vertex farthest from its centre; and their numbers (L,)."""
     tie, corner = TIE_TOLERANCE * fine.diagonal, fine.vertices.min(axis=0)
     rings, keys = [], []
@@ -123,4 +126,4 @@ def canonical_order(fine: Mesh) -> tuple[Outline, IntArray]:
         keys.append((-round(abs(area) / (tie * fine.diagonal)), *np.round((points[start] - corner) / tie)))
     order = np.array(sorted(range(len(rings)), key=keys.__getitem__), dtype=np.int64)
     ordered = tuple(rings[k] for k in order)
-    return Outline(fine.vertices[np.concatenate(ordered)], tuple(len(ring) for ring in ordered)), order
+    return Loops.of(fine.vertices[np.concatenate(ordered)], [len(ring) for ring in ordered]), order

@@ -43,15 +43,13 @@ class Loops:
     """(L,) number of vertices of each loop."""
     numbers: IntArray
     """(n,) number in a mesh of the vertex at each place."""
-    spans: IntArray | None = None
-    """(n, 2) the first and the last vertex of the fine loop that a vertex replaces, as places in that loop."""
     sense: int = 1
     """1 forwards, -1 backwards."""
 
     @classmethod
-    def of(cls, vertices: FloatArray, sizes: IntArray | Sequence[int], spans: IntArray | None = None) -> Loops:
+    def of(cls, vertices: FloatArray, sizes: IntArray | Sequence[int]) -> Loops:
         """Loops of vertices (n, 2) whose numbers are their places."""
-        return cls(vertices, np.asarray(sizes, np.int64), np.arange(len(vertices)), spans)
+        return cls(vertices, np.asarray(sizes, np.int64), np.arange(len(vertices)))
 
     @cached_property
     def begins(self) -> IntArray:

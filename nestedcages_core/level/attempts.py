@@ -7,18 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite
-from typing import NamedTuple
+from math import isfinite
 
 import numpy as np
 
 from ..contact import Contact, SequentialQP
-from ..decimation import Count, Decimation, LineCycles, Start
-from ..decimation.hull.inner_hull import InnerHull
-from ..decimation.line_cycles import InnerCycles
+from ..decimation import Count, CurveStarts, Decimation, OuterHull, Start
 from ..energies import Area
 from ..errors import FlowError, NestingError
-from ..flow import FlowMethod, TwoSidedFlow
+from ..flow import FlowMethod
 from ..flow.loop_matching import match_loops
 from ..geometry.mesh import Mesh
 from .choices import DEFAULT_CLEARANCE, Choices
@@ -36,9 +33,8 @@ MAX_IPC_PAIRS = 10.0
 """Pairs in contact per vertex above which IPC gives up. Usual are 1 to 3; around cores of many needles there are 20 to
 140, and an iteration takes fifty times as long (docs/ablation.md: IPC ends in crowds)."""
 
-QUICK_LIMIT, QUICK_PATIENCE = 10, 6
-"""Maximum number of steps of a descent of the flow where hulls compete, half the usual one; patience of the contact
-there, with which as many cages come from the flow as with the usual one."""
+QUICK_PATIENCE = 6
+"""Patience of the contact where hulls compete, with which as many cages come from the flow as with the usual one."""
 
 LOOSE = 0.5
 """Excess of a cage from a user's own coarse mesh above which the next contact is tried too: around needles the contacts
@@ -105,15 +101,15 @@ def attempts(
         quick = may_fall_back and settings.contact is None
         contacts = (SequentialQP(patience=QUICK_PATIENCE),) if quick else contacts_for(settings)
         if may_fall_back and _prefers_curve(decimation):
-            flow = _quick(flow)
+            flow = getattr(flow, "quick", flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
     last = replace(last, seeks_area=isinstance(settings.energy, Area))
     yield last
     if settings.fallback is not None and settings.fallback != last.source:
         counts = _counts(fine, wanted)
         last = Attempt(settings.fallback, counts, settings.starts, flow, contacts, clearances, fallback=True)
-        if isinstance(wanted, Mesh) and isinstance(settings.decimation, LineCycles):  # tighter, where there are any
-            around = replace(settings.decimation, on_curve=False)
+        if isinstance(wanted, Mesh) and isinstance(settings.decimation, CurveStarts):  # tighter, where there are any
+            around = settings.decimation.outside
             if around != settings.fallback:
                 yield replace(last, source=around)
         yield last
@@ -125,9 +121,9 @@ def _attempts_inside(
     settings: Choices, fine: Mesh, wanted: int | Mesh, clearances: tuple[float, ...]
 ) -> Iterator[Attempt]:
     """The same for a cage inside ``fine``: hulls rest inside it, so nothing flows."""
-    first: Decimation = InnerHull()
-    if isinstance(settings.decimation, LineCycles) and not isinstance(wanted, Mesh):
-        first = InnerCycles(settings.decimation)
+    first: Decimation = OuterHull(side=-1)
+    if isinstance(settings.decimation, CurveStarts) and not isinstance(wanted, Mesh):
+        first = settings.decimation.inside
     count: Count = len(wanted.vertices) if isinstance(wanted, Mesh) else wanted
     last = Attempt(first, count, settings.starts, settings.flow, (), clearances)
     if isinstance(wanted, Mesh):
@@ -141,22 +137,15 @@ def _attempts_inside(
     yield replace(last, tightened=False)
 
 
-class StartOutcome(NamedTuple):
-    """The outcome of a start."""
+def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, float, None]:
+    """The starts of an attempt that are worth trying; a generator that is sent the rank of each.
 
-    rank: float = inf
-    """Smaller is better; infinite if there is no cage, or if it was given up for a better one."""
-    cage: Mesh | None = None
-
-
-def in_turn(starts: Sequence[Start], fine: Mesh, attempt: Attempt) -> Generator[Start, StartOutcome, None]:
-    """The starts of an attempt that are worth trying; a generator that is sent the outcome of each.
-
-    First the best one, on the curve, as in the paper; then the others as they are, which is faster.
+    A rank is smaller where a cage is better, and infinite where there is none. First the best start, on the curve, as
+    in the paper; then the others as they are, which is faster.
     """
     for number, start in enumerate(starts):
         if number == 0 and start.on_curve is not None:
-            least = (yield Start(start.on_curve, "on the curve")).rank
+            least = yield Start(start.on_curve, "on the curve")
             # a single start is tried itself where even its coarse mesh is tighter than the cage from the curve
             if isfinite(least) and (len(starts) > 1 or not attempt.seeks_area or least <= _excess(start, fine)):
                 continue
@@ -181,16 +170,11 @@ def contacts_for(settings: Choices) -> tuple[Contact, ...]:
 
 def _prefers_curve(source: Mesh | Decimation) -> bool:
     """Whether starts come with meshes on the curve."""
-    return isinstance(source, LineCycles) and source.on_curve
+    return isinstance(source, CurveStarts) and source.on_curve
 
 
 def _excess(start: Start, fine: Mesh) -> float:
     return start.coarse.area / fine.area - 1.0
-
-
-def _quick(flow: FlowMethod) -> FlowMethod:
-    """The default flow with fewer steps and without its slow last stages; any other flow unchanged."""
-    return replace(flow, limit=QUICK_LIMIT, detours=False) if isinstance(flow, TwoSidedFlow) else flow
 
 
 def clearances_for(settings: Choices, fine: Mesh) -> tuple[float, ...]:

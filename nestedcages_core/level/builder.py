@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import Decimation, LineCycles, SeveralStarts, Start
+from ..decimation import CurveStarts, Decimation, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
 from ..energies import Area, inwards, signed_area
@@ -25,7 +25,7 @@ from ..verification import verify
 from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
 from .assembly import Assembly, CageInProgress, failed, is_only_too_close
-from .attempts import PAPER_PREFERENCE, Attempt, StartOutcome, attempts, in_turn
+from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
 from .choices import Choices
 from .counts import with_least
 from .early_stop import EarlyStop
@@ -125,7 +125,7 @@ class LevelBuilder:
                 logger.debug("attempt from %s failed: %s", attempt.source, error)
                 if attempt.tightened:
                     failures.append(error)
-                    started += [error] if self.starts and isinstance(attempt.source, LineCycles) else []
+                    started += [error] if self.starts and isinstance(attempt.source, CurveStarts) else []
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
             raise (started or failures)[-1]
         raise with_least(failures, self.outline, self.clearances[0])
@@ -149,20 +149,19 @@ class LevelBuilder:
         while start is not None:
             tried.append(start.source)
             self.progress.next_start(len(self.starts))
-            best, outcome = min((cage.rank for cage in cages), default=np.inf), StartOutcome()
+            best, rank = min((cage.rank for cage in cages), default=np.inf), np.inf
             try:
                 cage = yield from self._reinflated(attempt, start)
                 cage = yield from self._tightened(cage, attempt.clearances[0], best)
                 if np.isfinite(cage.rank):
                     cages.append(cage)
-                    vertices = self.units.to_input(cage.reinflation.cage_steps[-1])
-                    outcome = StartOutcome(cage.rank, start.coarse.moved(vertices))
+                    rank = cage.rank
             except FAILURES as error:
                 logger.debug("start from %s failed: %s", start.source, error)
                 errors.append(start.makeshift_for or error)
-            logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, outcome.rank)
+            logger.debug("start %s, %s: ranked %.9g", self.progress.starts_so_far, start.source, rank)
             try:
-                start = turn.send(outcome)
+                start = turn.send(rank)
             except StopIteration:
                 start = None
         refused: list[NestedCagesError] = []

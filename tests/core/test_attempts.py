@@ -29,7 +29,6 @@ from nestedcages_core.level.attempts import (
     MAX_CLEARANCE,
     MIN_DEFAULT_CLEARANCE,
     Attempt,
-    StartOutcome,
     attempts,
     clearances_for,
     contacts_for,
@@ -171,7 +170,7 @@ def ran(starts: list[Start], fine: Mesh, ranks: list[float], **options: Any) -> 
         names.append(f"{start.source} {number}")
         rank = ranks[len(names) - 1] if len(names) <= len(ranks) else inf
         try:
-            start = turn.send(StartOutcome(rank, start.coarse if rank < inf else None))
+            start = turn.send(rank)
         except StopIteration:
             return names
 

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -54,13 +55,18 @@ def processes() -> Iterator[Executor]:
         yield pool
 
 
+def spawning() -> Executor:
+    """A process that imports all anew, as on Windows and macOS."""
+    return ProcessPoolExecutor(1, get_context("spawn"))
+
+
 @pytest.fixture(params=["here", "threads", "processes", "maker"])
 def executor(request: pytest.FixtureRequest, processes: Executor) -> Iterator[object]:
     if request.param == "threads":
         with ThreadPoolExecutor(2) as pool:
             yield pool
     else:
-        yield {"here": None, "processes": processes, "maker": lambda: ProcessPoolExecutor(1)}[request.param]
+        yield {"here": None, "processes": processes, "maker": spawning}[request.param]
 
 
 @pytest.mark.slow

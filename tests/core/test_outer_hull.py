@@ -19,8 +19,8 @@ from nestedcages_core.decimation.hull.linked_loops import LinkedLoops
 from nestedcages_core.decimation.hull.move_queue import MoveQueue
 from nestedcages_core.decimation.hull.offset import strict_offset
 from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
-from nestedcages_core.decimation.outline import Outline
 from nestedcages_core.decimation.request import canonical_order
+from nestedcages_core.geometry.loops import Loops
 from shapes import annulus, assert_nested, islands, letter_a, polygon, ring, star
 
 QUICK = OuterHull()
@@ -45,12 +45,12 @@ def slit_square(width: float, steps: int = 20) -> Mesh:
     return Mesh.from_loops([np.concatenate([[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], right, left, [(0.0, 1.0)]])])
 
 
-def outline_of(mesh: Mesh) -> Outline:
+def outline_of(mesh: Mesh) -> Loops:
     return canonical_order(mesh)[0]
 
 
-def solid(outline: Outline) -> shapely.Geometry:
-    return polygon(Mesh.from_loops(outline.loops))
+def solid(outline: Loops) -> shapely.Geometry:
+    return polygon(Mesh.from_loops(outline.split()))
 
 
 # The hull

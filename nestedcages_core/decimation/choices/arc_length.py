@@ -28,7 +28,7 @@ class ArcLength:
         Raises NestingError if the count is impossible or the loops cross in all phases.
         """
         request = Request.of(fine, count)
-        loops, sizes = request.outline.loops, request.per_loop
+        loops, sizes = request.outline.split(), request.per_loop
         if sizes is None:
             lengths = np.array([_arc_lengths(loop)[-1] for loop in loops])
             sizes = shares(request.total, lengths, LEAST_PER_LOOP)

@@ -11,11 +11,11 @@ import numpy as np
 from ...errors import NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.distance import point_edge
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import crossing_pairs
 from ...geometry.vectors import cross, norm
 from ..base import LEAST_PER_LOOP, Count
-from ..outline import Outline
 from ..request import Request
 from .simplification import followed
 
@@ -36,9 +36,9 @@ class DouglasPeucker:
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A coarse mesh of vertices of the fine one, whatever the clearance; loop k on loop k. Raises NestingError."""
         request = Request.of(fine, count)
-        limits = request.outline.sizes if request.per_loop is None else request.minimum
+        limits = request.outline.sizes.tolist() if request.per_loop is None else request.minimum
         total = request.target
-        division = _Division(request.outline.loops)
+        division = _Division(request.outline.split())
         crossing: set[Chord] = set()
         for _ in range(MAX_REPAIRS):
             chosen = division.chosen(total, limits, crossing)
@@ -102,10 +102,10 @@ class _Division:
         touched = (chords[e] for e in np.unique(np.concatenate((one[apart], other[apart]))).tolist())
         return {chord for chord in touched if chord[2] - chord[1] > 1}
 
-    def outline(self, chosen: list[list[int]]) -> Outline:
+    def outline(self, chosen: list[list[int]]) -> Loops:
         """The chosen vertices."""
         vertices = np.concatenate([loop[places] for loop, places in zip(self.loops, chosen, strict=True)])
-        return Outline(vertices, tuple(map(len, chosen)))
+        return Loops.of(vertices, [len(each) for each in chosen])
 
     def _triangle(self, k: int) -> list[int]:
         """The first vertex of a loop, the one farthest from it, and the one farthest from the line of both."""

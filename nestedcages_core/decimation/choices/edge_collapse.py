@@ -8,11 +8,11 @@ from math import frexp
 
 import numpy as np
 
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import orientation_sign
 from ...geometry.vectors import norm
 from ..base import Count
-from ..outline import Outline
 from .simplification import MAX_VERTEX_DISTANCE, Simplification, simplified
 
 MIDPOINT_WEIGHT = 1e-3
@@ -40,7 +40,7 @@ class _Collapsing(Simplification):
     lengths l and normals n, about the centre: coefficients of x², xy, y², x, y and 1.
     """
 
-    def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
+    def __init__(self, outline: Loops, minimum: Sequence[int]) -> None:
         super().__init__(outline, minimum)
         # a power of two scales exactly, and keeps the sixth powers of lengths within the range of floats
         self.unit = 2.0 ** frexp(self.loops.diameter)[1]

@@ -10,12 +10,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from ...errors import InvalidMeshError, NestingError
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import orientation_sign
 from ..base import Count
 from ..hull.linked_loops import LinkedLoops
 from ..hull.move_queue import MoveQueue
-from ..outline import Outline
 from ..request import Request
 
 MAX_VERTEX_DISTANCE = 1.5
@@ -28,7 +28,7 @@ NEGLIGIBLE_COST = 1e-15
 class Simplification(ABC):
     """State of a greedy simplification: the loops and a queue of moves, one slot per vertex."""
 
-    def __init__(self, outline: Outline, minimum: Sequence[int]) -> None:
+    def __init__(self, outline: Loops, minimum: Sequence[int]) -> None:
         """minimum: vertices that each loop keeps, at least 3."""
         self.minimum = list(minimum)
         self.loops = LinkedLoops(outline, MAX_VERTEX_DISTANCE)
@@ -42,7 +42,7 @@ class Simplification(ABC):
     def make(self, vertex: int, place: tuple[float, ...]) -> bool:
         """Make the move of a vertex if nothing blocks it, and reconsider its neighbours; whether it was made."""
 
-    def run(self, count: int) -> Outline:
+    def run(self, count: int) -> Loops:
         """Remove vertices until `count` are left, or as many as can be removed."""
         loops, made = self.loops, True
         while loops.total > count and made and loops.sizes != self.minimum:
@@ -78,7 +78,7 @@ def simplified(fine: Mesh, count: Count, method: type[Simplification]) -> Mesh:
     return followed(request, left)
 
 
-def followed(request: Request, outline: Outline) -> Mesh:
+def followed(request: Request, outline: Loops) -> Mesh:
     """The coarse mesh of a simplified outline, with as many vertices as wanted. Raises NestingError."""
     try:
         return request.same_roles(request.coarse(outline))

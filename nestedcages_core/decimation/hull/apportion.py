@@ -7,8 +7,8 @@ from heapq import heapify, heapreplace
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
+from ...geometry.loops import Loops
 from ...geometry.vectors import norm
-from ..outline import Outline
 
 
 def shares(total: int, lengths: FloatArray, least: int) -> IntArray:
@@ -27,7 +27,7 @@ def shares(total: int, lengths: FloatArray, least: int) -> IntArray:
     return numbers
 
 
-def padded(outline: Outline, total: int, per_loop: IntArray | None) -> list[FloatArray]:
+def padded(outline: Loops, total: int, per_loop: IntArray | None) -> list[FloatArray]:
     """The loops (k, 2) of an outline with edges divided evenly until there are enough vertices.
 
     total: wanted number of vertices. per_loop: (L,) wanted number for each loop, instead of the total.

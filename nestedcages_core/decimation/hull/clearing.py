@@ -12,10 +12,10 @@ import numpy as np
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
 from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.vectors import cross
 from ..base import LEAST_PER_LOOP
-from ..outline import Outline
 from .hull_moves import Weights
 from .linked_loops import LinkedLoops
 from .offset import strict_offset
@@ -50,7 +50,7 @@ NARROW_GAP = 2.2
 """Width in clearances below which a gap is filled if an outline in it does not reach the clearance; 2 fit exactly."""
 
 
-def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
+def cleared(outline: Loops, fine: Mesh, clearance: float) -> Loops:
     """The outline moved outwards until it keeps the clearance; gaps too narrow for that are filled."""
     for _ in range(MAX_ROUNDS):
         outline, kept = _widened(outline, fine, CLEARANCE_RESERVE * clearance)
@@ -70,7 +70,7 @@ def cleared(outline: Outline, fine: Mesh, clearance: float) -> Outline:
     return outline
 
 
-def _widened(outline: Outline, fine: Mesh, distance: float) -> tuple[Outline, bool]:
+def _widened(outline: Loops, fine: Mesh, distance: float) -> tuple[Loops, bool]:
     """The outline with edges closer than `distance` moved outwards, as far as gaps allow; whether all are now."""
     last = np.inf
     for _ in range(MAX_WIDENINGS):
@@ -87,7 +87,7 @@ def _widened(outline: Outline, fine: Mesh, distance: float) -> tuple[Outline, bo
     return outline, False
 
 
-def shortfall(outline: Outline, fine: Mesh, distance: float) -> FloatArray:
+def shortfall(outline: Loops, fine: Mesh, distance: float) -> FloatArray:
     """(n,) how much farther out each vertex must move for both its edges to keep a distance."""
     starts, ends = outline.vertices, outline.vertices.take(outline.successor, axis=0)
     fine_starts, fine_ends = fine.edge_tree.starts, fine.edge_tree.ends
@@ -104,7 +104,7 @@ def shortfall(outline: Outline, fine: Mesh, distance: float) -> FloatArray:
     return missing
 
 
-def _in_narrow_gaps(outline: Outline, tight: BoolArray, width: float) -> BoolArray:
+def _in_narrow_gaps(outline: Loops, tight: BoolArray, width: float) -> BoolArray:
     """(n,) the vertices of pockets whose mouth is narrower than `width` and has a tight (n,) vertex or edge at it.
 
     A vertex and an edge of a loop are the mouth of a pocket if the vertex lies outside the edge and the stretch of
@@ -125,7 +125,7 @@ def _in_narrow_gaps(outline: Outline, tight: BoolArray, width: float) -> BoolArr
     swept = np.concatenate(([0.0], np.cumsum(cross(here, here[outline.successor]))))
     middle = point_edge(here[vertex], here[edge], here[end]).parameter[:, None]
     middle = here[edge] + middle * (here[end] - here[edge])
-    begin, size = outline.begins[loop[vertex]], np.array(outline.sizes)[loop[vertex]]
+    begin, size = outline.begins[loop[vertex]], outline.sizes[loop[vertex]]
     whole = swept[begin + size] - swept[begin]
     forward = swept[edge] - swept[vertex] + np.where(edge < vertex, whole, 0.0)
     forward += cross(here[edge], middle) + cross(middle, here[vertex])
@@ -146,19 +146,19 @@ def _covered(count: int, first: IntArray, last: IntArray, begin: IntArray, size:
     return covered
 
 
-def without_gaps(outline: Outline, width: float) -> Outline:
+def without_gaps(outline: Loops, width: float) -> Loops:
     """The outline with all gaps narrower than `width` filled."""
     unwanted = _in_narrow_gaps(outline, np.ones(len(outline.vertices), dtype=bool), width)
     return _without(outline, unwanted, exact=True)
 
 
-def without_small_details(outline: Outline, area: float) -> Outline:
+def without_small_details(outline: Loops, area: float) -> Loops:
     """The outline with details below an area filled, since short edges keep steps short."""
     minimum = [LEAST_PER_LOOP] * len(outline.sizes)
     return ProgressiveHull(outline, Weights(pivot=None), minimum).run(sum(minimum), area)
 
 
-def _without(outline: Outline, unwanted: BoolArray, *, exact: bool = False) -> Outline:
+def _without(outline: Loops, unwanted: BoolArray, *, exact: bool = False) -> Loops:
     """The outline without the unwanted (n,) vertices that can be dropped, which fills the pockets they line."""
     if not unwanted.any():
         return outline

@@ -6,8 +6,8 @@ from itertools import compress
 
 import numpy as np
 
+from ...geometry.loops import Loops
 from ...geometry.predicates import orientation_sign
-from ..outline import Outline
 from .edge_boxes import EdgeBoxes
 
 MARGIN_ULPS = 64.0
@@ -17,10 +17,10 @@ MARGIN_ULPS = 64.0
 class LinkedLoops:
     """Doubly linked loops with the boxes of their edges. Vertices keep their numbers; an edge has that of its start."""
 
-    def __init__(self, outline: Outline, reach: float) -> None:
+    def __init__(self, outline: Loops, reach: float) -> None:
         """reach: expected upper bound on the distance of vertices from the centre, in diameters."""
         vertices = outline.vertices
-        self.sizes = list(outline.sizes)
+        self.sizes = outline.sizes.tolist()
         self.total = total = len(vertices)
         self.x: list[float] = vertices[:, 0].tolist()
         self.y: list[float] = vertices[:, 1].tolist()
@@ -36,10 +36,10 @@ class LinkedLoops:
         self.margin = MARGIN_ULPS * self.ulp
         self.boxes = EdgeBoxes(vertices, vertices[outline.successor])
 
-    def outline(self) -> Outline:
+    def outline(self) -> Loops:
         """The current loops, each from its first vertex that is left."""
         x, y = (np.fromiter(compress(values, self.alive), np.float64, self.total) for values in (self.x, self.y))
-        return Outline(np.stack((x, y), axis=1), tuple(self.sizes))
+        return Loops.of(np.stack((x, y), axis=1), self.sizes)
 
     def remove(self, vertex: int, *moved: tuple[int, float, float]) -> None:
         """Remove a vertex, and move some right before it, in loop order: (vertex, x, y) each."""

@@ -7,10 +7,10 @@ import numpy as np
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
 from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
+from ...geometry.loops import Loops
 from ...geometry.predicates import BoxTree, orientation, segments_intersect
 from ...geometry.vectors import cross, dot, norm, rotated_right
 from ...tasks import Stage, drain
-from ..outline import Outline
 
 MITRE_LIMIT = 2.5
 """Longest step of a vertex in units of the distance its edges move: convex corners below 47 degrees are bevelled, which
@@ -33,7 +33,7 @@ HALVINGS = 48
 """Maximum number of halvings of steps that still touch something: a gap is then below the spacing of doubles."""
 
 
-def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxTree) -> tuple[Outline, IntArray]:
+def strict_offset(outline: Loops, distance: FloatArray | float, obstacle: BoxTree) -> tuple[Loops, IntArray]:
     """The outline with its edges moved outwards by `distance`, less in narrow gaps; and the vertices that are stuck.
 
     distance: a length, or one per vertex (n,); 0 keeps a vertex where it is. obstacle: further edges to stay clear of,
@@ -45,9 +45,7 @@ def strict_offset(outline: Outline, distance: FloatArray | float, obstacle: BoxT
     return drain(offsetting(outline, distance, obstacle))
 
 
-def offsetting(
-    outline: Outline, distance: FloatArray | float, obstacle: BoxTree
-) -> Stage[None, tuple[Outline, IntArray]]:
+def offsetting(outline: Loops, distance: FloatArray | float, obstacle: BoxTree) -> Stage[None, tuple[Loops, IntArray]]:
     """`strict_offset` as a generator that yields between its searches."""
     lengths = norm(outline.ends - outline.vertices)
     distance = np.broadcast_to(distance, len(lengths))
@@ -70,7 +68,7 @@ def offsetting(
     return moved, np.unique(source[np.concatenate((touching, outline.successor[touching]))])
 
 
-def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray]:
+def _room_in_gaps(outline: Loops, reach: FloatArray) -> Stage[None, FloatArray]:
     """(n,) upper bound on each step: a fraction of the gaps between the vertex, or its edges, and what faces them.
 
     reach: (n,) upper bound on each step without gaps; much wider gaps are not searched.
@@ -113,7 +111,7 @@ def _room_in_gaps(outline: Outline, reach: FloatArray) -> Stage[None, FloatArray
         scale = float(smaller.max())
 
 
-def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, FloatArray]:
+def _mitred(outline: Loops, moving: BoolArray) -> tuple[Loops, IntArray, FloatArray]:
     """The outline with moving (n,) sharp corners doubled; the old index (N,) of each vertex, and how it moves (N, 2).
 
     With the unit normals n₁, n₂ of its edges, a vertex that goes 2 (n₁ + n₂) / |n₁ + n₂|² moves both by one length. At
@@ -139,10 +137,10 @@ def _mitred(outline: Outline, moving: BoolArray) -> tuple[Outline, IntArray, Flo
     direction[second - 1] = (n1 + h * before).take(corner, axis=0)
     direction[second] = (n2 - h * after).take(corner, axis=0)
     doubled = np.add.reduceat(np.where(cut, 2, 1), outline.begins)
-    return Outline(outline.vertices.take(source, axis=0), tuple(doubled.tolist())), source, direction
+    return Loops.of(outline.vertices.take(source, axis=0), doubled), source, direction
 
 
-def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> IntArray:
+def _touching_edges(outline: Loops, watched: IntArray, obstacle: BoxTree) -> IntArray:
     """Edges that touch the obstacle or an edge that is not their neighbour, or fold back on a neighbour.
 
     watched: (W,) the edges to test against all others.
@@ -166,7 +164,7 @@ def _touching_edges(outline: Outline, watched: IntArray, obstacle: BoxTree) -> I
     return touching
 
 
-def _folds_back(outline: Outline, edges: IntArray) -> BoolArray:
+def _folds_back(outline: Loops, edges: IntArray) -> BoolArray:
     """(K,) whether the edge after each of some edges (K,) runs back over it."""
     middle = outline.successor[edges]
     a, b, c = (outline.vertices.take(v, axis=0) for v in (edges, middle, outline.successor[middle]))

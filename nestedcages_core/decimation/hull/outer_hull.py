@@ -9,24 +9,31 @@ from dataclasses import dataclass, replace
 
 from ...errors import NestingError
 from ...geometry.mesh import Mesh
+from ...parameters import check_side
 from ...tasks import Stage, drain
 from ..base import Count, Start
 from ..request import Request
 
-SOURCE = "outer hull"
-"""Name of its meshes in reports."""
+SOURCE, INNER_SOURCE = "outer hull", "inner hull"
+"""Names of its meshes in reports."""
 
 
 @dataclass(frozen=True)
 class OuterHull:
     """Progressive hull of a strict offset of the fine mesh."""
 
+    side: int = 1
+    """1 for a mesh around the fine one, -1 for one inside it: the hull of what surrounds it."""
+
+    def __post_init__(self) -> None:
+        check_side(self)
+
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """The hull; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance))[0].coarse
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
-        """One mesh that strictly encloses the fine one, by exact predicates.
+        """One mesh that strictly encloses the fine one, or lies inside it, by exact predicates.
 
         count: total number of vertices, or one per loop of the fine mesh: exactly these, even if it has fewer itself,
         unless the loops then block each other: their sum is redistributed.
@@ -35,7 +42,8 @@ class OuterHull:
 
         Raises NestingError if the count is impossible, with the smallest one found, or if doubles are too coarse.
         """
-        return [Start((yield from self.hull(Request.of(fine, count), clearance)), SOURCE)]
+        hull = yield from self.hull(Request.of(fine, count, self.side), clearance)
+        return [Start(hull, SOURCE if self.side > 0 else INNER_SOURCE)]
 
     def hull(self, request: Request, clearance: float) -> Stage[float, Mesh]:
         """The mesh of `starts`."""

@@ -11,10 +11,10 @@ from ...errors import Fault, InvalidMeshError, NestingError
 from ...geometry.arrays import FloatArray
 from ...geometry.broad_phase import near_pairs
 from ...geometry.distance import point_edge
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.mesh.validation import place as in_words
 from ...tasks import Stage, mapped
-from ..outline import Outline
 from ..request import Request
 from .clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps, without_small_details
 from .hull_moves import Weights
@@ -38,7 +38,7 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     """The hull of a request. Raises NestingError."""
     outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
     plain = without_small_details(outline, 0.0)  # docs/ablation.md: details like round-off built over
-    smallest: Outline | None = None
+    smallest: Loops | None = None
     for start in (outline, plain) if len(plain.vertices) < len(outline.vertices) else (outline,):
         distance = max(HULL_OFFSET * outline.diameter, CLEARANCE_RESERVE * clearance)
         offset, stuck = yield from mapped(offsetting(start, distance, request.fine.edge_tree), lambda _: 0.0)
@@ -66,7 +66,7 @@ def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     )
 
 
-def _hulls(outline: Outline, request: Request, clearance: float) -> Iterator[float | Outline]:
+def _hulls(outline: Loops, request: Request, clearance: float) -> Iterator[float | Loops]:
     """Hulls of an outline by runs with different weights, and the fraction done in between."""
     size = max(MIN_STAGE_SIZE, STAGE_SIZE_FACTOR * request.target)
     # without pivots, which would cost area and a third of the time
@@ -76,7 +76,7 @@ def _hulls(outline: Outline, request: Request, clearance: float) -> Iterator[flo
         yield (yield from ProgressiveHull(stage, weights, request.minimum).steps(request.target))
 
 
-def _certified(hull: Outline, request: Request, clearance: float) -> Mesh | None:
+def _certified(hull: Loops, request: Request, clearance: float) -> Mesh | None:
     """The mesh of a hull, if it strictly encloses the fine mesh."""
     try:
         mesh = request.coarse(hull)
@@ -87,7 +87,7 @@ def _certified(hull: Outline, request: Request, clearance: float) -> Mesh | None
     return mesh if request.nests(mesh) else None
 
 
-def _tightest(outline: Outline) -> FloatArray:
+def _tightest(outline: Loops) -> FloatArray:
     """The vertex closest to an edge that does not end in it."""
     starts, successor = outline.vertices, outline.successor
     vertex, edge = near_pairs(starts, starts, starts[successor], HULL_OFFSET * outline.diameter)
@@ -98,7 +98,7 @@ def _tightest(outline: Outline) -> FloatArray:
     return place
 
 
-def _unreachable(best: Outline, request: Request) -> Fault:
+def _unreachable(best: Loops, request: Request) -> Fault:
     """The message for a count that even the smallest hull exceeds."""
     sizes = [best.sizes[k] for k in np.argsort(request.loop_order)]
     per_loop = f" ({', '.join(map(str, sizes))} for its loops)" if 1 < len(sizes) <= MAX_LOOPS_LISTED else ""

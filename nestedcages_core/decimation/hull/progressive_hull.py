@@ -16,9 +16,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import hypot, inf
 
+from ...geometry.loops import Loops
 from ...geometry.predicates import orientation_sign
 from ...tasks import Stage, drain
-from ..outline import Outline
 from .hull_moves import PIVOT_RATIO_LOOP, HullMoves, Weights, corner, pivoted
 from .linked_loops import LinkedLoops
 from .move_queue import MoveQueue, Place
@@ -39,7 +39,7 @@ REACH_GROWTH, MAX_REACH_ROUNDS = 4.0, 5
 class ProgressiveHull:
     """State of the greedy: the loops and a queue of moves, those of vertex v in slot 2 v, of its edge in 2 v + 1."""
 
-    def __init__(self, outline: Outline, weights: Weights, minimum: Sequence[int]) -> None:
+    def __init__(self, outline: Loops, weights: Weights, minimum: Sequence[int]) -> None:
         """minimum: vertices that each loop keeps, at least 3."""
         self.weights = weights
         self.minimum = list(minimum)
@@ -51,11 +51,11 @@ class ProgressiveHull:
         self._reach_rounds, self._out_of_reach = 0, False
         self._consider_all()
 
-    def run(self, count: int, max_cost: float = inf) -> Outline:
+    def run(self, count: int, max_cost: float = inf) -> Loops:
         """Remove vertices until `count` are left, or as many as can be removed by moves that cost up to `max_cost`."""
         return drain(self.steps(count, max_cost))
 
-    def steps(self, count: int, max_cost: float = inf) -> Stage[float, Outline]:
+    def steps(self, count: int, max_cost: float = inf) -> Stage[float, Loops]:
         """The same as a generator: yields the fraction done every `PAUSE` moves.
 
         Runs to ever smaller counts make the same moves as one to the smallest.

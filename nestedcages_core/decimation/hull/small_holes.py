@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.signed_distance import SignedDistance
-from ..outline import Outline
 from .clearing import shortfall
 
 GRID_SIZE = 32
@@ -64,7 +64,7 @@ def with_room(coarse: Mesh, fine: Mesh, clearance: float) -> Mesh:
     loops = [coarse.vertices[loop] for loop in coarse.loops]
     changed = False
     for k in np.flatnonzero(fine.loop_signs < 0).tolist():
-        single = Outline(loops[k], (len(loops[k]),))
+        single = Loops.of(loops[k], [len(loops[k])])
         if shortfall(single, fine, clearance).max() <= MAX_SHORTFALL * clearance or (fine.parent_of_loop == k).any():
             continue
         circle = largest_circle(fine, k)

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from .method import InnerCycles, LineCycles
+from .method import LineCycles
 
-__all__ = ["InnerCycles", "LineCycles"]
+__all__ = ["LineCycles"]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import FloatArray
+from ...geometry.loops import Loops
 from ...geometry.vectors import norm
-from ..outline import Outline
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Frame:
     """(2,) unit vector to the first vertex."""
 
     @classmethod
-    def of(cls, outline: Outline) -> Frame:
+    def of(cls, outline: Loops) -> Frame:
         """The frame of an outline in canonical order: it starts with a vertex far from the centre."""
         first = outline.vertices[0] - outline.centre
         return cls(outline.centre, outline.diameter, first / norm(first))

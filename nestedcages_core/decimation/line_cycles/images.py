@@ -9,9 +9,9 @@ import numpy as np
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
 from ...geometry.group import Symmetry
+from ...geometry.loops import Loops
 from ...geometry.vectors import norm
 from ..alike import orbits_of
-from ..outline import Outline
 from .candidates import tangents
 from .chain import Chain, Lines
 from .frame import Frame
@@ -54,7 +54,7 @@ class Images:
     """For each loop the elements that take it to itself."""
 
     @classmethod
-    def of(cls, outline: Outline, symmetry: Symmetry, frame: Frame) -> Images:
+    def of(cls, outline: Loops, symmetry: Symmetry, frame: Frame) -> Images:
         """Those of an outline in the input's units. Raises AsymmetricError."""
         first = orbits_of(outline, symmetry).partner
         partner = [np.arange(len(first))]

@@ -11,27 +11,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...errors import InvalidMeshError, NestingError
 from ...geometry.arrays import IntArray
 from ...geometry.group import Symmetry
+from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
 from ...geometry.vectors import norm
-from ...parameters import check_flag
+from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, padded_alike, symmetrised
 from ..base import LEAST_PER_LOOP, Count, Start
 from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
-from ..hull.inner_hull import InnerHull, InnerRequest
 from ..hull.offset import offsetting
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..importance import Importance
 from ..on_curve import closest_on_curve
-from ..outline import Outline
 from ..request import Request
 from .candidates import candidates
 from .chain import Chain, Lines, without_doubles
@@ -101,16 +100,29 @@ class LineCycles:
     """Symmetry of the fine mesh that the cycles have too; None: they need not be symmetric."""
     importance: Importance | None = None
     """Where vertices matter; None: everywhere alike."""
+    side: int = 1
+    """1 for meshes around the fine one, -1 for meshes inside it."""
 
     def __post_init__(self) -> None:
         check_flag(self, "on_curve")
+        check_side(self)
+
+    @property
+    def outside(self) -> LineCycles:
+        """The same without meshes on the curve."""
+        return replace(self, on_curve=False)
+
+    @property
+    def inside(self) -> LineCycles:
+        """The same for meshes inside the fine one."""
+        return replace(self, on_curve=False, side=-1)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
 
     def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
-        """One mesh that strictly encloses the fine one, by exact predicates.
+        """One mesh that strictly encloses the fine one, by exact predicates; or some inside it, the last one a hull.
 
         count: total number of vertices, or one per loop of the fine mesh. clearance: distance to keep from the fine
         mesh where there is space, in input units. Loop k of the mesh belongs to loop k of the fine mesh.
@@ -118,9 +130,24 @@ class LineCycles:
         A generator: yields the fraction done and returns the list. Raises NestingError where no cycles are found;
         then there may be an outer hull.
         """
+        if self.side < 0:
+            return (yield from self._inside(fine, count, clearance, most))
         mesh, source = yield from self.found(Request.of(fine, count), clearance)
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
         return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry) if near else None)]
+
+    def _inside(self, fine: Mesh, count: Count, clearance: float, most: int) -> Stage[float, list[Start]]:
+        """Up to `most` meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
+        starts: list[Start] = []
+        with suppress(NoCyclesError):
+            starts = [Start(*(yield from self.found(Request.of(fine, count, -1), clearance)))]
+        try:
+            if len(starts) < most:
+                starts += yield from OuterHull(side=-1).starts(fine, count, clearance=clearance)
+        except NestingError:
+            if not starts:
+                raise
+        return starts
 
     def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
         """The mesh of the best cycles and its source; where they were kept from crossing, of the hull if smaller."""
@@ -131,34 +158,6 @@ class LineCycles:
                 if request.side * hull.area < request.side * mesh.area:
                     return hull, HULL
         return mesh, SOURCE
-
-
-@dataclass(frozen=True)
-class InnerCycles:
-    """Meshes strictly inside the fine one: line cycles in what surrounds them, and hulls."""
-
-    cycles: LineCycles = field(default_factory=LineCycles)
-    """The search."""
-    hull: InnerHull = field(default_factory=InnerHull)
-    """The search for further starts."""
-
-    def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
-        """The mesh of the best cycles, or the best hull; see `starts`."""
-        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
-
-    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 2) -> Stage[float, list[Start]]:
-        """Up to `most` meshes strictly inside the fine one; see `LineCycles.starts`. Raises NestingError."""
-        starts: list[Start] = []
-        with suppress(NoCyclesError):
-            mesh, source = yield from self.cycles.found(InnerRequest.of(fine, count), clearance)
-            starts.append(Start(mesh, source))
-        try:
-            if len(starts) < most:
-                starts += yield from self.hull.starts(fine, count, clearance=clearance, most=most - len(starts))
-        except NestingError:
-            if not starts:
-                raise
-        return starts
 
 
 def cycles_around(method: LineCycles, request: Request, clearance: float) -> Stage[float, tuple[Mesh, int]]:
@@ -183,7 +182,7 @@ def cycles_around(method: LineCycles, request: Request, clearance: float) -> Sta
 
 
 def _next_to_offset(
-    method: LineCycles, request: Request, outline: Outline, distance: float, clearance: float
+    method: LineCycles, request: Request, outline: Loops, distance: float, clearance: float
 ) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
     offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
@@ -193,7 +192,7 @@ def _next_to_offset(
     return (yield from _best(method, request, outline, EXACT_SHIFT))
 
 
-def _best(method: LineCycles, request: Request, outline: Outline, shift: float) -> Stage[float, tuple[Mesh, int]]:
+def _best(method: LineCycles, request: Request, outline: Loops, shift: float) -> Stage[float, tuple[Mesh, int]]:
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
@@ -217,7 +216,7 @@ def _best(method: LineCycles, request: Request, outline: Outline, shift: float) 
 class _Around:
     """A search for cycles around all loops of an outline."""
 
-    def __init__(self, method: LineCycles, request: Request, outline: Outline, shift: float) -> None:
+    def __init__(self, method: LineCycles, request: Request, outline: Loops, shift: float) -> None:
         self.method, self.request, self.shift = method, request, shift
         self.frame = Frame.of(outline)
         self.images = None if method.symmetry is None else Images.of(outline, method.symmetry, self.frame)
@@ -247,7 +246,7 @@ class _Around:
             numbers = self._shares(searches)
         return self._mesh(choice)
 
-    def _chains(self, outline: Outline) -> list[Chain]:
+    def _chains(self, outline: Loops) -> list[Chain]:
         """The loops in the frame of the search, with what matters there."""
         vertices, importance = self.frame.into(outline.vertices), self.method.importance
         weights, pinned = np.ones(len(vertices)), np.zeros(len(vertices), bool)
@@ -300,7 +299,7 @@ class _Around:
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
             found.append((lines.shifted(self.shift), at, expected, deserved_lines))
-        obstacles = Obstacles(self.outline.loops)
+        obstacles = Obstacles(self.outline.split())
         for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
             if images is not None and images.loops[k][0] != k:
                 continue
@@ -355,7 +354,7 @@ class _Around:
         rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
         if min(map(len, rings)) < 3:
             raise NoCyclesError("A cycle is flat.", code="count.too_small")
-        outline = Outline(np.concatenate(rings), tuple(map(len, rings)))
+        outline = Loops.of(np.concatenate(rings), [len(ring) for ring in rings])
         try:
             if self.method.symmetry is None:
                 mesh = self.request.coarse(outline)
