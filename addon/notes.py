@@ -32,6 +32,7 @@ SENTENCES: Mapping[str, str] = {
     ),
     "check.broken": "{when}'{outer}' does not enclose '{inner}'. {text}",
     "check.invalid": "{when}{text}",
+    "check.folded": "{when}'{inner}' {how} at {where}: {share_percent:.2g} % of its area{more}",
 }
 """Of the add-on's own codes: a format for their data; those of the core are in its `notes`."""
 

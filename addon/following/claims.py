@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
+from itertools import pairwise
 
 import bpy
 import numpy as np
@@ -19,6 +20,7 @@ from ..binding import field
 from ..core import core
 from ..errors import UserError
 from ..generation.checking import Chain, Finding, check
+from ..generation.folding import Folding
 from ..generation.job import completed, running
 from ..io import silhouette
 from ..notes import note
@@ -51,7 +53,7 @@ def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) ->
         or collection is None
         or any(shape_keys.is_step_shown(obj) for obj in objects if ownership.level_of(obj) is not None)
     ):
-        return Chain(objects)
+        return Chain(objects, folding=_folding(objects))
     found = [
         original for original in ownership.originals(collection) if original not in objects and original.visible_get()
     ]
@@ -59,7 +61,13 @@ def chain_of(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) ->
     if not ownership.is_bound(collection):
         return Chain(objects, [each for each in found if _is_readable(context, collection, each)], place)
     originals = [original for original in found if field.followed(original) is not None]
-    return Chain(objects, originals, place, instead=bool(originals), seen=_displayed)
+    return Chain(objects, originals, place, bool(originals), _displayed, _folding(objects))
+
+
+def _folding(objects: Sequence[bpy.types.Object]) -> list[Folding]:
+    """The fields that bound objects follow, each with the cage around them."""
+    pairs = [(inner, cage, field.field_of(cage)) for inner, cage in pairwise(objects)]
+    return [Folding.of(cage, inner, shows) for inner, cage, shows in pairs if shows and field.followed(inner) == shows]
 
 
 def _is_readable(context: bpy.types.Context, collection: bpy.types.Collection, obj: bpy.types.Object) -> bool:

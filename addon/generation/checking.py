@@ -18,6 +18,7 @@ from ..errors import UserError
 from ..notes import note
 from ..scene.convert import Drawing, Outline, drawing_in, fine_drawing, read
 from ..scene.plane import Frame
+from .folding import Fold, Folding
 from .job import Progress, Work
 
 
@@ -50,7 +51,8 @@ def _outline(context: bpy.types.Context, obj: bpy.types.Object, frame: Frame) ->
 @dataclass(frozen=True)
 class Chain:
     """Objects from the inside out, and the drawings that the one at index ``fine`` is a copy of; ``instead``: only they
-    are displayed as they are, since they may have changed, not the copy. ``seen`` reads them.
+    are displayed as they are, since they may have changed, not the copy. ``seen`` reads them. ``folding``: the fields
+    that they follow.
     """
 
     objects: Sequence[bpy.types.Object]
@@ -58,13 +60,34 @@ class Chain:
     fine: int = 0
     instead: bool = False
     seen: Seen = _outline
+    folding: Sequence[Folding] = ()
 
 
 def check(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
     """Checks each object of each chain against the one before it, evaluated on the current frame, and the neighbours of
-    a copy also against its originals; these findings come first. Raises: UserError.
+    a copy also against its originals; these findings come first, only folds before them. Raises: UserError.
     """
+    frame = context.scene.frame_current
+    folds = [_fold(each, fold, (frame, frame)) for each, fold in _folds(context, chains)]
+    return folds + _enclosures(context, chains)
+
+
+def _enclosures(context: bpy.types.Context, chains: Sequence[Chain]) -> list[Finding]:
     return [_finding(*pair, context.scene.frame_current) for chain in chains for pair in _pairs(context, chain)]
+
+
+def _folds(context: bpy.types.Context, chains: Sequence[Chain]) -> list[tuple[Folding, Fold]]:
+    """What is folded on this frame."""
+    found = [(each, each.now(context)) for chain in chains for each in chain.folding]
+    return [(each, fold) for each, fold in found if fold is not None]
+
+
+def _fold(folding: Folding, fold: Fold, frames: tuple[int, int]) -> Finding:
+    """The finding of a fold on the last of some frames."""
+    how = f"bends '{fold.bone}' over itself" if fold.bone else "lies over itself"
+    said = note("check.folded", inner=folding.inner.name, how=how, where=fold.where, share=fold.share, when="", more="")
+    nothing = np.empty((0, 3), np.float32)
+    return Finding(folding.cage.name, folding.inner.name, False, said, 0.0, frames, nothing, nothing)
 
 
 def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, Drawing, Outline, Drawing]]:
@@ -84,23 +107,37 @@ def _pairs(context: bpy.types.Context, chain: Chain) -> Iterator[tuple[Outline, 
 
 
 def check_animation(context: bpy.types.Context, chains: Sequence[Chain]) -> Work[list[Finding]]:
-    """Checks all frames of the scene's range, up to the first with a fault, which becomes the current one. Raises:
-    UserError, with the frame.
+    """Checks all frames of the scene's range, up to the first on which something leaves its cage, which becomes the
+    current one. Of folds it finds the largest. Raises: UserError, with the frame.
     """
     scene = context.scene
     first, last = scene.frame_start, scene.frame_end
     findings: list[Finding] = []
+    folds: dict[Folding, list[tuple[int, Fold]]] = {}
     for frame in range(first, last + 1):
         yield Progress((frame - first) / (last + 1 - first), "checking frames")
         scene.frame_set(frame)
         try:
-            found = check(context, chains)
+            found = _enclosures(context, chains)
         except UserError as error:
             raise UserError(f"Frame {frame}: {error}") from error
+        for each, fold in _folds(context, chains):
+            folds.setdefault(each, []).append((frame, fold))
         if not all(finding.holds for finding in found):
-            return [_on(finding, first, frame) for finding in found]
+            return _largest(folds, first) + [_on(finding, first, frame) for finding in found]
         findings = [min(pair, key=attrgetter("clearance")) for pair in zip(findings or found, found, strict=True)]
-    return [_enclosing(finding, first, last) for finding in findings]
+    return _largest(folds, first) + [_enclosing(finding, first, last) for finding in findings]
+
+
+def _largest(folds: dict[Folding, list[tuple[int, Fold]]], first: int) -> list[Finding]:
+    """The largest fold of each drawing, with the number of frames that have one."""
+    found = []
+    for folding, on in folds.items():
+        frame, worst = max(on, key=lambda each: each[1].share)
+        finding = _on(_fold(folding, worst, (frame, frame)), first, frame)
+        more = f"; {len(on)} frames from {on[0][0]} to {on[-1][0]} have folds" if len(on) > 1 else ""
+        found.append(replace(finding, note=note(finding.note.code, **{**finding.note.data, "more": more})))
+    return found
 
 
 def _on(finding: Finding, first: int, frame: int) -> Finding:

@@ -12,8 +12,9 @@ from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..geometry.signed_distance import SignedDistance
 
-JOINT_REACH = 1.5
-"""Distance of the places before and after a joint, in radii of the limb: two vertices on each side of an elbow."""
+JOINT_REACH = 2.0
+"""Distance of the places before and after a joint, in radii of the limb: two vertices on each side of an elbow. Of 1.5,
+2 and 2.5, on twelve random figures, the one with which the fewest bent cages cross themselves."""
 
 TOUCHING = 1e-3
 """Distance below which two ends of bones are one joint, as a fraction of the longer bone."""
@@ -62,9 +63,8 @@ def radii_of(shape: Mesh, points: FloatArray) -> FloatArray:
 def joints_of(shape: Mesh, bones: Sequence[Bone]) -> list[tuple[float, float]]:
     """Places along the bones, before and after each joint, where a cage of the shape needs vertices on both sides.
 
-    Their distance from the joint is 1.5 times the radius of the limb there, and at most half of the bone. A limb that
-    starts beside its parent, such as an arm at a trunk, needs one on its own side; fingertips need none. Raises
-    NestedCagesError as `bone_weights`.
+    Their distance from the joint is twice the radius of the limb there, and at most half of the bone. Ends of bones
+    that meet no other bone, such as fingertips, need none. Raises NestedCagesError as `bone_weights`.
     """
     ends = ends_of(bones)
     flat = ends.reshape(-1, 2)
@@ -72,9 +72,8 @@ def joints_of(shape: Mesh, bones: Sequence[Bone]) -> list[tuple[float, float]]:
     apart = np.hypot(*(flat[:, None] - flat[None]).transpose(2, 0, 1))
     near = apart <= TOUCHING * np.maximum(lengths[:, None], lengths[None])
     bone_of = np.repeat(np.arange(len(bones)), 2)
-    bends = (near & (bone_of[:, None] != bone_of[None])).any(axis=1)
-    bends[::2] |= [bone.parent is not None for bone in bones]
+    shared = (near & (bone_of[:, None] != bone_of[None])).any(axis=1)
     inwards = (ends[:, ::-1] - ends).reshape(-1, 2) / lengths[:, None]
     reach = np.minimum(JOINT_REACH * radii_of(shape, flat), 0.5 * lengths)
-    used = bends & (reach > 0.0)
+    used = shared & (reach > 0.0)
     return [(float(x), float(y)) for x, y in flat[used] + reach[used, None] * inwards[used]]

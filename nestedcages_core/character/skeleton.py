@@ -29,7 +29,11 @@ SHORTEST = 0.8
 """Least distance between joints, in radii of the limb."""
 
 THIN = 0.85
-"""The axis is cut where it gets thinner than this, in radii of the limb: there it turns into a corner of the tip."""
+"""The axis may be cut where it gets thinner than this, in radii of the limb."""
+
+STEEP = 0.4
+"""It is cut where it also thins by this much per length: there it turns into a corner of the tip (0.7 in a right one),
+while a limb only tapers."""
 
 TIP_REACH = 0.8
 """How far the last bone of a limb goes on straight towards the tip, in radii there."""
@@ -170,14 +174,22 @@ def _direction(points: FloatArray) -> FloatArray:
 
 def _trimmed(axis: MedialAxis, path: list[int]) -> list[int]:
     """A limb without its last turn into a corner of the tip."""
-    least = THIN * float(np.median(axis.radii[path]))
+    points, radii = axis.points[path], axis.radii[path]
+    least = THIN * float(np.median(radii))
+    along = _along(points)
     end = len(path)
-    while end > 2 and axis.radii[path[end - 1]] < least:
-        away = axis.points[path[end - 1]] - axis.points[path[0]]
-        if np.hypot(away[0], away[1]) <= least:
+    while end > 2 and radii[end - 1] < least < np.hypot(*(points[end - 1] - points[0])):
+        before = int(np.searchsorted(along, along[end - 1] - 0.5 * least))
+        if radii[before] - radii[end - 1] < STEEP * (along[end - 1] - along[before]):
             break
         end -= 1
     return path[:end]
+
+
+def _along(points: FloatArray) -> FloatArray:
+    """(N,) distance of each point of a path from the first."""
+    steps = np.diff(points, axis=0)
+    return np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
 
 
 def _outside_fork(axis: MedialAxis, path: list[int]) -> list[int]:
@@ -202,8 +214,7 @@ def _joints(axis: MedialAxis, path: list[int], chosen: Skeleton) -> list[int]:
         if off[k - i] > chosen.bends and i < k < j:
             kept.add(k)
             waiting += [(i, k), (k, j)]
-    steps = np.diff(points, axis=0)
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+    along = _along(points)
     for i, j in pairwise(sorted(kept)):
         pieces = int((along[j] - along[i]) / (chosen.long * np.median(radii[i : j + 1]))) + 1
         wanted = along[i] + (along[j] - along[i]) * np.arange(1, pieces) / pieces

@@ -27,4 +27,5 @@ def holding(points: FloatArray, triangles: IntArray, shape: Mesh) -> BoolArray:
 def folded(posed: FloatArray, triangles: IntArray) -> BoolArray:
     """(T,) whether triangles (T, 3), counter-clockwise at rest, are turned over or flat where points (N, 2) are now."""
     a, b, c = posed[triangles].transpose(1, 0, 2)
-    return orientation(a, b, c) <= 0
+    turned: BoolArray = orientation(a, b, c) <= 0
+    return turned

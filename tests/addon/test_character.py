@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import bpy
 import numpy as np
 import pytest
@@ -23,14 +25,17 @@ LIMBS = {
 }
 
 
-def capsule(start, end, radius, count=36):
-    """A loop (count, 2) around a segment."""
+def capsule(start, end, radius, count=36, sides=8):
+    """A loop (count + 2 · sides, 2) around a segment."""
     a, b = np.array(start), np.array(end)
     turn = np.arctan2(*(b - a)[::-1])
     half = np.linspace(-np.pi / 2.0, np.pi / 2.0, count // 2)
-    return np.concatenate(
-        [c + radius * np.column_stack([np.cos(t), np.sin(t)]) for c, t in ((b, turn + half), (a, turn + np.pi + half))]
-    )
+    ends = [
+        c + radius * np.column_stack([np.cos(t), np.sin(t)]) for c, t in ((b, turn + half), (a, turn + np.pi + half))
+    ]
+    part = np.linspace(0.0, 1.0, sides + 2)[1:-1, None]
+    there, back = ((1.0 - part) * p[-1] + part * q[0] for p, q in (ends, ends[::-1]))
+    return np.concatenate([ends[0], there, ends[1], back])
 
 
 def face(name, loop):
@@ -89,6 +94,14 @@ def turn(armature, bone, degrees):
     bpy.context.view_layer.update()
 
 
+def key_turn(bone, frame, degrees):
+    """Keys a turn of a bone in the plane."""
+    local = bone.bone.matrix_local.to_3x3()
+    turned = local.inverted() @ Matrix.Rotation(np.deg2rad(degrees), 3, "Z") @ local
+    bone.rotation_quaternion = turned.to_quaternion()
+    bone.keyframe_insert("rotation_quaternion", frame=frame)
+
+
 def test_suggested_bones_move_all_parts_of_a_figure(tmp_path) -> None:
     parts = figure()
     before = {name: points(obj) for name, obj in parts.items()}
@@ -122,12 +135,12 @@ def test_own_keys_of_a_part_play_before_the_bend_and_the_whole_moves() -> None:
     for frame, x in ((1, 0.0), (11, 0.1)):
         hand.location.x = x
         hand.keyframe_insert("location", frame=frame)
-    turn(armature, bone_at(armature, 1.3, 1.1), 90.0)
+    turn(armature, bone_at(armature, 0.65, 1.1), 90.0)
     at_frame(1)
     here = points(hand)
     at_frame(11)
     way = points(hand) - here
-    # Along the hand, which points up now.
+    # Along the arm, which points up now.
     assert way[:, 1].mean() > 0.07 and np.abs(way[:, 0]).mean() < 0.05, way.mean(axis=0)
     assert np.abs(here - rest).max() > 0.3
 
@@ -236,6 +249,29 @@ def test_rigging_again_fits_the_cage_to_new_parts() -> None:
     assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
 
 
+def test_verification_says_where_a_limb_folds_over_itself(capfd) -> None:
+    """An elbow has room for 120 degrees, a neck of a head has not for 170."""
+    armature, cage = rigged(figure())
+    elbow, neck = bone_at(armature, 1.3, 1.1), bone_at(armature, 0.0, 1.5)
+    scene = bpy.context.scene
+    for frame, bent, nod in ((1, 0.0, 0.0), (3, 120.0, 0.0), (4, 0.0, 0.0), (5, 0.0, 170.0), (6, 0.0, 170.0)):
+        key_turn(elbow, frame, bent)
+        key_turn(neck, frame, nod)
+    select(cage)
+    for first, last, verdict in ((1, 3, "Holds on 1 – 3"), (5, 6, "Broken on frame 5")):
+        scene.frame_start, scene.frame_end = first, last
+        assert bpy.ops.object.nested_cages_verify(whole=True) == {"FINISHED"}
+        assert cage["nested_cages_check"] == verdict, cage["nested_cages_finding"]
+    scene.frame_set(5)
+    pattern = rf"Frame 5: 'Torso Fine' bends '{neck.name}' over itself at \((.*)\): (.*) % of its area"
+    told = capfd.readouterr().out
+    found = re.search(pattern, told)
+    assert found, told
+    place = np.array([float(number) for number in found[1].split(",")])
+    assert np.hypot(*(place[:2] - np.array(armature.matrix_world @ neck.head)[:2])) < 0.6
+    assert 0.1 < float(found[2]) < 20.0
+
+
 def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> None:
     parts = figure()
     armature, cage = rigged(parts)
@@ -247,7 +283,7 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
     bone = bone_at(armature, 1.3, 1.1)
     turn(armature, bone, 40.0)
     shape, around = found.posed({bone.name: 40.0})
-    np.testing.assert_allclose(evaluated(cage)[:, :2], around, atol=1e-4)
+    np.testing.assert_allclose(evaluated(cage)[:, :2], around, atol=2e-4)  # 1.1e-4 in Blender 4.2
     fine = bpy.data.objects["Torso Fine"]
     error = np.abs(evaluated(fine)[:, :2] - shape)
     assert error.max() < 0.02 and np.abs(shape - found.shape.vertices).max() > 0.3, error.max()
