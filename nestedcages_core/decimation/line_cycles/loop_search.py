@@ -27,7 +27,7 @@ HEIGHTS_AT_ONCE = 4_000_000
 CHEAP_WORK = 3e5
 """Turns times lines of the cage up to which there is time for one more search."""
 
-MAX_ACROSS, MAX_MORE = 2, 3
+MAX_ACROSS, MAX_MORE = 4, 6
 """Number of searches through the opposite line of the best cycle, and through lines between two lines of it."""
 
 MAX_MORE_IN_PARTS = 60
