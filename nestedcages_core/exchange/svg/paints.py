@@ -52,6 +52,11 @@ class Gradient:
     stops: tuple[Stop, ...]
     repeats: bool
 
+    def as_light(self) -> Gradient:
+        """The same in a mask: as opaque as it is light."""
+        stops = (replace(stop, colour=Colour(stop.colour.alpha * stop.colour.luminance)) for stop in self.stops)
+        return replace(self, stops=tuple(stops))
+
 
 @dataclass(frozen=True)
 class Paint:
