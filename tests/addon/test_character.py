@@ -321,6 +321,34 @@ def layered_svg():
     return f"<svg {head}><style>{styles}</style>{layers}</svg>"
 
 
+ODD = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 200"><defs>
+<linearGradient id="g"><stop offset="0" stop-color="red"/><stop offset="1" stop-color="blue"/></linearGradient>
+<pattern id="p" width="4" height="4"><rect width="4" height="4" fill="#f00"/><path d="M0,0H2" fill="#0f0"/></pattern>
+<symbol id="s"><circle cx="10" cy="10" r="8"/></symbol></defs>
+<g id="Outer" transform="translate(10 10)"><g id="Inner" transform="rotate(20) scale(2)">
+<rect id="Faded" x="20" width="20" height="30" fill="url(#g)"/></g></g>
+<rect id="Woven" x="120" y="20" width="40" height="60" fill="url(#p)"/>
+<use id="Button" href="#s" x="100" y="100" fill="green"/>
+<path id="Line" d="M10,150 C50,120 90,190 140,150" fill="none" stroke="purple" stroke-width="6"/>
+<text x="20" y="190">Hello</text></svg>"""
+
+
+def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp_path, capfd) -> None:
+    file = tmp_path / "odd.svg"
+    file.write_text(ODD)
+    assert bpy.ops.object.nested_cages_import(filepath=str(file), outlines="PARTS") == {"FINISHED"}
+    parts = {obj.name: obj for obj in bpy.context.selected_objects}
+    fills = {name: obj.data.materials[0].name.partition("#")[2] for name, obj in parts.items()}
+    assert fills == {"Faded": "800080", "Woven": "808000", "Button 3": "008000", "Line": "800080"}
+    homes = {name: obj.users_collection[0].name for name, obj in parts.items()}
+    assert homes == {"Faded": "Inner", "Woven": "odd", "Button 3": "Button", "Line": "odd"}
+    told = capfd.readouterr().out
+    for sentence in ("Gradients become their mean colour", "Patterns become their mean colour", "1 text"):
+        assert f"'odd.svg': {sentence}" in told or sentence in told, told
+    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+
+
 def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> None:
     file = tmp_path / "figure.svg"
     file.write_text(layered_svg())
