@@ -212,7 +212,7 @@ def clip(folder: Path, name: str, figure: Figure, *, small: bool) -> None:
     for frame, path in enumerate(paths, 1):
         still(path, frame, figure, PIXELS, SAMPLES)
     join(paths, [MOMENT] * PERIOD, folder / f"{name}.gif")
-    print(f"Wrote {folder / f'character_{name}.gif'}")
+    print(f"Wrote {folder / name}.gif")
 
 
 if __name__ == "__main__":
