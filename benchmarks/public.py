@@ -19,10 +19,11 @@ def main() -> int:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--files", type=int, default=36, help="drawings of each set")
     options.add_argument("--features", type=int, default=40, help="features of each package of maps")
+    options.add_argument("--jobs", type=int, default=2, help="processes for drawings")
     options.add_argument("--seed", type=int, default=0, help="which of them")
     given = options.parse_args()
     seed = ["--seed", str(given.seed)]
-    drawings = painted.main(["--files", str(given.files), *seed])
+    drawings = painted.main(["--files", str(given.files), "--jobs", str(given.jobs), *seed])
     return max(drawings, maps.main(["--features", str(given.features), *seed]))
 
 

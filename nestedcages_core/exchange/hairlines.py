@@ -62,6 +62,7 @@ def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0
 
     All other vertices keep their coordinates. A narrow part that joins others, or is a part of its own, stays.
     """
+    region, holes = _without_small_holes(shapely, region, gap)
     whole, fills, spikes = region, [], []
     try:
         fills = _fills(shapely, region, gap) if gap > 0.0 else []
@@ -71,8 +72,19 @@ def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0
         if spikes:
             region = _overlaid(shapely, "difference", region, _united(shapely, spikes, spike), spike)
     except shapely.errors.GEOSException:  # hairlines cost vertices, but no drawing
-        return Hairlines(whole, 0, 0)
-    return Hairlines(region, len(fills), len(spikes))
+        return Hairlines(whole, holes, 0)
+    return Hairlines(region, holes + len(fills), len(spikes))
+
+
+def _without_small_holes(shapely: Any, region: Any, width: float) -> tuple[Any, int]:
+    """A region without holes that are smaller in both directions, and their number; overlays lose the smallest ones."""
+    parts, small = [], 0
+    for part in shapely.get_parts(region):
+        rings = getattr(part, "interiors", ())
+        wide = [ring for ring in rings if np.ptp(np.reshape(ring.bounds, (2, 2)), axis=0).max() >= width]
+        parts.append(shapely.Polygon(part.exterior, wide) if len(wide) < len(rings) else part)
+        small += len(rings) - len(wide)
+    return (shapely.union_all(parts), small) if small else (region, 0)
 
 
 def _overlaid(shapely: Any, operation: str, one: Any, other: Any, width: float) -> Any:

@@ -144,6 +144,31 @@ def test_the_style_attribute_is_stronger_than_sheets_unless_they_are_important()
         from_svg(svg(f"<style>rect{{fill:none!important;visibility:hidden}}</style>{rect}"))
 
 
+@pytest.mark.parametrize(
+    ("body", "bounds"),
+    [
+        ("<style>rect{x:10px;y:1em;width:30px;height:calc(2px * 3)}</style><rect width='1'/>",
+         (10, 16, 40, 22)),
+        ("""<path d="M0 0h1v1z" style="d:path('M5 5h3v3h-3z')"/>""", (5, 5, 8, 8)),
+        ("<style>:root{--c:var(--d)} svg{--d:none} rect{fill:var(--c)} .k{fill:var(--no, red)}</style>"
+         f"{SQUARE}<rect class='k' x='30' width='2' height='2'/>", (30, 0, 32, 2)),
+        ("<style>rect{transform:rotate(90deg);transform-origin:10px 10px}</style>" + SQUARE, (10, 0, 20, 10)),
+        ("<rect x='40' width='10' height='4' transform='rotate(180)' transform-origin='bottom right'/>",
+         (150, 396, 160, 400)),
+        (f"<o:g xmlns:o='urn:o'>{SQUARE}</o:g><rect x='2' width='5vmin' height='5vmax'/>", (2, 0, 7, 10)),
+        ("<style>@supports (fill:red){rect{fill:none}}</style><style type='text/less'>circle{fill:none}</style>"
+         f"{SQUARE}<circle cx='20' cy='20' r='2'/>", (18, 18, 22, 22)),
+    ],
+)  # fmt: skip
+def test_styles_place_what_they_paint(body: str, bounds: tuple[float, ...]) -> None:
+    found = from_svg(svg(body, 'viewBox="0 0 100 200"'), crop=False)
+    assert np.ravel(found.bounds) == pytest.approx(np.array(bounds), abs=1e-3)
+
+
+def test_clips_by_style_alone_are_told() -> None:
+    assert "Left out: 1 clip path." in svg_drawing(svg(SQUARE.replace("/>", ' style="clip-path:circle(2px)"/>'))).notes
+
+
 def test_transforms_of_style_sheets_have_units() -> None:
     body = '<style>rect{transform:translate(10px,5px) rotate(.25turn)}</style><rect width="4" height="2"/>'
     points = from_svg(svg(body)).vertices

@@ -75,10 +75,13 @@ class Document:
                 code="file.invalid",
             )
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
-        limits.check("elements", _drawn(self.root))
         self.by_id: dict[str, ET.Element] = {}
+        room = str(self.root.tag).rpartition("}")[0]
         for item in self.root.iter():
+            if isinstance(item.tag, str) and item.tag.rpartition("}")[0] != room:
+                item.tag = ""  # of another namespace: nobody draws it
             self.by_id.setdefault(item.get("id", ""), item)
+        limits.check("elements", _drawn(self.root))
         self.frame = Frame(
             view_box_of(self.root),
             self.root.get("width", ""),

@@ -34,8 +34,9 @@ LENGTH = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)",
 ALIGNED = {"xmin": 0.0, "xmid": 0.5, "xmax": 1.0, "ymin": 0.0, "ymid": 0.5, "ymax": 1.0}
 """Fraction of the empty space before the view box, for each part of preserveAspectRatio."""
 
-SHARES_OF_VIEW = ("%", "vw", "vh")
+SHARES_OF_VIEW = ("%", "vw", "vh", "vmin", "vmax")
 """Units that are hundredths of the viewport."""
+VIEW_SIDES = {"vw": "width", "vh": "height"}
 
 FONT_SIZE = 16.0
 """Size of the font where none is given, in user units, as in browsers."""
@@ -107,7 +108,9 @@ class Viewport:
         of_font = {"em": self.em, "rem": FONT_SIZE, "ex": self.em / 2.0, "ch": self.em / 2.0}
         scale = {**UNITS_OF_LENGTH, **of_font}.get(unit)
         if unit in SHARES_OF_VIEW:
-            reference = self.reference({"vw": "width", "vh": "height"}.get(unit, key))
+            sides = [size for size in (self.width, self.height) if size is not None]
+            extreme = {"vmin": min(sides, default=None), "vmax": max(sides, default=None)}
+            reference = extreme[unit] if unit in extreme else self.reference(VIEW_SIDES.get(unit, key))
             scale = reference / 100.0 if reference is not None else None
         return float(found[1]) * scale if scale is not None else None
 

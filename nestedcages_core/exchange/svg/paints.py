@@ -16,7 +16,7 @@ from .lengths import attribute, link_of, name_of, share
 from .style import Style, Styles
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
-HEX = re.compile(r"#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})")
+OPAQUE = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")
 
 LUMINANCE = (0.2125, 0.7154, 0.0721)
 """Weights of red, green and blue (SVG 1.1, section 14.4)."""
@@ -94,13 +94,11 @@ def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
         return None
     if lower == "transparent":
         return Colour(0.0)
-    found = HEX.fullmatch(text)
-    if found:
-        digits = found[1] if len(found[1]) > 4 else "".join(2 * digit for digit in found[1])
-        red, green, blue, alpha = (int((digits + "ff")[k : k + 2], 16) / 255.0 for k in (0, 2, 4, 6))
-        return Colour(alpha, _luminance(red, green, blue), (red, green, blue))
-    if lower in ("white", "black") or (lower.isalpha() and not bright):
-        return Colour(1.0, float(lower == "white"), 3 * (1.0,) if lower == "white" else 3 * (0.0,))
+    if lower in ("white", "black"):
+        light = float(lower == "white")
+        return Colour(1.0, light, (light, light, light))
+    if not bright and (lower.isalpha() or OPAQUE.fullmatch(text)):
+        return Colour()
     parsed = load_colours().parse_color(text)
     if parsed is None or parsed == "currentcolor":
         return Colour()

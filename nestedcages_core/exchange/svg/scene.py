@@ -43,6 +43,8 @@ GROUPS = frozenset(("svg", "g", "a", "switch"))
 LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
 """Visible elements that are not read."""
 
+PLACES_OF_ORIGIN = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
+
 MAX_DEPTH = 64
 """Maximum nesting depth of elements."""
 
@@ -123,7 +125,9 @@ class Scene:
             return
         matrix = around.matrix
         if around.depth or name != "svg":
-            matrix = matrix @ self.document.transform(style.get("transform") or "", title_of(item))
+            origin = translation(*self._origin(style, around.viewport, title_of(item)))
+            own = self.document.transform(style.get("transform") or "", title_of(item))
+            matrix = matrix @ origin @ own @ np.linalg.inv(origin)
         context = replace(
             around,
             matrix=matrix,
@@ -156,6 +160,20 @@ class Scene:
             for child in children:
                 self._add(child, context, group)
         attach(group, to)
+
+    def _origin(self, style: Style, viewport: Viewport, title: str) -> tuple[float, float]:
+        """The point that the transform of an element leaves where it is."""
+        words = style.get("transform-origin", "").replace(",", " ").split()
+        if not words or style.get("transform", "none") == "none":
+            return 0.0, 0.0
+        if style.get("transform-box", "view-box") != "view-box":
+            self.document.faults.add(f"The transform-box of the {title} is not the view box: the origin is at 0 0")
+            return 0.0, 0.0
+        if words[0] in ("top", "bottom") or words[1:2] in (["left"], ["right"]):
+            words[:2] = [[*words, "center"][1], words[0]]
+        x, y = (PLACES_OF_ORIGIN.get(word, word) for word in [*words, "center"][:2])
+        what = f"transform-origin of the {title}"
+        return measure(x, "x", what, viewport), measure(y, "y", what, viewport)
 
     def _add_used(self, item: ET.Element, context: _Context, group: Group) -> None:
         """Add the drawing of a `use` element."""
@@ -213,7 +231,7 @@ class Scene:
             return
         key = (item, context.viewport)
         if key not in self.outlines:
-            self.outlines[key] = outline(*key, self.budget)
+            self.outlines[key] = outline(self.styles.placed(item), context.viewport, self.budget)
         subpaths = self.outlines[key]
         if not subpaths:
             return
@@ -294,6 +312,8 @@ class Scene:
         found = []
         for key, tag, purpose in (("clip-path", "clipPath", CLIP), ("mask", "mask", MASK)):
             link, _ = link_in(style.get(key, "none"))
+            if not link and style.get(key, "none") != "none" and context.purpose == PAINT:
+                self.left_out[key.replace("-", " ")] += 1
             item = self.document.linked(link)
             if item is None or name_of(item) != tag or any(item is user for user in context.users):
                 continue

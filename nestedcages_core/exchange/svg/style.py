@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -25,14 +26,26 @@ INHERITED = frozenset(
 OWN = frozenset(
     (
         *("display", "opacity", "clip-path", "mask", "mask-type", "overflow", "stop-color", "stop-opacity"),
-        *("vector-effect", "filter", "transform"),
+        *("vector-effect", "filter", "transform", "transform-origin", "transform-box"),
     )
 )
 """Properties that are not inherited."""
 
 KNOWN = INHERITED | OWN | {"marker"}
 
-FALLBACK = re.compile(r"var\(\s*--[\w-]+\s*(?:,([^()]*))?\)")
+GEOMETRY = frozenset(("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"))
+"""Attributes of shapes that styles replace."""
+
+VARIABLE = re.compile(r"var\(\s*(--[\w-]+)\s*(?:,([^()]*))?\)")
+"""A reference to a variable, and what is taken without it."""
+
+MAX_REFERENCES = 8
+"""Longest chain of variables that refer to each other."""
+
+PATH_DATA = re.compile(r"path\(\s*['\"](.*)['\"]\s*\)", re.DOTALL)
+
+CONDITIONS = ("media", "supports", "layer")
+"""Rules around others; what is asked of the program is taken to be supported."""
 
 MEDIA = ("", "all", "screen")
 """Conditions of @media that are true."""
@@ -50,27 +63,32 @@ class Styles:
     """The properties of every element of a document."""
 
     def __init__(self, document: Document) -> None:
-        self.sheets: dict[ET.Element, list[Declaration]] = {}
+        self.sheets: dict[ET.Element, Sequence[Declaration]] = {}
         self.known: dict[ET.Element, dict[str, str]] = {}
-        texts = ["".join(item.itertext()) for item in document.root.iter() if name_of(item) == "style"]
+        texts = [
+            "".join(item.itertext())
+            for item in document.root.iter()
+            if name_of(item) == "style" and item.get("type", "text/css") in ("", "text/css")
+        ]
         if any(text.strip() for text in texts):
             try:
-                self.sheets = _matched(document.root, "\n".join(texts))
+                self.sheets = _matched(document.root, texts)
             except RecursionError as error:
                 raise NestedCagesError(
                     "The style sheets nest blocks too deeply; simplify them.", code="limit.exceeded"
                 ) from error
+        self.variables = {key: value for key, value in self.own(document.root).items() if key.startswith("--")}
 
     def own(self, item: ET.Element) -> dict[str, str]:
-        """The element's own properties."""
+        """The element's own properties, variables of the root as their values."""
         if item not in self.known:
             self.known[item] = self._own(item)
-        return self.known[item]
+        return _replaced(self.known[item], getattr(self, "variables", {}))
 
     def _own(self, item: ET.Element) -> dict[str, str]:
         """In the order of CSS: attributes, sheets, style; important last."""
         found = {key: value.strip() for key, value in item.attrib.items() if key in KNOWN}
-        given = [*self.sheets.get(item, ()), *declarations(item.get("style", ""))]
+        given = [*self.sheets.get(item, ()), *(declarations(item.attrib["style"]) if "style" in item.attrib else ())]
         for important in (False, True):
             for key, value, is_important in given:
                 if is_important == important:
@@ -78,12 +96,13 @@ class Styles:
         if "marker" in found:
             marker = found.pop("marker")
             found = {**dict.fromkeys(("marker-start", "marker-mid", "marker-end"), marker), **found}
-        return {key: FALLBACK.sub(lambda match: match[1] or "", value) for key, value in found.items()}
+        return found
 
     def computed(self, item: ET.Element, around: Style) -> dict[str, str]:
         """All properties, given those of the element around it."""
-        style = {key: value for key, value in around.items() if key in INHERITED}
-        for key, value in self.own(item).items():
+        style = {key: value for key, value in around.items() if key in INHERITED or key.startswith("--")}
+        self.own(item)
+        for key, value in _replaced(self.known[item], {**self.variables, **style}).items():
             if value == "inherit":
                 if key in around:
                     style[key] = around[key]
@@ -93,22 +112,41 @@ class Styles:
             style["color"] = around.get("color", "black")
         return style
 
+    def placed(self, item: ET.Element) -> ET.Element:
+        """An element with the geometry that its styles give it."""
+        given = {key: value for key, value in self.own(item).items() if key in GEOMETRY}
+        if "d" in given:
+            data = PATH_DATA.fullmatch(given["d"])
+            given["d"] = data[1] if data else ""
+        return ET.Element(item.tag, {**item.attrib, **given}) if given else item
 
-def declarations(text: str) -> list[Declaration]:
-    """Known declarations of a style attribute."""
-    found = []
-    for part in _without_comments(text).split(";"):
-        key, _, value = part.partition(":")
-        value, mark, word = value.rpartition("!") if "!" in value else (value, "", "")
-        important = bool(mark) and word.strip().lower() == "important"
-        if key.strip().lower() in KNOWN:
-            found.append((key.strip().lower(), value.strip(), important))
+
+def _replaced(found: dict[str, str], variables: Style) -> dict[str, str]:
+    """Properties with variables as their values."""
+    if not any("var(" in value for value in found.values()):
+        return found
+    known = {**variables, **{key: value for key, value in found.items() if key.startswith("--")}}
+    for _ in range(MAX_REFERENCES):
+        found = {
+            key: VARIABLE.sub(lambda name: known.get(name[1], name[2] or ""), value).strip()
+            for key, value in found.items()
+        }
     return found
 
 
-def _without_comments(text: str) -> str:
-    first, *others = text.split("/*")
-    return first + "".join(part.partition("*/")[2] for part in others)
+@lru_cache(maxsize=4096)
+def declarations(text: str) -> tuple[Declaration, ...]:
+    """Known declarations of a style attribute or of a rule."""
+    tinycss2, _ = load_css()
+    return tuple(
+        (
+            node.name if node.name.startswith("--") else node.lower_name,
+            tinycss2.serialize(node.value).strip(),
+            node.important,
+        )
+        for node in tinycss2.parse_blocks_contents(text, True, True)
+        if node.type == "declaration" and (node.lower_name in KNOWN | GEOMETRY or node.name.startswith("--"))
+    )
 
 
 def _element_class(cssselect2: ModuleType) -> Any:
@@ -145,16 +183,13 @@ def _element_class(cssselect2: ModuleType) -> Any:
     return Element
 
 
-def _matched(root: ET.Element, text: str) -> dict[ET.Element, list[Declaration]]:
+def _matched(root: ET.Element, texts: Iterable[str]) -> dict[ET.Element, Sequence[Declaration]]:
     """Declarations of style sheets for each matching element, the most specific last."""
     tinycss2, cssselect2 = load_css()
     matcher = cssselect2.Matcher()
-    for prelude, content in _rules(tinycss2, tinycss2.parse_stylesheet(text, True, True)):
-        payload = [
-            (node.lower_name, tinycss2.serialize(node.value).strip(), node.important)
-            for node in tinycss2.parse_blocks_contents(content, True, True)
-            if node.type == "declaration" and node.lower_name in KNOWN
-        ]
+    nodes = (node for text in texts for node in tinycss2.parse_stylesheet(text, True, True))
+    for prelude, content in _rules(tinycss2, nodes):
+        payload = declarations(tinycss2.serialize(content))
         try:
             selectors = cssselect2.compile_selector_list(prelude) if payload else ()
         except cssselect2.SelectorError:
@@ -162,7 +197,7 @@ def _matched(root: ET.Element, text: str) -> dict[ET.Element, list[Declaration]]
         for selector in selectors:
             if selector.pseudo_element is None:
                 matcher.add_selector(selector, payload)
-    found = {}
+    found: dict[ET.Element, Sequence[Declaration]] = {}
     for wrapper in _element_class(cssselect2).from_xml_root(root).iter_subtree():
         matches = matcher.match(wrapper)
         if matches:
@@ -177,8 +212,8 @@ def _rules(tinycss2: ModuleType, nodes: Iterable[Any]) -> Iterator[tuple[Any, An
             yield node.prelude, node.content
         elif (
             node.type == "at-rule"
-            and node.lower_at_keyword == "media"
+            and node.lower_at_keyword in CONDITIONS
             and node.content is not None
-            and tinycss2.serialize(node.prelude).strip().lower() in MEDIA
+            and (node.lower_at_keyword != "media" or tinycss2.serialize(node.prelude).strip().lower() in MEDIA)
         ):
             yield from _rules(tinycss2, tinycss2.parse_rule_list(node.content, True, True))
