@@ -126,8 +126,11 @@ def test_rotations_and_mirrors_of_a_drawing_away_from_the_origin() -> None:
 
 def test_rules_that_exclude_each_other_are_refused() -> None:
     poly_curve("Drawing", [star()])
-    for rules in ({"symmetry": "ROTATION", "symmetry_order": 5, "grid": 0.1}, {"symmetry": "FOUND", "convex": True}):
-        with pytest.raises(RuntimeError, match="symmetr"):
+    for rules, said in (
+        ({"symmetry": "ROTATION", "symmetry_order": 5, "grid": 0.1}, "symmetr"),
+        ({"min_angle": 0.5, "convex": True}, "Convex cages"),
+    ):
+        with pytest.raises(RuntimeError, match=said):
             bpy.ops.object.nested_cages_generate(levels="16", **rules)
     assert "Drawing Cages" not in bpy.data.collections
 

@@ -136,7 +136,7 @@ class Scene:
             in_element=around.in_element or item.get("id") == self.options.element,
             in_layer=around.in_layer or (around.depth == 1 and bool({*_layer_names(item)} & {*self.options.layers})),
             depth=around.depth + 1,
-            groups=(*around.groups, *_layer_names(item)[:1]) if name == "g" else around.groups,
+            groups=(*around.groups, *_layer_names(item)[:1]) if name in ("g", "use") else around.groups,
         )
         font = self.styles.own(item).get("font-size")
         if font:
