@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     import nestedcages_core as core
     from nestedcages_core import cache as memory
     from nestedcages_core import tasks
+    from nestedcages_core.coordinates import outline_map as outlines
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
-    from nestedcages_core.geometry import predicates, triangulation
+    from nestedcages_core.geometry import chains, predicates, triangulation
     from nestedcages_core.level import steps
 else:
 
@@ -43,6 +44,8 @@ else:
             return getattr(found, name)
 
     core = _LazyModule("core")
+    chains = _LazyModule("geometry.chains")
+    outlines = _LazyModule("coordinates.outline_map")
     memory = _LazyModule("cache")
     pictures = _LazyModule("exchange.pictures")
     predicates = _LazyModule("geometry.predicates")
@@ -51,4 +54,15 @@ else:
     tasks = _LazyModule("tasks")
     triangulation = _LazyModule("geometry.triangulation")
 
-__all__ = ["core", "errors", "memory", "pictures", "predicates", "steps", "tasks", "triangulation"]
+__all__ = [
+    "chains",
+    "core",
+    "errors",
+    "memory",
+    "outlines",
+    "pictures",
+    "predicates",
+    "steps",
+    "tasks",
+    "triangulation",
+]

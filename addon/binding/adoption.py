@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 import bpy
 
-from .. import keys, record
+from .. import record
 from ..animation import shape_keys, stage
 from ..scene import display, filling, ownership, placement
 from . import field
@@ -96,9 +96,11 @@ def _own_data(obj: bpy.types.Object) -> None:
     """Meshes and actions that an object shares with the one that it is a copy of become its own."""
     if obj.data.users > 1:
         obj.data = obj.data.copy()
-    mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
+    before = record.before(obj)
+    mesh = before.mesh
     if mesh is not None and mesh.users > 1:
-        mesh = obj[keys.STORED_MESH] = mesh.copy()
+        mesh = mesh.copy()
+        record.set_before(obj, before._replace(mesh=mesh))
     for owner in (obj, *(each.shape_keys for each in (obj.data, mesh) if each is not None)):
         animation = owner.animation_data if owner is not None else None
         if animation is not None and animation.action is not None and animation.action.users > 1:
@@ -115,12 +117,12 @@ def _own_fields(
     made: dict[bpy.types.Object, bpy.types.Object] = {}
     for obj in followers:
         shared = field.followed(obj)
-        cage = keys.block(shared, keys.FIELD_OF, bpy.types.Object) if shared is not None else None
+        cage = record.shown(shared, record.FIELD) if shared is not None else None
         if shared is None or cage not in cages:
             continue
         if shared not in made:
             own = made[shared] = _copied(shared, originals)
-            own[keys.FIELD_OF] = cages[cage]
+            record.make_helper(own, record.FIELD, cages[cage])
             collection.objects.link(own)
             for shows in own.modifiers:
                 if isinstance(shows, bpy.types.NodesModifier):
@@ -128,3 +130,6 @@ def _own_fields(
         modifier = display.nodes_modifier(obj, field.FOLLOW)
         assert modifier is not None
         display.set_input(modifier, "Object", made[shared])
+        field.shown_by(obj).update_tag()
+    for own in made.values():
+        own.update_tag()

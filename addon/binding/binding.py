@@ -14,7 +14,6 @@ from itertools import pairwise
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from .. import keys, record
 from ..animation import stage, visibility
@@ -136,13 +135,12 @@ def forget(collection: bpy.types.Collection) -> str:
     levels = ownership.members(collection)
     _disconnect(collection, levels, lines_back=False)
     for obj in levels:
-        mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
-        action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)
-        keys.remove(obj, [keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE])
-        if mesh is not None:
-            remove_mesh(mesh)
-        if action is not None and action.users == 0:
-            bpy.data.actions.remove(action)
+        before = record.before(obj)
+        record.set_before(obj, record.Before())
+        if before.mesh is not None:
+            remove_mesh(before.mesh)
+        if before.action is not None and before.action.users == 0:
+            bpy.data.actions.remove(before.action)
     method = str(record.of(collection).bound)
     record.bind(collection, "")
     return method
@@ -167,9 +165,8 @@ def _park(obj: bpy.types.Object) -> None:
     action keeps playing, but no longer hides it.
     """
     hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
-    obj[keys.STORED_STATE] = [*np.ravel(np.array(obj.matrix_basis)).tolist(), *map(float, hidden)]
     mesh, rig = filling.mesh_of(obj), Rig.of(obj)
-    obj[keys.STORED_MESH] = mesh
+    record.set_before(obj, record.Before(mesh, obj.matrix_basis, hidden))
     visibility.mute(obj, True)
     plain = bpy.data.meshes.new(mesh.name)
     plain.from_pydata(filling.points_of(mesh).tolist(), filling.loop_edges(mesh).tolist(), [])
@@ -181,38 +178,29 @@ def _park(obj: bpy.types.Object) -> None:
 
 def _unpark(obj: bpy.types.Object) -> list[str]:
     """Gives an object its original mesh back, with the work done on it since; returns what could not be transferred."""
-    mesh = keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)
+    mesh, matrix, hidden, action = record.before(obj)
     if mesh is None:
         return []
     posed, rig = filling.mesh_of(obj), Rig.of(obj)
     obj.data = mesh
     lost = rig.give(obj, same_vertices=True)
     remove_mesh(posed)
-    action = keys.block(obj, keys.STORED_ACTION, bpy.types.Action)  # earlier versions stored the whole action
     animation = obj.animation_data or obj.animation_data_create() if action is not None else None
     if animation is not None and animation.action is None:
         animation.action = action
         if getattr(animation, "action_slot", True) is None and animation.action_suitable_slots:
             animation.action_slot = animation.action_suitable_slots[0]
     visibility.mute(obj, False)
-    _restore_state(obj)
-    keys.remove(obj, [keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE])
-    return lost
-
-
-def _restore_state(obj: bpy.types.Object) -> None:
-    """Restores transform and visibility from before binding; earlier versions stored `hide_render` alone."""
-    state = keys.numbers(obj, keys.STORED_STATE, 19) or keys.numbers(obj, keys.STORED_STATE, 17)
-    if state is None:
-        return
-    before = Matrix(np.reshape(state[:16], (4, 4)).tolist())
-    if obj.matrix_basis != before:
-        obj.matrix_basis = before
-    obj.hide_render = bool(state[16])
-    if len(state) > 17:
-        obj.hide_viewport = bool(state[17])
+    record.set_before(obj, record.Before())
+    if matrix is not None and obj.matrix_basis != matrix:
+        obj.matrix_basis = matrix
+    if hidden:
+        obj.hide_render = hidden[0]
+    if len(hidden) > 1:  # earlier versions stored the first alone
+        obj.hide_viewport = hidden[1]
         with suppress(RuntimeError):  # not in this view layer
-            obj.hide_set(bool(state[18]))
+            obj.hide_set(hidden[2])
+    return lost
 
 
 def _fill(levels: list[bpy.types.Object]) -> None:
@@ -279,7 +267,7 @@ def _connect(
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
         _take_lines_out(obj, collection)
     for obj, made_link in zip(levels, links, strict=False):
-        obj[keys.LINK] = f"{field.NAMES[kind]}, error {made_link.rest:.1e} at rest"
+        record.set_link(obj, field.NAMES[kind], made_link.rest)
     return Binding(tuple(links), _take_along(context, originals, space, levels))
 
 
@@ -330,14 +318,15 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
         field.release(obj)
         legacy.release(obj)
         display.render_lines(obj, True)
-        keys.remove(obj, [keys.LINK])
-    for obj in [obj for obj in bpy.data.objects if field.followed(obj) in fields and not keys.has(obj, keys.PROXY_OF)]:
+        record.set_link(obj, "", 0.0)
+    for obj in [
+        obj for obj in bpy.data.objects if field.followed(obj) in fields and not record.is_helper(obj, record.PROXY)
+    ]:
         field.release(obj)
     legacy.release_originals(collection)
     for helper in fields:
-        owner = keys.block(helper, keys.LINES_OF, bpy.types.Object)
+        owner, thickness = record.lines_of(helper)
         if lines_back and owner is not None:
-            thickness = keys.number(helper, keys.LINE_THICKNESS) or 0.0
             display.set_thickness(owner, thickness)
         mesh = filling.mesh_of(helper)
         for modifier in list(helper.modifiers):
@@ -355,7 +344,7 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     display.set_thickness(obj, 0.0)
     name = f"{obj.name} Lines"
     helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    keys.store(helper, {keys.HELPER: True, keys.LINES_OF: obj, keys.LINE_THICKNESS: thickness})
+    record.make_helper(helper, record.LINES, obj, thickness)
     helper.hide_viewport = helper.hide_select = True
     helper.parent = obj
     collection.objects.link(helper)

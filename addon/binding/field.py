@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import keys, record
 from ..core import core
 from ..errors import UserError
 from ..generation.memory import remembered
@@ -57,7 +57,7 @@ def make(cage: bpy.types.Object, space: bpy.types.Object, method: str) -> bpy.ty
         for number, weights in enumerate(field.weights.T.astype(np.float32)):
             filling.add_attribute(data, f"{keys.WEIGHT}{number}", "FLOAT", weights)
     made = bpy.data.objects.new(name, data)
-    keys.store(made, {keys.HELPER: True, keys.FIELD_OF: cage})
+    record.make_helper(made, record.FIELD, cage)
     made.display_type = "WIRE"
     made.hide_viewport = made.hide_render = made.hide_select = True
     for collection in cage.users_collection:
@@ -82,7 +82,7 @@ def follow(obj: bpy.types.Object, field: bpy.types.Object, *, in_place: bool) ->
     display.set_input(modifier, "Object", field)
     display.set_input(modifier, "In Place", in_place)
     display.set_input(modifier, "Subdivide", _halvings(obj))
-    empty = keys.block(obj, keys.PROXY_OF, bpy.types.Object)
+    empty = record.shown(obj, record.PROXY)
     if empty is not None:
         display.set_input(modifier, "Collection", empty.instance_collection)
 
@@ -111,7 +111,7 @@ def why_not(obj: bpy.types.Object) -> str:
 
 def field_of(cage: bpy.types.Object) -> bpy.types.Object | None:
     """The field of a cage."""
-    return next((obj for obj in bpy.data.objects if obj.get(keys.FIELD_OF) == cage), None)
+    return next((obj for obj in bpy.data.objects if record.shown(obj, record.FIELD) == cage), None)
 
 
 def followed(obj: bpy.types.Object) -> bpy.types.Object | None:
@@ -125,12 +125,12 @@ def followed(obj: bpy.types.Object) -> bpy.types.Object | None:
 
 def shown_by(obj: bpy.types.Object) -> bpy.types.Object:
     """The object that shows what an empty instances, if that is bound; else the object itself."""
-    return next((child for child in obj.children if child.get(keys.PROXY_OF) == obj), obj)
+    return next((child for child in obj.children if record.shown(child, record.PROXY) == obj), obj)
 
 
 def release(obj: bpy.types.Object) -> None:
     """Removes the modifier, and the object that shows what this one instances."""
-    for proxy in [child for child in obj.children if child.get(keys.PROXY_OF) == obj]:
+    for proxy in [child for child in obj.children if record.shown(child, record.PROXY) == obj]:
         release(proxy)
         mesh = filling.mesh_of(proxy)
         bpy.data.objects.remove(proxy)
@@ -145,7 +145,7 @@ def _proxy(empty: bpy.types.Object) -> bpy.types.Object:
     """A new object to show the collection that an empty instances, which empties cannot bend."""
     name = f"{empty.name} Bound"
     made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    made[keys.PROXY_OF] = empty
+    record.make_helper(made, record.PROXY, empty)
     for home in empty.users_collection:
         home.objects.link(made)
     made.parent = empty

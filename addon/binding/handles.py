@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys
+from .. import record
 from ..scene import filling, placement
 from ..scene.filling import Points
 from ..scene.plane import size
@@ -24,7 +24,7 @@ LENGTH = 0.05
 def handles_of(cage: bpy.types.Object) -> list[bpy.types.Object]:
     """The armature, or the empties, that move the corners of a cage."""
     moving = {getattr(modifier, "object", None) for modifier in cage.modifiers}
-    return [obj for obj in moving if obj is not None and keys.has(obj, keys.HANDLES_OF) and obj.users_scene]
+    return [obj for obj in moving if obj is not None and record.is_helper(obj, record.HANDLES) and obj.users_scene]
 
 
 def add(context: bpy.types.Context, cages: Sequence[bpy.types.Object], kind: str) -> list[bpy.types.Object]:
@@ -33,8 +33,8 @@ def add(context: bpy.types.Context, cages: Sequence[bpy.types.Object], kind: str
     """
     made = _bones(context, cages) if kind == BONES else [empty for cage in cages for empty in _empties(cage)]
     for obj in made:
-        if not keys.has(obj, keys.HANDLES_OF):
-            obj[keys.HANDLES_OF] = cages[0]
+        if not record.is_helper(obj, record.HANDLES):
+            record.make_helper(obj, record.HANDLES, cages[0])
         obj.show_in_front = True
     return made
 

@@ -36,7 +36,7 @@ class Rollback:
 
     def set_aside(self, obj: bpy.types.Object) -> None:
         """Removes our animation from an object, and frees the names of its mesh, which is about to be replaced."""
-        for mesh in (obj.data, keys.block(obj, keys.STORED_MESH, bpy.types.Mesh)):
+        for mesh in (obj.data, record.before(obj).mesh):
             shapes = mesh.shape_keys if mesh is not None else None
             for block in (mesh, shapes, _action(shapes) if has_steps(shapes) else None):
                 self._rename(block)
@@ -59,7 +59,7 @@ class Rollback:
 
     def finish(self) -> list[str]:
         """The new output is complete: removes what it replaces. Returns sentences about what was lost."""
-        kept = [value for obj in (*self._surplus, *self._kept) for value in _properties(obj).values()]
+        kept = [value for obj in (*self._surplus, *self._kept) for value in record.before(obj)]
         for obj in self._kept:
             shape_keys.remove_steps(obj)
             for modifier in [modifier for modifier in obj.modifiers if display.is_ours(modifier)]:

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import core
+from ..core import chains, core
 from ..errors import UserError, told
 from ..generation.job import Progress, Work
-from ..scene.chains import without_doubles
 from ..scene.plane import size
 
 SVG, MAPS = (".svg",), (".geojson", ".json")
@@ -124,4 +123,4 @@ def stored(name: str, loops: list[NDArray[np.float64]]) -> core.Mesh:
 
 def _rounded(loop: NDArray[np.float64], extent: float) -> NDArray[np.float64]:
     """A loop (k, 2) as float32, without repeated points."""
-    return without_doubles(loop.astype(np.float32), extent).astype(np.float64)
+    return chains.without_doubles(loop.astype(np.float32), extent).astype(np.float64)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from .. import keys, record
+from .. import record
 from ..binding import binding, field
 from ..binding.adoption import adopt
 from ..errors import UserError, counted
@@ -199,7 +199,7 @@ def _drawings_of(obj: bpy.types.Object, selected: Sequence[bpy.types.Object]) ->
     """The drawings that an object stands for: those of a bound output, none of a moving copy, else itself. A cage that
     is neither bound nor selected with its drawing is a drawing like any other.
     """
-    if keys.block(obj, keys.FILLS, bpy.types.Object) is not None:
+    if record.shown(obj, record.FILL) is not None:
         return []
     if ownership.level_of(obj) is None:
         return [obj]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 
-from .. import keys, record
+from .. import record
 from ..generation.job import Work
 from ..scene import ownership
 from .base import OutputOperator
@@ -51,7 +51,9 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
         edited = not ownership.is_bound(collection) and record.is_edited(obj)
         unknown = "" if edited and record.is_judged(obj) else record.EDITED
         certificate = unknown if edited else record.certificate(found)
-        said = (found.start, certificate, keys.text(obj, keys.LINK), *record.sentences(found, checks=True))
+        method, error = record.link(obj)
+        follows = f"{method}, error {error:.1e} at rest" if method else ""
+        said = (found.start, certificate, follows, *record.sentences(found, checks=True))
         for sentence in filter(None, said):
             yield f"    {sentence}"
 

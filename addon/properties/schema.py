@@ -9,9 +9,11 @@ from __future__ import annotations
 import bpy
 from bpy.props import (
     BoolProperty,
+    BoolVectorProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     IntVectorProperty,
     PointerProperty,
@@ -20,7 +22,7 @@ from bpy.props import (
 
 from .settings import GenerationProperties
 
-ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE")]
+ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE", "FIELD", "LINES", "PROXY", "FILL", "HANDLES")]
 CHECKS = [(name, name.title(), "") for name in ("NONE", "HOLDS", "FAULT")]
 PROMISES = [(name, name.title(), "") for name in ("LOOPS", "MOTION")]
 
@@ -69,9 +71,22 @@ class NestedCagesRecord(bpy.types.PropertyGroup):
     markers: CollectionProperty(name="Markers", description="The markers of the animation", type=NestedCagesMarker)
 
 
+class NestedCagesBefore(bpy.types.PropertyGroup):
+    """A bound object as it was."""
+
+    mesh: PointerProperty(name="Mesh", description="Its mesh", type=bpy.types.Mesh)
+    matrix: FloatVectorProperty(name="Matrix", description="Its own transform, row by row", size=16)
+    hidden: BoolVectorProperty(name="Hidden", description="In renders, in viewports, and in this view", size=3)
+
+
 class NestedCagesMember(bpy.types.PropertyGroup):
     """Of an object: its place in a set, and what was found when it was made; lengths in scene units."""
 
+    shows: PointerProperty(name="Shows", description="What a helper shows, fills or moves", type=bpy.types.Object)
+    thickness: FloatProperty(name="Thickness", description="Of the lines that a helper shows")
+    before: PointerProperty(name="Before", description="As it was before it was bound", type=NestedCagesBefore)
+    link: StringProperty(name="Link", description="The method that it follows its cage by")
+    link_error: FloatProperty(name="Error", description="How far it moves at rest, as a fraction of its size")
     role: EnumProperty(name="Role", description="What the object is", items=ROLES)
     level: IntProperty(name="Level", description="Its level, 0 for the fine mesh", default=-1)
     of: PointerProperty(name="Drawing", description="The drawing that it belongs to", type=bpy.types.Object)
@@ -108,6 +123,7 @@ CLASSES = (
     NestedCagesPart,
     NestedCagesUsed,
     NestedCagesRecord,
+    NestedCagesBefore,
     NestedCagesMember,
 )
 

@@ -1,5 +1,5 @@
 """The artist's work on output survives new output and binding.
 
-`outline_map`: positions of the vertices of a new outline along an old one. `rig`: the artist's work on a mesh,
-transferred to the mesh that replaces it. `pose`: poses of bound objects, and evaluation at rest.
+`rig`: the artist's work on a mesh, transferred to the mesh that replaces it. `pose`: poses of bound objects, and
+evaluation at rest.
 """

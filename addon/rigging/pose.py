@@ -12,12 +12,12 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..animation import shape_keys
+from ..core import outlines
 from ..scene import placement
 from ..scene.filling import loop_edges, mesh_of, points_of
 from ..scene.plane import size
-from .outline_map import Outline, outline_map
 from .rig import rest_points
 
 # The properties of parenting, in the order in which they are set.
@@ -57,20 +57,20 @@ class Pose:
     own_parent: bool
     rest: Matrix | None
     basis: Matrix
-    outline: Outline
+    outline: outlines.Outline
     offsets: NDArray[np.float64]
 
     @classmethod
     def of(cls, obj: bpy.types.Object, source: bpy.types.Object | None) -> Pose:
         """The pose of an object of the output of `source`."""
-        mesh, state = mesh_of(obj), keys.numbers(obj, keys.STORED_STATE, 19)
+        mesh = mesh_of(obj)
         rest = rest_points(mesh)
         return cls(
             Placement.of(obj),
             obj.parent is not None and obj.parent != source,
-            Matrix(np.reshape(state[:16], (4, 4)).tolist()) if state is not None else None,
+            record.before(obj).matrix,
             obj.matrix_basis.copy(),
-            Outline.of(rest, loop_edges(mesh)),
+            outlines.Outline.of(rest, loop_edges(mesh)),
             points_of(mesh) - rest,
         )
 
@@ -84,16 +84,15 @@ class Pose:
         if self.own_parent:
             self.placement.give(obj)
             if bound and self.rest is not None:
-                state = list(keys.numbers(obj, keys.STORED_STATE, 19) or ())
-                obj[keys.STORED_STATE] = [*np.ravel(np.array(self.rest)).tolist(), *state[16:]]
+                record.set_before(obj, record.before(obj)._replace(matrix=self.rest))
         elif bound and self.rest == Matrix():
             self.placement.give(obj, placement.TRANSFORM)
         elif bound and self.rest is not None:
             obj.matrix_basis = self.rest.inverted_safe() @ self.basis
         if bound and self.bends:
             mesh = mesh_of(obj)
-            new = Outline.of(rest_points(mesh), loop_edges(mesh))
-            move(mesh, outline_map(self.outline, new).of(self.offsets))
+            new = outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
+            move(mesh, outlines.outline_map(self.outline, new).of(self.offsets))
 
 
 def move(mesh: bpy.types.Mesh, offsets: NDArray[np.float64]) -> None:

@@ -15,12 +15,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import keys, record
 from ..animation import shape_keys
 from ..animation.bake import copy_keyframes
+from ..core import outlines
 from ..scene import display, placement
 from ..scene.filling import loop_edges, mesh_of, points_of
-from .outline_map import Outline, OutlineMap, outline_map
 
 Points = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ class ShapeKey:
 class Rig:
     """The artist's work on the mesh of an object, and the unposed outline that it refers to."""
 
-    outline: Outline
+    outline: outlines.Outline
     groups: tuple[Group, ...]
     active_group: str
     keys: tuple[ShapeKey, ...]
@@ -78,7 +78,7 @@ class Rig:
             left_behind.append("NLA tracks of its shape keys")
         active, key = obj.vertex_groups.active, obj.active_shape_key
         return cls(
-            Outline.of(rest_points(mesh), loop_edges(mesh)),
+            outlines.Outline.of(rest_points(mesh), loop_edges(mesh)),
             _groups(obj),
             active.name if active is not None else "",
             _shape_keys(block),
@@ -100,13 +100,13 @@ class Rig:
         same_vertices: vertices keep their numbers if there are as many as before, wherever they are.
         """
         mesh = mesh_of(obj)
-        new = Outline.of(rest_points(mesh), loop_edges(mesh))
+        new = outlines.Outline.of(rest_points(mesh), loop_edges(mesh))
         if (same_vertices and len(new.points) == len(self.outline.points)) or np.array_equal(
             new.points, self.outline.points
         ):
-            places = OutlineMap.identity(len(new.points))
+            places = outlines.OutlineMap.identity(len(new.points))
         else:
-            places = outline_map(self.outline, new)
+            places = outlines.outline_map(self.outline, new)
             self._renumber(obj, places)
         self._give_groups(obj, places)
         self._give_slots(obj)
@@ -125,7 +125,7 @@ class Rig:
         """Whether there is no work of an artist on the mesh."""
         return not (self.groups or self.keys or self.attributes or self.left_behind)
 
-    def _give_groups(self, obj: bpy.types.Object, places: OutlineMap) -> None:
+    def _give_groups(self, obj: bpy.types.Object, places: outlines.OutlineMap) -> None:
         if [group.name for group in obj.vertex_groups] or self.groups:
             obj.vertex_groups.clear()
         for group in self.groups:
@@ -145,7 +145,7 @@ class Rig:
             if link == "OBJECT":
                 slot.material = own
 
-    def _give_keys(self, obj: bpy.types.Object, places: OutlineMap) -> None:
+    def _give_keys(self, obj: bpy.types.Object, places: outlines.OutlineMap) -> None:
         for key in artists_keys(obj.data.shape_keys):
             obj.shape_key_remove(key)
         if not self.keys:
@@ -175,7 +175,7 @@ class Rig:
         index = block.key_blocks.find(self.active_key)
         obj.active_shape_key_index = max(index, 0)
 
-    def _renumber(self, obj: bpy.types.Object, places: OutlineMap) -> None:
+    def _renumber(self, obj: bpy.types.Object, places: outlines.OutlineMap) -> None:
         """Changes vertex indices in hooks and vertex parents to the nearest new vertices."""
         points, count = self.outline.points, len(self.outline.points)
         for hook in hooks_of(obj):
@@ -190,7 +190,7 @@ class Rig:
 def is_rigged(obj: bpy.types.Object) -> bool:
     """Whether an output object carries work of an artist that would be lost with it."""
     modifiers = [modifier for modifier in obj.modifiers if not display.is_ours(modifier)]
-    children = [child for child in obj.children if not keys.flag(child, keys.HELPER)]
+    children = [child for child in obj.children if not record.is_helper(child, record.FIELD, record.LINES)]
     animated = obj.animation_data is not None and obj.animation_data.action is not None
     constrained = len(obj.constraints) > (placement.constraint_of(obj) is not None)
     return bool(not Rig.of(obj).blank or constrained or modifiers or children or animated)

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import chains
 from ..errors import UserError
-from .chains import SMALLEST_LOOP, chains
 from .convert import read
 from .plane import transform, world_matrix
 from .reading import READERS, has_nodes, realized
@@ -89,9 +89,10 @@ def _instances(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Ar
     """The areas of what an object instances: a collection, or its children on its vertices or faces."""
     for found in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
         if found.is_instance and found.parent is not None and found.parent.original == obj:
-            matrix = np.array(found.matrix_world, dtype=np.float64)
-            if found.object is not None and found.object.type in SOLID:
-                yield from _faces(found.object, matrix)
+            shown = found.object
+            # Wires, such as cages, are no part of what a collection paints.
+            if shown is not None and shown.type in SOLID and shown.display_type not in {"WIRE", "BOUNDS"}:
+                yield from _faces(shown, np.array(found.matrix_world, dtype=np.float64))
 
 
 def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:
@@ -122,7 +123,7 @@ def _faces(evaluated: bpy.types.Object, matrix: Points) -> Iterator[Area]:
     if len(triangles):
         yield Faces(world, triangles)
     lone = edges[np.bincount(used, minlength=len(edges)) == 0].astype(np.int64)
-    loops = tuple(world[loop] for loop in chains(lone, len(points)).closed if len(loop) >= SMALLEST_LOOP)
+    loops = tuple(world[loop] for loop in chains.chains(lone, len(points)).closed if len(loop) >= chains.SMALLEST_LOOP)
     if loops:
         yield Patch(loops, evenodd=True)
 
@@ -158,7 +159,7 @@ def _drawn(context: bpy.types.Context, obj: bpy.types.Object, strokes: bool, clo
             points, radii = transform(matrix, drawn[:, :3]), scale * np.maximum(drawn[:, 3], 0.0)
             style = style_of(evaluated, stroke)
             filled = (style is not None and style.show_fill) or (stroke.cyclic and closed)
-            if filled and len(points) >= SMALLEST_LOOP:
+            if filled and len(points) >= chains.SMALLEST_LOOP:
                 yield Patch((points,), evenodd=True)
             lined = strokes and (style is None or style.show_stroke)
             if lined and len(points) and radii.max() > 0.0:

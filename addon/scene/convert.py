@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import keys
-from ..core import core
+from ..core import chains, core
 from ..errors import Fault, UserError
 from . import faults
-from .chains import SMALLEST_LOOP, chains, extent_of, without_doubles
 from .plane import PLANARITY, Frame, fitted_frame, own_frame, transform, world_matrix
 from .reading import READERS, Lines, has_nodes, lines_of
 from .uniting import outline_of, united
@@ -189,7 +188,7 @@ def _closed_loops(
     obj: bpy.types.Object, vertices: NDArray[np.float32], edges: NDArray[np.int64], options: ReadingOptions
 ) -> tuple[NDArray[np.float32], ...]:
     """The loops (k, 3) that the edges make, doubled points merged. Raises: UserError."""
-    found = chains(edges, len(vertices))
+    found = chains.chains(edges, len(vertices))
     if len(found.branching):
         raise UserError(
             f"'{obj.name}' branches at ({_place(vertices[found.branching[0]])}): at each point of an outline two edges "
@@ -197,7 +196,7 @@ def _closed_loops(
             _fault(obj, vertices[found.branching[:1]]),
         )
     # A cyclic spline of two points evaluates to a single edge.
-    opened = [vertices[line] for line in found.opened if len(line) >= SMALLEST_LOOP or not _all_cyclic(obj)]
+    opened = [vertices[line] for line in found.opened if len(line) >= chains.SMALLEST_LOOP or not _all_cyclic(obj)]
     if opened and not options.close_open:
         raise _open_error(obj, opened)
     loops = [vertices[line] for line in (*found.closed, *found.opened)]
@@ -207,10 +206,10 @@ def _closed_loops(
         raise UserError(f"'{obj.name}' is a text without letters: write some (Tab)")
     if not loops:
         raise UserError(f"'{obj.name}' has no outline: neither edges without faces nor an open boundary")
-    extent = extent_of(loops)
+    extent = chains.extent_of(loops)
     for number, loop in enumerate(loops):
-        loops[number] = without_doubles(loop, extent)
-        if len(loops[number]) < SMALLEST_LOOP:
+        loops[number] = chains.without_doubles(loop, extent)
+        if len(loops[number]) < chains.SMALLEST_LOOP:
             raise UserError(
                 f"'{obj.name}' has a loop with fewer than three different points at ({_place(loop[0])}): delete it",
                 _fault(obj, loop[:1]),

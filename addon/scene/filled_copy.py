@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .. import keys
+from .. import record
 from .display import add_nodes_modifier, add_socket, new_node, set_input
 
 FILL = "Nested Cages Fill"
@@ -17,7 +17,7 @@ def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.t
     name = f"{source.name if source is not None else fine.name} Moving"
     mesh = bpy.data.meshes.new(name)
     copy = bpy.data.objects.new(name, mesh)
-    copy[keys.FILLS] = fine
+    record.make_helper(copy, record.FILL, fine)
     copy.parent = fine
     copy.location.z = fine.data.vertices[0].co.z  # the filled area is flat, at height 0
     copy.hide_select = True
@@ -33,7 +33,7 @@ def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.t
 
 def copies_of(fine: bpy.types.Object) -> list[bpy.types.Object]:
     """The objects that fill a fine mesh."""
-    return [child for child in fine.children if child.get(keys.FILLS) == fine]
+    return [child for child in fine.children if record.shown(child, record.FILL) == fine]
 
 
 def main_material(source: bpy.types.Object) -> bpy.types.Material | None:

@@ -45,7 +45,7 @@ def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     return [
         obj
         for obj in bpy.data.objects
-        if keys.flag(obj, keys.HELPER)
+        if (record.is_helper(obj, record.FIELD, record.LINES) or keys.flag(obj, keys.HELPER))
         and level_of(obj) is None
         and (_shown(obj) in own or (_shown(obj) is None and collection in obj.users_collection))
     ]
@@ -53,7 +53,7 @@ def helpers(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 def _shown(helper: bpy.types.Object) -> bpy.types.Object | None:
     """What a helper shows."""
-    return keys.block(helper, keys.FIELD_OF, bpy.types.Object) or keys.block(helper, keys.LINES_OF, bpy.types.Object)
+    return record.shown(helper, record.FIELD, record.LINES)
 
 
 def is_output(collection: bpy.types.Collection) -> bool:
@@ -115,7 +115,7 @@ def outputs_about(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.typ
         return found
     sets = [c for c in bpy.data.collections if is_output(c) and members(c)]
     shared = [c for c in sets if obj in originals(c)]
-    if shared or (obj.type not in {"ARMATURE", "EMPTY"} and not keys.has(obj, keys.HANDLES_OF)):
+    if shared or (obj.type not in {"ARMATURE", "EMPTY"} and not record.is_helper(obj, record.HANDLES)):
         return shared
     return [c for c in sets if any(getattr(m, "object", None) == obj for m in members(c)[-1].modifiers)]
 

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core
+from ..core import chains, core
 from ..errors import UserError
-from .chains import SMALLEST_LOOP
 
 Loop = NDArray[np.float64]
 Loops = tuple[Loop, ...]
@@ -39,7 +38,7 @@ def united(name: str, areas: Sequence[core.exchange.Painted]) -> Loops:
         try:
             mesh = core.exchange.solid(areas, seam=gap)
             loops = tuple(stored(mesh.vertices[loop]) for loop in mesh.loops)
-            loops = tuple(loop for loop in loops if len(loop) >= SMALLEST_LOOP)  # others are slits of rounding
+            loops = tuple(loop for loop in loops if len(loop) >= chains.SMALLEST_LOOP)  # others are slits of rounding
             core.Mesh.from_loops(loops)
         except core.NestedCagesError as error:
             problem = problem or error

@@ -6,7 +6,7 @@ import textwrap
 
 import bpy
 
-from .. import keys, record
+from .. import record
 from ..scene import ownership
 
 # Letters per line of a note: fits into the sidebar at its default width.
@@ -35,7 +35,7 @@ def _in_short(obj: bpy.types.Object) -> str:
 
 def _notes(obj: bpy.types.Object) -> list[str]:
     """Lines of the notes about an output object."""
-    method, _, _ = keys.text(obj, keys.LINK).partition(",")
+    method, _ = record.link(obj)
     follows = f"Follows by {method}" if method else ""
     found = record.member(obj)
     wrong = " ".join(record.sentences(found, checks=True, others=False)) if found.check == record.FAULT else ""

@@ -149,6 +149,24 @@ def of_before(addon: Any, collection: Any) -> None:
     record, keys = addon.record, addon.keys
     found = record.of(collection)
     objects = [part.object for part in found.levels]
+    for obj in bpy.data.objects:
+        member, (mesh, matrix, hidden, _), (method, error) = (
+            obj.nested_cages_member,
+            record.before(obj),
+            record.link(obj),
+        )
+        if member.role in record.helpers.HELPERS:
+            obj[record.helpers.HELPERS[member.role]] = member.shows
+            if member.role in (record.FIELD, record.LINES):
+                obj[keys.HELPER], obj[keys.LINE_THICKNESS] = True, member.thickness
+            member.role, member.shows = "NONE", None
+        if mesh is not None:
+            record.set_before(obj, record.Before())
+            obj[keys.STORED_MESH] = mesh
+            obj[keys.STORED_STATE] = [*np.ravel(np.array(matrix)).tolist(), *map(float, hidden)]
+        if method:
+            record.set_link(obj, "", 0.0)
+            obj[keys.LINK] = f"{method}, error {error:.1e} at rest"
     collection[keys.LEVELS] = len(objects) - 1
     collection[keys.MARKERS] = json.dumps([[marker.name, marker.frame] for marker in found.markers])
     if found.playing:
@@ -160,7 +178,7 @@ def of_before(addon: Any, collection: Any) -> None:
         if member.role == record.CAGE:
             obj[keys.PHASES] = list(member.phases)
         for name in [prop.identifier for prop in member.bl_rna.properties]:
-            if name not in {"rna_type", "kept"}:
+            if name not in {"rna_type", "kept", "before"}:
                 member.property_unset(name)
     for name in [prop.identifier for prop in found.bl_rna.properties]:
         if name not in {"rna_type", "settings"}:

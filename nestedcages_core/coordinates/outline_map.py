@@ -1,4 +1,4 @@
-"""Positions of the vertices of a new outline along an old one. Uses numpy and the core only."""
+"""Places of the vertices of a new outline along an old one, so that values of the old vertices carry over."""
 
 from __future__ import annotations
 
@@ -8,41 +8,42 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core
-from ..scene.plane import nearest
+from ..errors import NestedCagesError
+from ..geometry.arrays import BoolArray, FloatArray, IntArray
+from ..geometry.distance import point_edge
+from ..geometry.mesh import Mesh
+from ..geometry.vectors import cross
 
-Points = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-# Smallest overlap of the boxes of two loops on each axis, as a fraction of their common range, to compare them in
-# place; otherwise the new loop is first scaled into the box of the old one.
 SHARED_RANGE = 0.5
-# Distances that are computed at once.
+"""Smallest overlap of the boxes of two loops on each axis, as a fraction of their common range, to compare them in
+place; otherwise the new loop is first scaled into the box of the old one."""
+
 CHUNK = 2_000_000
+"""Distances that are computed at once."""
 
 
 @dataclass(frozen=True)
 class OutlineMap:
     """For each new vertex, the ends (m,) of the edge of the old outline that it lies on, and its parameter there."""
 
-    first: Indices
-    second: Indices
-    part: Points
+    first: IntArray
+    second: IntArray
+    part: FloatArray
 
     @classmethod
     def identity(cls, count: int) -> OutlineMap:
         """The identity."""
         return cls(np.arange(count), np.arange(count), np.zeros(count))
 
-    def of(self, values: NDArray[Any]) -> Points:
+    def of(self, values: NDArray[Any]) -> FloatArray:
         """Values (n, ...) of the old vertices at the new ones, (m, ...)."""
         part = self.part.reshape(-1, *(1 for _ in values.shape[1:]))
-        found: Points = (1.0 - part) * values[self.first] + part * values[self.second]
+        found: FloatArray = (1.0 - part) * values[self.first] + part * values[self.second]
         return found
 
-    def nearest(self, points: Points, old: int) -> int:
+    def nearest(self, points: FloatArray, old: int) -> int:
         """The new vertex nearest to an old one along the old outline with vertices (n, 3)."""
-        return int(nearest(points[old : old + 1], self.of(points))[0])
+        return int(((self.of(points) - points[old]) ** 2).sum(axis=1).argmin())
 
 
 @dataclass(frozen=True)
@@ -51,17 +52,17 @@ class Outline:
     each vertex. Edges that make no outline are one loop without sides.
     """
 
-    points: Points
-    edges: Indices
-    loop: Indices
+    points: FloatArray
+    edges: IntArray
+    loop: IntArray
     sided: bool
 
     @classmethod
-    def of(cls, points: Points, edges: Indices) -> Outline:
+    def of(cls, points: FloatArray, edges: IntArray) -> Outline:
         """The outline of any edges."""
         try:
-            mesh = core.Mesh(points[:, :2], edges)
-        except core.NestedCagesError:
+            mesh = Mesh(points[:, :2], edges)
+        except NestedCagesError:
             return cls(points, edges, np.zeros(len(points), np.int64), False)
         loop = np.zeros(len(points), np.int64)
         for number, vertices in enumerate(mesh.loops):
@@ -69,7 +70,7 @@ class Outline:
         ends = np.column_stack([np.arange(len(points)), np.asarray(mesh.successor)])
         return cls(points, ends, loop, True)
 
-    def box(self, loop: int) -> Points:
+    def box(self, loop: int) -> FloatArray:
         """Lower and upper corner (2, 2) of a loop."""
         points = self.points[self.loop == loop, :2]
         return np.stack([points.min(axis=0), points.max(axis=0)])
@@ -78,13 +79,13 @@ class Outline:
         """Whether the loop bounds an area, not a hole."""
         own = self.edges[self.loop[self.edges[:, 0]] == loop]
         start, end = self.points[own[:, 0], :2], self.points[own[:, 1], :2]
-        return float((start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]).sum()) > 0.0
+        return float(cross(start, end).sum()) > 0.0
 
     @property
-    def directions(self) -> Points:
+    def directions(self) -> FloatArray:
         """Unit directions (m, 2) of the edges."""
         along = self.points[self.edges[:, 1], :2] - self.points[self.edges[:, 0], :2]
-        found: Points = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
+        found: FloatArray = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
         return found
 
 
@@ -94,7 +95,7 @@ def outline_map(old: Outline, new: Outline) -> OutlineMap:
     Loops are matched by their boxes if there are equally many, otherwise all old loops are searched.
     """
     if not len(old.edges):
-        same = nearest(new.points, old.points)
+        same = np.array([((old.points - point) ** 2).sum(axis=1).argmin() for point in new.points], dtype=np.int64)
         return OutlineMap(same, same, np.zeros(len(same)))
     if not (old.sided and new.sided):
         return _nearest(old, np.ones(len(old.edges), bool), new.points[:, :2], None)
@@ -138,34 +139,31 @@ def _matched(old: Outline, new: Outline) -> list[int | None]:
     return found
 
 
-def _into(points: Points, box: Points, other: Points) -> Points:
-    """Points (k, 2) of a box (2, 2), scaled into another one if these overlap little."""
+def _into(points: FloatArray, box: FloatArray, other: FloatArray) -> FloatArray:
+    """FloatArray (k, 2) of a box (2, 2), scaled into another one if these overlap little."""
     common = np.minimum(box[1], other[1]) - np.maximum(box[0], other[0])
     whole = np.maximum(box[1], other[1]) - np.minimum(box[0], other[0])
     if (common >= SHARED_RANGE * whole).all():
         return points
     size = np.maximum(box[1] - box[0], np.finfo(float).tiny)
-    scaled: Points = other[0] + (points - box[0]) / size * (other[1] - other[0])
+    scaled: FloatArray = other[0] + (points - box[0]) / size * (other[1] - other[0])
     return scaled
 
 
-def _nearest(old: Outline, among: NDArray[np.bool_], points: Points, tangents: Points | None) -> OutlineMap:
+def _nearest(old: Outline, among: BoolArray, points: FloatArray, tangents: FloatArray | None) -> OutlineMap:
     """The nearest points on some edges, on those in the direction of the tangents (k, 2) if there are any."""
     edges, directions = old.edges[among], old.directions[among]
-    start = old.points[edges[:, 0], :2]
-    along = old.points[edges[:, 1], :2] - start
-    squares = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    start, end = (old.points[edges[:, side], :2] for side in (0, 1))
     chosen, part = np.empty(len(points), int), np.empty(len(points))
     step = max(1, CHUNK // len(edges))
     for begin in range(0, len(points), step):
         rows = slice(begin, begin + step)
-        offset = points[rows, None] - start
-        at = np.clip((offset * along).sum(axis=2) / squares, 0.0, 1.0)
-        distance = np.linalg.norm(offset - at[:, :, None] * along, axis=2)
+        near = point_edge(points[rows, None], start, end)
+        distance = near.distance
         if tangents is not None:
             facing = tangents[rows] @ directions.T > 0.0
             facing |= ~facing.any(axis=1, keepdims=True)
             distance = np.where(facing, distance, np.inf)
         best = np.argmin(distance, axis=1)
-        chosen[rows], part[rows] = best, at[np.arange(len(best)), best]
+        chosen[rows], part[rows] = best, near.parameter[np.arange(len(best)), best]
     return OutlineMap(edges[chosen, 0], edges[chosen, 1], part)

@@ -1,4 +1,4 @@
-"""From edges to closed loops of points. Uses numpy only."""
+"""From edges to lines of points, closed ones and open ones."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .plane import size
-
-# Neighbours closer than this fraction of the drawing's size are the same point: curves and imported drawings repeat
-# points where two pieces meet, up to rounding of float32.
 DOUBLED = 1e-6
-# Minimum number of points of a closed loop.
+"""Neighbours closer than this fraction of the drawing's size are the same point: curves and imported drawings repeat
+points where two pieces meet, up to rounding of float32."""
+
 SMALLEST_LOOP = 3
+"""Minimum number of points of a closed loop."""
 
 
 class Chains(NamedTuple):
@@ -66,4 +65,4 @@ def without_doubles(points: NDArray[np.float32], extent: float) -> NDArray[np.fl
 
 def extent_of(loops: list[NDArray[np.float32]]) -> float:
     """Diagonal of the bounding box of all loops (k, 3)."""
-    return size(np.concatenate(loops).astype(float)) if loops else 0.0
+    return float(np.linalg.norm(np.ptp(np.concatenate(loops).astype(float), axis=0))) if loops else 0.0

@@ -15,24 +15,42 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import keys
-from .core import core
-from .notes import in_scene, sentence
+from .. import keys
+from ..core import core
+from ..notes import in_scene, sentence
+from . import earlier
+from .earlier import CAGE as CAGE
+from .earlier import CHECK as CHECK
+from .earlier import FAULT as FAULT
+from .earlier import FINE as FINE
+from .earlier import HOLDS as HOLDS
+from .earlier import TEXT as TEXT
+from .earlier import TOLERANCE as TOLERANCE
+from .helpers import FIELD as FIELD
+from .helpers import FILL as FILL
+from .helpers import HANDLES as HANDLES
+from .helpers import LINES as LINES
+from .helpers import PROXY as PROXY
+from .helpers import Before as Before
+from .helpers import before as before
+from .helpers import is_helper as is_helper
+from .helpers import lines_of as lines_of
+from .helpers import link as link
+from .helpers import make_helper as make_helper
+from .helpers import set_before as set_before
+from .helpers import set_link as set_link
+from .helpers import shown as shown
 
 # Version of the schema.
 VERSION = 1
-FINE, CAGE = "FINE", "CAGE"
-HOLDS, FAULT = "HOLDS", "FAULT"
 # What is said of a cage that is not the certified one any more.
 EDITED = "Edited since it was certified: verify it, or generate it again"
-# Codes of notes that are sentences already, of those on a distance or an excess, and the beginning of findings' codes.
-TEXT, TOLERANCE, CHECK = "note.text", "note.tolerance", "check."
 
 
 def of(collection: bpy.types.Collection) -> Any:
     """The record of a set, or what an earlier version stored, as a view."""
     found: Any = collection.nested_cages  # type: ignore[attr-defined]
-    return found if found.version or not keys.has(collection, keys.SOURCE) else _view(collection)
+    return found if found.version or not keys.has(collection, keys.SOURCE) else earlier.view(collection)
 
 
 def written(collection: bpy.types.Collection) -> Any:
@@ -46,7 +64,7 @@ def written(collection: bpy.types.Collection) -> Any:
 def member(obj: bpy.types.Object) -> Any:
     """What an object is in its set, or what an earlier version stored of that, as a view."""
     found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
-    return found if found.role != "NONE" or keys.integer(obj, keys.LEVEL) is None else _member_view(obj)
+    return found if found.role != "NONE" or keys.integer(obj, keys.LEVEL) is None else earlier.member_view(obj)
 
 
 def described(obj: bpy.types.Object) -> Any:
@@ -250,8 +268,9 @@ def remove(obj: bpy.types.Object) -> None:
     """Makes an object a plain one."""
     found = described(obj)
     for prop in found.bl_rna.properties:
-        if prop.identifier not in {"rna_type", "kept"}:
+        if prop.identifier not in {"rna_type", "kept", "before"}:
             found.property_unset(prop.identifier)
+    found.before.mesh = None
     assign(found.kept, {"version": 0, "sources": [], "levels": [], "markers": []})
     keys.remove(obj, keys.ours(obj))
 
@@ -265,89 +284,10 @@ def _data(text: str) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _view(collection: bpy.types.Collection) -> SimpleNamespace:
-    """What an earlier version stored of a set. It had no clearance, grid and symmetry that were asked for."""
-    others = collection.get(keys.OTHERS)
-    stored = [collection.get(keys.SOURCE), *(others.values() if hasattr(others, "values") else ())]
-    hides = collection.get(keys.HIDES)
-    hidden = list(hides) if hasattr(hides, "__len__") and not isinstance(hides, str) else []
-    sources = [obj if isinstance(obj, bpy.types.Object) else None for obj in stored]
-    found: dict[int, bpy.types.Object] = {}
-    for obj in collection.objects:
-        level = keys.integer(obj, keys.LEVEL)
-        if obj.type == "MESH" and level is not None and level >= 0:
-            found.setdefault(level, obj)
-    frames = keys.numbers(collection, keys.FRAMES, 3)
-    colours = keys.integer(collection, keys.COLOURS)
-    return SimpleNamespace(
-        version=0,
-        sources=[
-            SimpleNamespace(object=obj, hidden=number < len(hidden) and bool(hidden[number]))
-            for number, obj in enumerate(sources)
-        ],
-        title=keys.text(collection, keys.NAME),
-        levels=[SimpleNamespace(object=found[level], hidden=False) for level in sorted(found)],
-        inside=keys.flag(collection, keys.INSIDE),
-        moving=keys.flag(collection, keys.MOVING),
-        known=False,
-        kinds=keys.text(collection, keys.KINDS),
-        colours=colours if colours is not None and colours >= 0 else -1,
-        bound=keys.text(collection, keys.BOUND),
-        playing=keys.has(collection, keys.HIDES),
-        frames=tuple(map(int, frames or (0, 0, 0))),
-        animated=frames is not None,
-        markers=[SimpleNamespace(name=name, frame=frame) for name, frame in _markers(collection)],
-    )
-
-
-def _markers(collection: bpy.types.Collection) -> list[tuple[str, int]]:
-    """Names and frames of the markers that an earlier version stored; invalid entries are skipped."""
-    try:
-        found = json.loads(keys.text(collection, keys.MARKERS))
-    except (ValueError, RecursionError):
-        return []
-    pairs = [pair for pair in found if isinstance(pair, list) and len(pair) == 2] if isinstance(found, list) else []
-    return [(name, frame) for name, frame in pairs if isinstance(name, str) and isinstance(frame, int)]
-
-
-def _member_view(obj: bpy.types.Object) -> SimpleNamespace:
-    """What an earlier version stored of an object."""
-    level = keys.integer(obj, keys.LEVEL) or 0
-    home = next((found for found in obj.users_collection if keys.has(found, keys.SOURCE)), None)
-    check = keys.text(obj, keys.CHECK)
-    frames = [int(part) for part in check.split() if part.isdecimal()]
-    phases = keys.numbers(obj, keys.PHASES, 3)
-    names = (keys.FLOW_START, keys.REINFLATION_START, keys.TIGHTENING_START, keys.END)
-    said = {TEXT: keys.text(obj, keys.NOTES), TOLERANCE: keys.text(obj, keys.NEED)}
-    said[f"{CHECK}text"] = keys.text(obj, keys.FINDING)
-    return SimpleNamespace(
-        role="NONE" if level < 0 or obj.type != "MESH" else CAGE if level else FINE,
-        level=level,
-        of=keys.block(home, keys.SOURCE, bpy.types.Object) if home is not None else None,
-        home=home,
-        inside=keys.flag(obj, keys.INSIDE),
-        vertices=keys.integer(obj, keys.VERTICES) or -1,
-        certified=set(),
-        stamp="",
-        clearance=keys.number(obj, keys.CLEARANCE) or 0.0,
-        asked=0.0,
-        excess=keys.number(obj, keys.EXCESS) or 0.0,
-        most=keys.number(obj, keys.EXCESS) or 0.0,
-        start=keys.text(obj, keys.BEGINS_FROM),
-        seconds=keys.number(obj, keys.SECONDS) or 0.0,
-        phases=tuple(map(int, phases or (-1, -1, -1))),
-        frames=tuple(found if (found := keys.integer(obj, name)) is not None else -1 for name in names),
-        check=FAULT if check.startswith("Broken") else HOLDS if check else "NONE",
-        checked=(frames[0], frames[-1]) if frames else (0, 0),
-        notes=[SimpleNamespace(code=code, data=json.dumps({"text": text})) for code, text in said.items() if text],
-        sentence=keys.text(obj, keys.CERTIFICATE),
-    )
-
-
 def _migrate(collection: bpy.types.Collection, found: Any) -> None:
     """Writes what an earlier version stored as a record."""
     if keys.has(collection, keys.SOURCE):
-        view = _view(collection)
+        view = earlier.view(collection)
         given = {name: value for name, value in vars(view).items() if name not in {"sources", "levels", "markers"}}
         assign(found, given)
         for old, new in ((view.sources, found.sources), (view.levels, found.levels)):
@@ -365,7 +305,7 @@ def _migrate(collection: bpy.types.Collection, found: Any) -> None:
 def _migrate_member(obj: bpy.types.Object, level: int, collection: bpy.types.Collection, found: Any) -> None:
     if not obj.is_editable:
         return
-    view, made = _member_view(obj), described(obj)
+    view, made = earlier.member_view(obj), described(obj)
     given = {name: value for name, value in vars(view).items() if name not in {"sentence", "home"}}
     assign(made, given | {"notes": [vars(item) for item in view.notes]})
     made.level, made.home = level, collection

@@ -1,0 +1,100 @@
+"""What helper objects of a set show, and bound objects as they were; earlier versions stored it otherwise."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from .. import keys
+
+FIELD, LINES, PROXY, FILL, HANDLES = "FIELD", "LINES", "PROXY", "FILL", "HANDLES"
+# Where earlier versions stored what helpers show.
+HELPERS = {FIELD: keys.FIELD_OF, LINES: keys.LINES_OF, PROXY: keys.PROXY_OF} | {
+    FILL: keys.FILLS, HANDLES: keys.HANDLES_OF
+}  # fmt: skip
+
+
+def _group(obj: bpy.types.Object) -> Any:
+    found: Any = obj.nested_cages_member  # type: ignore[attr-defined]
+    return found
+
+
+def make_helper(obj: bpy.types.Object, role: str, shows: bpy.types.Object, thickness: float = 0.0) -> None:
+    """Notes what an object shows, fills or moves."""
+    found = _group(obj)
+    found.role, found.shows, found.thickness = role, shows, thickness
+
+
+def shown(obj: bpy.types.Object, *roles: str) -> bpy.types.Object | None:
+    """What a helper of some roles shows, fills or moves; None if it is none, or if that is gone."""
+    found = _group(obj)
+    if found.role in roles:
+        shows: bpy.types.Object | None = found.shows
+        return shows
+    stored = (keys.block(obj, HELPERS[role], bpy.types.Object) for role in roles)
+    return next((each for each in stored if each is not None), None)
+
+
+def is_helper(obj: bpy.types.Object, *roles: str) -> bool:
+    """Whether an object has one of some roles, whatever became of what it shows."""
+    return _group(obj).role in roles or any(keys.has(obj, HELPERS[role]) for role in roles)
+
+
+def lines_of(helper: bpy.types.Object) -> tuple[bpy.types.Object | None, float]:
+    """The object whose lines a helper shows, and their thickness."""
+    found = _group(helper)
+    thickness = found.thickness if found.role == LINES else keys.number(helper, keys.LINE_THICKNESS) or 0.0
+    return shown(helper, LINES), float(thickness)
+
+
+class Before(NamedTuple):
+    """A bound object as it was: mesh, own transform, and whether it was hidden in renders, viewports and the view, as
+    far as that is known. Earlier versions stored its action too.
+    """
+
+    mesh: bpy.types.Mesh | None = None
+    matrix: Matrix | None = None
+    hidden: tuple[bool, ...] = ()
+    action: bpy.types.Action | None = None
+
+
+def before(obj: bpy.types.Object) -> Before:
+    """The object before it was bound; nothing if it is not."""
+    found = _group(obj).before
+    if found.mesh is not None:
+        return Before(found.mesh, Matrix(np.reshape(found.matrix[:], (4, 4)).tolist()), tuple(found.hidden))
+    state = keys.numbers(obj, keys.STORED_STATE, 19) or keys.numbers(obj, keys.STORED_STATE, 17)
+    return Before(
+        keys.block(obj, keys.STORED_MESH, bpy.types.Mesh),
+        Matrix(np.reshape(state[:16], (4, 4)).tolist()) if state is not None else None,
+        tuple(map(bool, state[16:])) if state is not None else (),
+        keys.block(obj, keys.STORED_ACTION, bpy.types.Action),
+    )
+
+
+def set_before(obj: bpy.types.Object, given: Before) -> None:
+    """Notes how an object is before it is bound; without a mesh it is not bound any more."""
+    found, matrix = _group(obj).before, given.matrix if given.matrix is not None else Matrix()
+    found.mesh, found.matrix = given.mesh, np.ravel(np.array(matrix)).tolist()
+    found.hidden = (*given.hidden, False, False, False)[:3]
+    keys.remove(obj, [keys.STORED_MESH, keys.STORED_ACTION, keys.STORED_STATE])
+
+
+def link(obj: bpy.types.Object) -> tuple[str, float]:
+    """The method that an object follows its cage by, empty if it does not, and its error at rest."""
+    found = _group(obj)
+    method, _, error = keys.text(obj, keys.LINK).partition(", error ")
+    with suppress(ValueError):
+        return (found.link, found.link_error) if found.link else (method, float(error.partition(" ")[0] or 0.0))
+    return method, 0.0
+
+
+def set_link(obj: bpy.types.Object, method: str, error: float) -> None:
+    """Notes the method that an object follows its cage by; empty: none."""
+    found = _group(obj)
+    found.link, found.link_error = method, error
+    keys.remove(obj, [keys.LINK])
