@@ -22,7 +22,7 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast mutants coverage lint docs paper bench extension release test-blender clean
+.PHONY: help demo test test-fast mutants coverage lint docs pictures paper bench extension release test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
@@ -32,6 +32,7 @@ help:
 	@echo "make coverage      says of each room how much of it the fast tests of the core run"
 	@echo "make lint    runs ruff and mypy, and says whether the comparison holds for this code"
 	@echo "make docs    builds the site with the API reference: build/site/index.html"
+	@echo "make pictures      makes the pictures of README, gallery and guide again (BLENDER=command of one with a window)"
 	@echo "make paper   puts every figure and table of the paper and of the comparison into build/paper.pdf"
 	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
 	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
@@ -73,6 +74,11 @@ docs: $(DOCS_ENV)/ready
 	NO_MKDOCS_2_WARNING=1 $(DOCS_ENV)/bin/python -m mkdocs build --strict --quiet
 	$(DOCS_ENV)/bin/python packaging/check_site.py
 	@echo "Open build/site/index.html"
+
+# BLENDER: the command of a Blender with a window of 1280 x 800, for the guide; without it, only README and gallery.
+pictures: $(TEST_ENV)/ready
+	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[examples]"
+	$(TEST_ENV)/bin/python packaging/pictures.py $(if $(BLENDER),--blender "$(BLENDER)")
 
 # MESHES: the folder "data" of the paper's program, to draw its own meshes in place of our drawings of them.
 paper: $(TEST_ENV)/ready

@@ -171,6 +171,14 @@ def test_the_listing_says_what_is_bundled_and_has_pictures_of_the_right_size(
     assert "  icon.png\n" in release.checksums(tmp_path / "listing")
 
 
+def test_every_picture_of_the_gallery_is_made_again_by_one_command(build_extension: ModuleType) -> None:
+    import pictures
+
+    shown = {path.stem for path in (*(ROOT / "docs" / "gallery").iterdir(), *(ROOT / "docs").glob("*.gif"))}
+    assert shown - {Path(name).stem for _, name in pictures.CLIPS.values()} <= set(pictures.examples())
+    assert all((ROOT / "docs" / name).is_file() for _, name in pictures.CLIPS.values())
+
+
 def test_the_workflows_name_files_and_commands_that_are_there() -> None:
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
     for path in (ROOT / ".github" / "workflows").glob("*.yml"):

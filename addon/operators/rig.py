@@ -13,6 +13,7 @@ from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..keys import found_object
+from ..properties.settings import length
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
@@ -25,17 +26,7 @@ class OnParts(JobOperator):
 
     bl_options = {"REGISTER", "UNDO"}
 
-    gap: FloatProperty(
-        name="Join Gaps",
-        description="Join parts that are closer than this, so that one skeleton can move both",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
+    gap: length("Join Gaps", "Join parts that are closer than this, so that one skeleton can move both")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty
 
-from ..errors import UserError
+from ..errors import UserError, counted
 from ..generation.job import Work
 from ..io import silhouette
 from ..keys import found_object
+from ..properties.settings import length
 from ..scene.areas import paints
 from ..scene.selection import select
 from .base import JobOperator, Outcome
@@ -41,17 +42,7 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         default=True,
     )
     fill_holes: BoolProperty(name="Fill Holes", description="Leave holes out", default=False)
-    gap: FloatProperty(
-        name="Join Gaps",
-        description="Join parts that are closer than this",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
+    gap: length("Join Gaps", "Join parts that are closer than this")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -73,7 +64,7 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         made = silhouette.place(context, parts[0], frame, loops, parts)
         select(context, made)
         self.tell_skipped(problems, "object")
-        self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {len(loops)} loops")
+        self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {counted(len(loops), 'loop')}")
         return {"FINISHED"}
 
 

@@ -34,6 +34,21 @@ def _choice(name: str) -> Any:
     )
 
 
+def length(name: str, description: str) -> Any:
+    """The property for a length of the scene, 0 for none."""
+    return FloatProperty(
+        name=name,
+        description=description,
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
+
+
 def _fill_list(self: object, _context: bpy.types.Context) -> None:
     """Updates the list from the levels' text; only the scene's settings have a list."""
     if isinstance(self, NestedCagesSettings):
@@ -79,27 +94,13 @@ class GenerationProperties:
         description="Make the smallest convex polygon around each part, with as many vertices as the level says",
         default=False,
     )
-    grid: FloatProperty(
-        name="Grid",
-        description="Put all vertices of cages at multiples of this length from the object's origin; 0 for none",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
+    grid: length(
+        "Grid",
+        "Put all vertices of cages at multiples of this length from the object's origin; 0 for none",
     )
-    merge: FloatProperty(
-        name="Merge",
-        description="Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
+    merge: length(
+        "Merge",
+        "Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops",
     )
     symmetry: EnumProperty(
         name="Symmetry", description="What makes both sides of a cage alike", items=SYMMETRIES, default=NO_SYMMETRY
@@ -122,16 +123,9 @@ class GenerationProperties:
         description="Armature: cages keep a vertex on both sides of the ends of its bones",
         default="",
     )
-    min_edge: FloatProperty(
-        name="Shortest Edge",
-        description="No edge of a cage is shorter than this, where there is room; 0 for any",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
+    min_edge: length(
+        "Shortest Edge",
+        "No edge of a cage is shorter than this, where there is room; 0 for any",
     )
     min_angle: FloatProperty(
         name="Sharpest Angle",
@@ -142,16 +136,9 @@ class GenerationProperties:
         subtype="ANGLE",
         unit="ROTATION",
     )
-    clearance: FloatProperty(
-        name="Clearance",
-        description="Smallest distance between a cage and what it encloses; 0 uses the share of the size below",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
+    clearance: length(
+        "Clearance",
+        "Smallest distance between a cage and what it encloses; 0 uses the share of the size below",
     )
     clearance_share: FloatProperty(
         name="Of the Size",
@@ -221,19 +208,12 @@ class GenerationProperties:
         description="Go to the frame that shows the finished cages",
         default=True,
     )
-    thickness: FloatProperty(
-        name="Line Thickness",
-        description=(
+    thickness: length(
+        "Line Thickness",
+        (
             "Thickness of the lines in renders; 0 shows the cages alone, in proportion to the drawing. To leave a cage "
             "out, disable it in renders"
         ),
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
     )
     resolution: IntProperty(
         name="Resolution",

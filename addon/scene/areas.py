@@ -89,9 +89,10 @@ def _instances(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Ar
     """The areas of what an object instances: a collection, or its children on its vertices or faces."""
     for found in context.evaluated_depsgraph_get().object_instances if obj.instance_type != "NONE" else ():
         if found.is_instance and found.parent is not None and found.parent.original == obj:
-            matrix = np.array(found.matrix_world, dtype=np.float64)
-            if found.object is not None and found.object.type in SOLID:
-                yield from _faces(found.object, matrix)
+            shown = found.object
+            # Wires, such as cages, are no part of what a collection paints.
+            if shown is not None and shown.type in SOLID and shown.display_type not in {"WIRE", "BOUNDS"}:
+                yield from _faces(shown, np.array(found.matrix_world, dtype=np.float64))
 
 
 def _shape(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[Area]:

@@ -31,7 +31,7 @@ SHARES = (1.0, 0.99, 0.97, 0.9)
 MAX_EXCEEDED = 0.1
 """Fraction of the distance by which a greedy polygon may go too far."""
 
-MAX_CUTS = 12
+MAX_CUTS = 6
 """Earlier steps of a tightening that are looked at, evenly."""
 
 MAX_TESTED = 12
@@ -222,7 +222,8 @@ class _Search:
                 cut = found
             self.best = cut
             return True
-        self.taken = min(self.taken, self.taken_by(level.cage))
+        if self.best is None:
+            self.taken = min(self.taken, self.taken_by(level.cage))
         return False
 
 

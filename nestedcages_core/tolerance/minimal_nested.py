@@ -23,7 +23,7 @@ import numpy as np
 from ..decimation.base import LEAST_PER_LOOP
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch, SignedDistance
+from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .minimum_link import Corridor
 
@@ -45,13 +45,13 @@ RESERVE = 1e-3
 WALK_CLEARANCES = 1.05
 """Clearances that the walk stays away from the fine mesh, so that chords between its gates have some slack."""
 
-CORNER_HALVINGS = 24
+CORNER_HALVINGS = 12
 """Halvings of the distance between two gates, one of which is free and one not."""
 
 ANGLE_SLACK = 1e-9
 """Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
 
-BOUND_STARTS, WALK_STARTS = 16, 32
+BOUND_STARTS, WALK_STARTS = 6, 32
 """Gates of a loop from which links are counted, and from which walks start."""
 
 MIN_WALKS, MAX_LINKS = 4, 1500
@@ -118,11 +118,11 @@ def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
 
     Where these begin, a gate is as close to them as doubles tell: there the offset has a corner that turns inwards.
     """
-    boundary, search = _Boundary(fine, loop, distance), SignedDistance.of(fine)
+    boundary, search = _Boundary(fine, loop, distance), EdgeSearch(fine.vertices, fine.edge_ends)
 
     def free(places: FloatArray) -> BoolArray:
         found = boundary.at(places)
-        reach = search.at(found.foot + (1.0 + RELAXED) * distance * found.normal).distance
+        reach = search.closest(found.foot + (1.0 + RELAXED) * distance * found.normal).distance
         return np.asarray(reach > (1.0 + 0.5 * RELAXED) * distance)
 
     places = boundary.samples(count)

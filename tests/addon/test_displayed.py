@@ -322,6 +322,19 @@ def transparent(drawn):
         point.opacity = 0.0
 
 
+def test_the_silhouette_of_an_instance_leaves_cages_out() -> None:
+    wire("Drawing", [star()])
+    home = bpy.data.collections.new("Home")
+    bpy.context.scene.collection.children.link(home)
+    home.objects.link(bpy.context.object)
+    bpy.context.scene.collection.objects.unlink(bpy.context.object)
+    for operator in (bpy.ops.object.nested_cages_generate, bpy.ops.object.nested_cages_bind):
+        assert operator() == {"FINISHED"}
+    bpy.ops.object.collection_instance_add(collection="Home", location=(5.0, 0.0, 0.0))
+    assert bpy.ops.object.nested_cages_silhouette() == {"FINISHED"}
+    assert len(bpy.context.object.data.vertices) == 60
+
+
 HIDING = {
     "opacity": lambda drawn: setattr(drawn.data.layers[0], "opacity", 0.0),
     "layer": lambda drawn: setattr(drawn.data.layers[0], "hide", True),

@@ -142,7 +142,7 @@ def test_slits(width: float, count: int) -> None:
 def test_levels_get_a_cage_where_slits_are_too_narrow_for_the_flow(width: float) -> None:
     fine = comb(2, width)
     level = nested_cages(fine, [resampled(fine, 33, 0.37)]).levels[0]
-    assert level.report.start == "outer hull"
+    assert level.report.start in ("line cycles", "outer hull")
     assert level.report.strict
 
 

@@ -160,7 +160,7 @@ def test_coarse_meshes_half_outside_end_soon(method: dict[str, Any]) -> None:
     refused = outcome(lambda: nested_cages(fine, [half], Settings(fallback=None, **method)))
     assert refused.told and not refused.fault, refused.fault
     found = outcome(lambda: nested_cages(fine, [half], Settings(**method)))
-    assert found.result and found.result.levels[0].report.start == "outer hull"
+    assert found.result and found.result.levels[0].report.start in ("line cycles", "outer hull")
 
 
 @pytest.mark.slow

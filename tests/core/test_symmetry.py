@@ -15,6 +15,7 @@ from nestedcages_core import (
     Found,
     InvalidMeshError,
     Level,
+    LineCycles,
     Mesh,
     Mirror,
     NestedCagesError,
@@ -27,6 +28,7 @@ from nestedcages_core import (
 )
 from nestedcages_core.energies import Blocks
 from nestedcages_core.geometry.group import Symmetry
+from nestedcages_core.geometry.mirror_axis import mirror_axis
 from nestedcages_core.geometry.orbits import Orbits
 from nestedcages_core.needs.symmetry.union import overlay
 from nestedcages_core.solver.banded import Rows
@@ -349,3 +351,22 @@ def test_images_that_are_too_many_are_told_at_once() -> None:
     assert caught.value.code == "limit.exceeded"
     level = nested_cages(square, 16, symmetry=Rotation((0.5, 0.5), 100)).levels[0]
     assert len(level.cage.vertices) == 100
+
+
+def test_cages_of_mirrored_drawings_are_mirrored_where_that_costs_little() -> None:
+    turn = (np.arange(60) + 0.5) / 30 * np.pi
+    for seed, count, alike in ((1, 10, True), (4, 7, True), (7, 7, False)):
+        waves = np.random.default_rng(seed).normal(size=6) / np.arange(1, 7) / 4
+        radius = np.maximum(1.0 + waves @ np.cos(np.arange(1, 7)[:, None] * (turn - np.pi / 2)), 0.3)
+        fine = Mesh.from_loops([radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1) + 3.0])
+        axis = mirror_axis(fine)
+        assert axis is not None and abs(axis[0][0] - 3.0) < 1e-9 and abs(axis[1][0]) < 1e-9
+        cage, plain = (
+            nested_cages(fine, [count], **options).levels[0]
+            for options in ({}, {"decimation": LineCycles(preferred=Mirror((9.0, 9.0)))})
+        )
+        mirrored = cage.cage.vertices * (-1.0, 1.0) + (6.0, 0.0)
+        off = np.abs(mirrored[:, None] - cage.cage.vertices).sum(axis=2).min(axis=1).max()
+        assert (off < 1e-3) == alike
+        assert cage.report.excess <= 1.01 * plain.report.excess
+    assert mirror_axis(blob(3, Rotation((0.0, 0.0), 3))) is None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -28,6 +29,9 @@ class Search(Protocol):
     totals: FloatArray
     """The least area for each number of lines."""
 
+    found: dict[int, Any]
+    """What tells the best cycle of each number of lines."""
+
     def solve(self, through: int | None = None) -> None:
         """Search from scratch, after changes of `free`."""
         ...
@@ -43,6 +47,16 @@ class Search(Protocol):
     def share(self) -> None:
         """Take what is free of a line from its images too."""
         ...
+
+
+AnySearch = TypeVar("AnySearch", bound=Search)
+
+
+def again(search: AnySearch) -> AnySearch:
+    """The search as it is now, to go on from without changing it."""
+    other = copy(search)
+    other.free, other.totals, other.found = search.free.copy(), search.totals.copy(), dict(search.found)
+    return other
 
 
 @dataclass(frozen=True, eq=False)

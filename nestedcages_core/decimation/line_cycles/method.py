@@ -34,7 +34,7 @@ from ..on_curve import closest_on_curve
 from ..request import Request
 from .candidates import candidates
 from .chain import Chain, Lines, without_doubles
-from .crossings import Choice, Search, give_way
+from .crossings import Choice, Search, again, give_way
 from .frame import Frame
 from .free_rays import Obstacles
 from .images import Images
@@ -82,6 +82,9 @@ BIASES = (1.0, 1e9, 0.3)
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
 
+MAX_AREA_OF_SYMMETRY, MAX_EXCESS_OF_SYMMETRY = 0.005, 0.008
+"""Fractions of the area of the fine mesh, and of the area beyond it, that a preferred symmetry may cost."""
+
 MAX_CLEARINGS = 12
 """Number of times that crossings are cleared."""
 
@@ -102,6 +105,8 @@ class LineCycles:
     """Where vertices matter; None: everywhere alike."""
     side: int = 1
     """1 for meshes around the fine one, -1 for meshes inside it."""
+    preferred: Symmetry | None = None
+    """A symmetry that meshes around the fine one have where it costs little area."""
 
     def __post_init__(self) -> None:
         check_flag(self, "on_curve")
@@ -132,9 +137,16 @@ class LineCycles:
         """
         if self.side < 0:
             return (yield from self._inside(fine, count, clearance, most))
-        mesh, source = yield from self.found(Request.of(fine, count), clearance)
+        request, symmetry = Request.of(fine, count), self.symmetry
+        mesh, source = yield from self.found(request, clearance)
+        if self.preferred is not None and request.per_loop is None:
+            with suppress(NestingError):
+                alike, _ = yield from cycles_around(replace(self, symmetry=self.preferred), request, clearance)
+                room = MAX_AREA_OF_SYMMETRY * fine.area, MAX_EXCESS_OF_SYMMETRY * (mesh.area - fine.area)
+                if alike.area <= mesh.area + min(room):
+                    mesh, source, symmetry = alike, SOURCE, self.preferred
         near = self.on_curve and mesh.area <= (1.0 + MAX_EXCESS_ON_CURVE) * fine.area
-        return [Start(mesh, source, closest_on_curve(mesh, fine, self.symmetry) if near else None)]
+        return [Start(mesh, source, closest_on_curve(mesh, fine, symmetry) if near else None)]
 
     def _inside(self, fine: Mesh, count: Count, clearance: float, most: int) -> Stage[float, list[Start]]:
         """Up to `most` meshes strictly inside the fine one: of cycles in what surrounds them, and a hull."""
@@ -196,8 +208,8 @@ def _best(method: LineCycles, request: Request, outline: Loops, shift: float) ->
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
+    around = _Around(method, request, outline, shift)
     for bias in BIASES:
-        around = _Around(method, request, outline, shift)
         try:
             area, mesh = yield from around.run(bias)
         except NoCyclesError as failure:
@@ -222,14 +234,17 @@ class _Around:
         self.images = None if method.symmetry is None else Images.of(outline, method.symmetry, self.frame)
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
+        self.searches: dict[int, Search] = {}
         self.rounds = 0
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
-        searches: dict[int, Search] = {}
-        for loop, search in self._searches():
-            searches[loop] = search
-            yield len(searches) / (len(self.outline.sizes) + 1)
+        if not self.searches:
+            for loop, search in self._searches():
+                self.searches[loop] = search
+                yield len(self.searches) / (len(self.outline.sizes) + 1)
+        searches = {loop: again(search) for loop, search in self.searches.items()}
+        self.rounds = 0
         numbers = self._shares(searches)
         for _ in range(MAX_CLEARINGS):
             yield len(searches) / (len(self.outline.sizes) + 1)
