@@ -1,8 +1,8 @@
-"""A layered SVG waves: twelve parts, imported with their colours, in one cage that suggested bones move.
+"""A layered SVG waves and walks: twelve parts, imported with their colours, in one cage that suggested bones move.
 
 Run as ``python examples/character.py``; needs Blender as a Python module. Writes the SVG that it draws, the file with
 the rig, which moves in any Blender without the add-on, a picture, and a GIF (for which it needs Pillow). *Verify*
-certifies that every part stays in its cage on every frame.
+certifies both actions: that every part stays in its cage on every frame, and that no limb folds over itself.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from clip import join
 from demo import CAGES
@@ -40,9 +40,9 @@ LIMBS = (
 HAIR_PATH = "M-45,-160 C-52,-225 52,-225 45,-160 C25,-186 -10,-192 -45,-160 Z"
 EYE = "a6,7 0 1 0 12,0 a6,7 0 1 0 -12,0 Z"
 FACE_PATH = f"M-22,-158 {EYE} M10,-158 {EYE} M-14,-138 Q0,-118 14,-138 Z"
-PERIOD = 24  # frames of one wave
+PERIOD = 24  # frames of one wave, and of two steps
 # What turns: a place near the middle of a bone, in metres, and degrees at rest, of its swing, and swings in a period.
-TURNS = (
+WAVE = (
     ((0.0, 1.4), 0.0, 4.0, 1),
     ((0.6, 0.94), 22.0, 5.0, 1),
     ((1.35, 0.91), 28.0, 26.0, 2),
@@ -51,6 +51,19 @@ TURNS = (
     ((0.26, -0.7), 0.0, 3.0, 1),
     ((-0.26, -0.7), 0.0, 3.0, 1),
 )
+WALK = (
+    ((0.0, 0.5), 0.0, 3.0, 1),
+    ((0.0, 1.4), 0.0, -5.0, 1),
+    ((0.6, 0.94), -26.0, 9.0, 1),
+    ((1.35, 0.91), -22.0, 9.0, 1),
+    ((-0.6, 0.94), 26.0, 9.0, 1),
+    ((-1.35, 0.91), 22.0, 9.0, 1),
+    ((0.24, -0.3), 5.0, 9.0, 1),
+    ((0.29, -0.9), -5.0, -9.0, 1),
+    ((-0.24, -0.3), -5.0, 9.0, 1),
+    ((-0.29, -0.9), 5.0, -9.0, 1),
+)
+RISE = 0.06  # of the body in each step, in metres
 SHOWN = 4  # frame of the picture
 PIXELS, SAMPLES, MOMENT = 300, 8, 70  # of the GIF: width, samples per pixel, milliseconds of a picture
 LOW, SIZE = np.array([-2.0, -1.65]), np.array([4.0, 3.9])  # corner and size of the picture, in metres
@@ -96,12 +109,17 @@ def made(path: Path) -> Figure:
     return Figure(parts, armature, cage)
 
 
-def wave(armature: bpy.types.Object) -> None:
-    """Keys on every other frame of a period; it plays again and again."""
+def play(armature: bpy.types.Object, name: str, turns: tuple, rise: float = 0.0) -> None:
+    """A new action of the armature with keys on every other frame of a period; it plays again and again."""
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 1, PERIOD
+    armature.animation_data_clear()
+    for bone in armature.pose.bones:
+        bone.matrix_basis = Matrix()
+    bpy.context.view_layer.update()
     middles = {bone: np.array(armature.matrix_world @ bone.center)[:2] for bone in armature.pose.bones}
-    turning = [(min(middles, key=lambda bone: np.hypot(*(middles[bone] - place))), *turn) for place, *turn in TURNS]
+    turning = [(min(middles, key=lambda bone: np.hypot(*(middles[bone] - place))), *turn) for place, *turn in turns]
+    root = armature.pose.bones[0]
     for frame in range(0, PERIOD + 1, 2):
         for bone, rest, swing, times in turning:
             angle = np.deg2rad(rest + swing * np.sin(2.0 * np.pi * times * frame / PERIOD))
@@ -109,6 +127,19 @@ def wave(armature: bpy.types.Object) -> None:
             turned = local.inverted() @ Matrix.Rotation(angle, 3, "Z") @ local
             bone.rotation_quaternion = turned.to_quaternion()
             bone.keyframe_insert("rotation_quaternion", frame=1 + frame)
+        up = rise * abs(np.sin(2.0 * np.pi * frame / PERIOD))
+        root.location = root.bone.matrix_local.to_3x3().inverted() @ Vector((0.0, up, 0.0))
+        root.keyframe_insert("location", frame=1 + frame)
+    armature.animation_data.action.name = name
+    armature.animation_data.action.use_fake_user = True
+
+
+def certified(cage: bpy.types.Object) -> tuple[bool, str]:
+    """Whether everything stays in the cage on all frames without a fold, and what Verify says."""
+    bpy.context.view_layer.objects.active = cage
+    cage.select_set(True)
+    bpy.ops.object.nested_cages_verify(whole=True)
+    return cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
 
 
 def border(cage: bpy.types.Object) -> np.ndarray:
@@ -154,27 +185,34 @@ def main() -> None:
     (folder / "character.svg").write_text(drawn(), encoding="utf-8")
     with registered():
         figure = made(folder / "character.svg")
-        wave(figure.armature)
-        bpy.context.view_layer.objects.active = figure.cage
-        figure.cage.select_set(True)
-        bpy.ops.object.nested_cages_verify(whole=True)
-        verdict, sentence = (figure.cage[f"nested_cages_{key}"] for key in ("check", "finding"))
+        verdicts = {}
+        for name, turns, rise in (("walk", WALK, RISE), ("wave", WAVE, 0.0)):
+            play(figure.armature, name, turns, rise)
+            verdicts[name] = certified(figure.cage)
+            if name == "walk":
+                clip(folder, "character_walk", figure, small=given.small)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "character.blend"), compress=True)
-    print(
-        f"{len(figure.parts)} parts, {len(figure.cage.data.vertices)} vertices, {PERIOD} frames: {verdict}; {sentence}"
-    )
-    if not verdict.startswith("Holds"):
-        sys.exit(1)
+    print(f"{len(figure.parts)} parts, {len(figure.cage.data.vertices)} vertices, {PERIOD} frames")
+    for name, (holds, sentence) in verdicts.items():
+        print(f"{name}: {sentence}")
+        if not holds:
+            sys.exit(1)
     still(folder / "character.png", SHOWN, figure, 260 if given.small else 2 * PIXELS, 2 if given.small else 24)
     print(f"Wrote {given.output / 'character.png'}")
-    if not given.small:
-        stills = folder / "character"
-        stills.mkdir(exist_ok=True)
-        paths = [stills / f"{frame:02}.png" for frame in range(1, PERIOD + 1)]
-        for frame, path in enumerate(paths, 1):
-            still(path, frame, figure, PIXELS, SAMPLES)
-        join(paths, [MOMENT] * PERIOD, folder / "character.gif")
-        print(f"Wrote {given.output / 'character.gif'}")
+    clip(folder, "character", figure, small=given.small)
+
+
+def clip(folder: Path, name: str, figure: Figure, *, small: bool) -> None:
+    """The action as a GIF, unless only a small form is wanted."""
+    if small:
+        return
+    stills = folder / name
+    stills.mkdir(exist_ok=True)
+    paths = [stills / f"{frame:02}.png" for frame in range(1, PERIOD + 1)]
+    for frame, path in enumerate(paths, 1):
+        still(path, frame, figure, PIXELS, SAMPLES)
+    join(paths, [MOMENT] * PERIOD, folder / f"{name}.gif")
+    print(f"Wrote {folder / name}.gif")
 
 
 if __name__ == "__main__":

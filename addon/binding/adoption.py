@@ -130,3 +130,6 @@ def _own_fields(
         modifier = display.nodes_modifier(obj, field.FOLLOW)
         assert modifier is not None
         display.set_input(modifier, "Object", made[shared])
+        field.shown_by(obj).update_tag()
+    for own in made.values():
+        own.update_tag()

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 import numpy as np
 
 from ..core import core, triangulation
 from ..errors import UserError
+from ..generation.checking import same_frame
 from ..scene import filling, ownership
 from ..scene.plane import Frame, scale_of, world_matrix
+from ..scene.selection import scene_of
 from .bones import bones_of
 
 
-def json_of(collection: bpy.types.Collection, *, flip_y: bool) -> str:
-    """The JSON of a drawing whose coarsest cage follows an armature. Raises: UserError."""
+def json_of(context: bpy.types.Context, collection: bpy.types.Collection, *, flip_y: bool, frames: bool) -> str:
+    """The JSON of a drawing whose coarsest cage follows an armature, with all frames of the scene on request. Raises:
+    UserError.
+    """
     fine, cage = ownership.members(collection)[0], ownership.members(collection)[-1]
     armature = next((each.object for each in cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)), None)
     if armature is None:
@@ -38,6 +44,19 @@ def json_of(collection: bpy.types.Collection, *, flip_y: bool) -> str:
         raise UserError(f"'{fine.name}': {error}") from error
     triangles = triangulation.triangulate(shape).triangles
     weights /= weights.sum(axis=1, keepdims=True)
-    character = core.character.Character(shape, around, bones, weights, found, triangles)
+    poses = tuple(_poses(context, fine, cage)) if frames else ()
+    character = core.character.Character(shape, around, bones, weights, found, triangles, poses)
     text: str = core.exchange.character_to_engine_json(character, flip_y=0.0 if flip_y else None)
     return text
+
+
+def _poses(context: bpy.types.Context, fine: bpy.types.Object, cage: bpy.types.Object) -> Iterator[core.character.Pose]:
+    """Drawing and cage on each frame of the scene, in the plane of the cage at rest."""
+    scene = scene_of(context)
+    seconds = scene.render.fps_base / scene.render.fps
+    with same_frame(scene):
+        for frame in range(scene.frame_start, scene.frame_end + 1):
+            scene.frame_set(frame)
+            depsgraph = context.evaluated_depsgraph_get()
+            shape, around = (filling.points_of(filling.mesh_of(obj.evaluated_get(depsgraph))) for obj in (fine, cage))
+            yield core.character.Pose((frame - scene.frame_start) * seconds, shape[:, :2], around[:, :2])

@@ -9,12 +9,13 @@ import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from itertools import pairwise
+from typing import Any
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import record
+from .. import keys, record
 from ..animation import shape_keys
 from ..binding import field
 from ..core import core
@@ -116,22 +117,33 @@ def _remember(cage: bpy.types.Object, holds: bool, finding: core.Fault, frames: 
 @bpy.app.handlers.persistent  # type: ignore[untyped-decorator]
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Notes outputs whose drawing has changed its shape; cages stay where it is, however it carries them."""
-    outputs = [found for found in bpy.data.collections if ownership.is_output(found)]
-    if not outputs or running() is not None:
+    touched = {update.id.original.session_uid: update.is_updated_geometry for update in depsgraph.updates}
+    if not touched:
         return
-    updated = {update.id.original.session_uid for update in depsgraph.updates if update.is_updated_geometry}
-    for collection in outputs:
-        sources, cages = ownership.originals(collection), ownership.members(collection)[1:]
-        for source in sources:
+    for collection in bpy.data.collections:
+        found: Any = collection.nested_cages  # type: ignore[attr-defined]
+        theirs = [part.object for part in found.sources if part.object is not None]
+        if not theirs:
+            continue
+        ids = [id.session_uid for obj in (*theirs, *_shown(theirs[0])) for id in (obj, obj.data) if id is not None]
+        if theirs[0].session_uid in _stood and touched.keys().isdisjoint(ids):
+            continue  # most of many sets, at each move of the mouse
+        cages = {cage.session_uid for cage in ownership.members(collection)[1:]}
+        for source in theirs:
             _stay(collection, source)
-        theirs = {id.session_uid for obj in sources for id in (obj, obj.data) if id is not None}
-        if cages and theirs & updated and updated.isdisjoint(cage.session_uid for cage in cages):
+        if cages and any(map(touched.get, ids)) and not any(map(touched.get, cages)):
             for obj in _carried(collection):
-                for source in sources:
+                for source in theirs:
                     placement.keep_carried(obj, source)
             _changed[collection.name] = time.perf_counter()
             if not bpy.app.timers.is_registered(_on_timer):
                 bpy.app.timers.register(_on_timer, first_interval=REST)
+
+
+def _shown(source: bpy.types.Object) -> list[bpy.types.Object]:
+    """What a silhouette shows."""
+    found = source.get(keys.OTHERS)
+    return [obj for obj in found.values() if isinstance(obj, bpy.types.Object)] if hasattr(found, "values") else []
 
 
 def _carried(collection: bpy.types.Collection) -> list[bpy.types.Object]:

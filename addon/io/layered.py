@@ -35,13 +35,13 @@ class Paint:
     loops: tuple[Points, ...]
 
 
-def read(path: Path) -> tuple[core.exchange.SvgPart, ...]:
-    """The parts of an SVG file, the lowest first. Raises: UserError."""
+def read(path: Path) -> tuple[tuple[core.exchange.SvgPart, ...], tuple[str, ...]]:
+    """The parts of an SVG file, the lowest first, and notes on what was left out. Raises: UserError."""
     try:
-        parts, _ = core.exchange.svg_parts(core.exchange.read_whole(path, core.exchange.Limits()))
+        parts, notes = core.exchange.svg_parts(core.exchange.read_whole(path, core.exchange.Limits()))
     except (core.NestedCagesError, OSError) as error:
         raise UserError(f"'{path.name}' cannot be read: {told(error)}") from error
-    return tuple(parts)
+    return tuple(parts), tuple(notes)
 
 
 def place(

@@ -134,6 +134,12 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         soft_max=16,
     )
 
+    frames: BoolProperty(
+        name="All Frames",
+        description="Add the outlines of a character on all frames of the scene",
+        default=False,
+    )
+
     @property
     def filename_ext(self) -> str:
         """The file extension that Blender's helper adds."""
@@ -172,7 +178,7 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         found = outputs_of_chosen(context)
         if len(found) != 1:
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
-        exporters.write_file(path, engine.json_of(found[0], flip_y=self.flip_y))
+        exporters.write_file(path, engine.json_of(context, found[0], flip_y=self.flip_y, frames=self.frames))
         self.report({"INFO"}, f"'{found[0].name}' written to {path.name}")
         return {"FINISHED"}
 

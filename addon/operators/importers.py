@@ -96,7 +96,10 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         for done, path in enumerate(paths):
             yield Progress(0.5 * done / len(paths), f"reading '{path.name}'")
             if self.outlines == "PARTS" and path.suffix.lower() in importers.SVG:
-                layered_files.append((path.stem, layered.read(path)))
+                parts, notes = layered.read(path)
+                layered_files.append((path.stem, parts))
+                for note in notes:
+                    self.report({"WARNING"}, f"'{path.name}': {note}")
             else:
                 shapes += importers.shapes_in(path, self.outlines)
         made = yield from importers.place(context, shapes, y_down=Y_DOWN[self.y], scale=self.scale)

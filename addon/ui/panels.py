@@ -20,7 +20,7 @@ from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership, units
 from ..scene.counting import loop_sizes
 from ..scene.selection import chosen, collection_of_active, outputs_of_active, scene_of
-from . import motion, result
+from . import character, motion, result
 
 CATEGORY = "Nested Cages"
 
@@ -138,6 +138,18 @@ class VIEW3D_PT_nested_cages_advanced(SettingsPanel, bpy.types.Panel):
 
     def draw_header_preset(self, _context: bpy.types.Context) -> None:
         NESTEDCAGES_PT_method_presets.draw_panel_header(self.layout)
+
+
+class VIEW3D_PT_nested_cages_character(SidebarPanel, bpy.types.Panel):
+    """Many drawings in one cage that bones move"""
+
+    bl_label = "Character"
+    bl_parent_id = "VIEW3D_PT_nested_cages"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout: Any = self.layout
+        character.draw(layout, context)
 
 
 class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
@@ -267,6 +279,7 @@ CLASSES = (
     VIEW3D_PT_nested_cages,
     VIEW3D_PT_nested_cages_result,
     VIEW3D_PT_nested_cages_animation,
+    VIEW3D_PT_nested_cages_character,
     VIEW3D_PT_nested_cages_motion,
     VIEW3D_PT_nested_cages_rules,
     VIEW3D_PT_nested_cages_reading,

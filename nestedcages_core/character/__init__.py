@@ -3,15 +3,15 @@
 - `Bone`, `suggest_bones`: a skeleton along the limbs, to be edited or taken.
 - `joints_of`: places where a cage needs vertices so that limbs can bend, for `Settings(joints=…)`.
 - `bone_weights`: how much each bone moves each vertex of a cage; `skinned`: the vertices under a pose of the bones.
-- `Character`: a drawing with its cage, bones and all weights, for game engines.
+- `Character`: a drawing with its cage, bones and all weights, for game engines; `Pose`: a frame of its animation.
 """
 
 from __future__ import annotations
 
 from .bones import Bone, joints_of
-from .character import Character
+from .character import Character, Pose
 from .skeleton import Skeleton, suggest_bones
 from .skinning import skinned
 from .weights import bone_weights
 
-__all__ = ["Bone", "Character", "Skeleton", "bone_weights", "joints_of", "skinned", "suggest_bones"]
+__all__ = ["Bone", "Character", "Pose", "Skeleton", "bone_weights", "joints_of", "skinned", "suggest_bones"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,17 @@ from ..geometry.triangulation import triangulate
 from .bones import Bone
 from .skinning import skinned
 from .weights import bone_weights
+
+
+class Pose(NamedTuple):
+    """A frame of an animation."""
+
+    time: float
+    """In seconds."""
+    shape: FloatArray
+    """(n, 2) vertices of the drawing."""
+    cage: FloatArray
+    """(m, 2) vertices of the cage."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +44,7 @@ class Character:
     """(n, m) how much each vertex of the cage moves each vertex of the drawing; rows of sum 1."""
     triangles: IntArray = field(repr=False)
     """(T, 3) vertices of the drawing, counter-clockwise; they fill it."""
+    frames: tuple[Pose, ...] = field(default=(), repr=False)
 
     @classmethod
     def of(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..character import Bone, Character
+from ..character import Bone, Character, Pose
 from ..character.bones import ends_of
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
@@ -32,7 +32,8 @@ def character_to_engine_json(character: Character, *, flip_y: float | None = Non
     {"format", "version",
     "bones": [{"name", "parent": number or null, "head": [x, y], "tail": [x, y]}], parents first,
     "cage": {"points", "edges": [[i, j], …], "weights": [[[bone, weight], …] for each point]},
-    "shape": {"points", "edges", "triangles": [[i, j, k], …], "weights": [[[cage point, weight], …] for each point]}}.
+    "shape": {"points", "edges", "triangles": [[i, j, k], …], "weights": [[[cage point, weight], …] for each point]},
+    "frames": [{"time": seconds, "shape": [[x, y], …], "cage": [[x, y], …]}]}, the places of all points, if it has any.
 
     To pose: turn the bones around their heads, parents first; blend the bones of each cage point as dual quaternions;
     each point of the shape is the weighted sum of cage points. flip_y: write y as `flip_y - y`; angles then turn over.
@@ -46,7 +47,7 @@ def character_to_engine_json(character: Character, *, flip_y: float | None = Non
     bones = [
         {"name": b.name, "parent": b.parent, "head": place(b.head), "tail": place(b.tail)} for b in character.bones
     ]
-    document = {
+    document: dict[str, Any] = {
         "format": FORMAT,
         "version": 1,
         "bones": bones,
@@ -56,6 +57,11 @@ def character_to_engine_json(character: Character, *, flip_y: float | None = Non
             "triangles": character.triangles[:, ::turn].tolist(),
         },
     }
+    if character.frames:
+        document["frames"] = [
+            {"time": time, "shape": flipped(shape, flip_y).tolist(), "cage": flipped(cage, flip_y).tolist()}
+            for time, shape, cage in character.frames
+        ]
     return json.dumps(document, indent=indent, allow_nan=False)
 
 
@@ -75,11 +81,23 @@ def character_from_engine_json(
         triangles = np.array(document["shape"]["triangles"], dtype=np.int64).reshape(-1, 3)
         if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(shape.vertices):
             raise ValueError("a triangle has a corner that is no point of the shape")
+        frames = tuple(
+            _pose(frame, (len(shape.vertices), len(cage.vertices)), flip_y) for frame in document.get("frames", ())
+        )
     except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
         raise NestedCagesError(
             f"The character cannot be read: {error!r} is missing or invalid.", code="file.invalid"
         ) from error
-    return Character(shape, cage, bones, bone_weights, cage_weights, triangles[:, :: 1 if flip_y is None else -1])
+    triangles = triangles[:, :: 1 if flip_y is None else -1]
+    return Character(shape, cage, bones, bone_weights, cage_weights, triangles, frames)
+
+
+def _pose(frame: Mapping[str, Any], counts: tuple[int, int], flip_y: float | None) -> Pose:
+    """A frame of a file."""
+    shape, cage = (ring_of(frame[name], "the points of a frame") for name in ("shape", "cage"))
+    if (len(shape), len(cage)) != counts:
+        raise ValueError(f"a frame of {len(shape)} and {len(cage)} points")
+    return Pose(float(frame["time"]), flipped(shape, flip_y), flipped(cage, flip_y))
 
 
 def _part(mesh: Mesh, weights: FloatArray, flip_y: float | None) -> dict[str, Any]:

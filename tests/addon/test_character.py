@@ -287,10 +287,107 @@ def test_a_character_is_written_and_posed_without_blender(core, tmp_path) -> Non
     fine = bpy.data.objects["Torso Fine"]
     error = np.abs(evaluated(fine)[:, :2] - shape)
     assert error.max() < 0.02 and np.abs(shape - found.shape.vertices).max() > 0.3, error.max()
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end, scene.render.fps = 1, 3, 10
+    for frame, degrees in ((1, 0.0), (3, 40.0)):
+        key_turn(bone, frame, degrees)
+    options = {"filepath": str(path), "kind": "CHARACTER", "flip_y": True, "frames": True}
+    assert bpy.ops.object.nested_cages_export(**options) == {"FINISHED"}
+    frames = core.character_from_engine_json(path.read_text(), flip_y=0.0).frames
+    assert [round(frame.time, 6) for frame in frames] == [0.0, 0.1, 0.2]
+    np.testing.assert_allclose(frames[0].shape, found.shape.vertices, atol=1e-4)
+    for frame, (_, shape, posed) in enumerate(frames, 1):
+        scene.frame_set(frame)
+        np.testing.assert_allclose(evaluated(fine)[:, :2], shape, atol=1e-6)
+        np.testing.assert_allclose(evaluated(cage)[:, :2], posed, atol=1e-6)
+    np.testing.assert_allclose(frames[2].cage, around, atol=1e-4)
     bpy.ops.object.nested_cages_unbind()
     cage.modifiers.clear()
     with pytest.raises(RuntimeError, match="follows no armature"):
         bpy.ops.object.nested_cages_export(filepath=str(path), kind="CHARACTER")
+
+
+def test_parts_are_swapped_on_frames_and_by_one_control_and_change_their_order() -> None:
+    """The steps of the guide."""
+    parts = figure()
+    parts |= {name: face(name, capsule((-0.08, y), (0.08, y), 0.04)) for name, y in (("Smile", 1.6), ("Grin", 1.62))}
+    armature, _ = rigged(parts)
+    smile, grin, badge, torso = (parts[name] for name in ("Smile", "Grin", "Badge", "Torso"))
+    for obj, first in ((smile, False), (grin, True)):
+        for frame, hidden in ((1, first), (5, not first)):
+            obj.hide_viewport = obj.hide_render = hidden
+            obj.keyframe_insert("hide_viewport", frame=frame)
+            obj.keyframe_insert("hide_render", frame=frame)
+    armature["shown"] = 1
+    for number, name in enumerate(("Hand.L", "Hand.R"), 1):
+        for switch in ("hide_viewport", "hide_render"):
+            driver = parts[name].driver_add(switch).driver
+            variable = driver.variables.new()
+            variable.targets[0].id, variable.targets[0].data_path = armature, '["shown"]'
+            driver.expression = f"var != {number}"
+    for frame, height in ((1, 0.02), (5, -0.02)):
+        badge.location.z = height
+        badge.keyframe_insert("location", index=2, frame=frame)
+    key_turn(bone_at(armature, 0.0, 1.5), 1, 30.0)
+    for frame, swapped in ((1, False), (5, True)):
+        armature["shown"] = 1 + swapped
+        armature.update_tag()
+        at_frame(frame)
+        assert (smile.visible_get(), grin.visible_get()) == (not swapped, swapped)
+        assert (parts["Hand.L"].visible_get(), parts["Hand.R"].visible_get()) == (not swapped, swapped)
+        assert (points(badge)[:, 2].mean() > points(torso)[:, 2].mean()) != swapped
+        shown = points(grin if swapped else smile)
+        assert shown[:, 0].mean() < -0.05  # nods with the head
+
+
+def test_a_character_is_copied_appended_and_redrawn(tmp_path) -> None:
+    parts = figure()
+    armature, cage = rigged(parts)
+    turn(armature, bone_at(armature, 1.3, 1.1), 40.0)
+    wanted = {name: points(obj) for name, obj in parts.items()}
+    # A part is redrawn: pressing Rig again keeps the armature, its pose and the cage.
+    hand = parts["Hand.R"]
+    hand.data = face("Drawn", capsule((-0.9, 1.12), (-1.75, 1.2), 0.13)).data
+    bpy.data.objects.remove(bpy.data.objects["Drawn"])
+    wanted["Hand.R"] = None
+    select(*parts.values(), armature)
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.linalg.norm(points(parts["Hand.L"]) - wanted["Hand.L"], axis=1).max() < 0.1
+    select(cage)
+    assert bpy.ops.object.nested_cages_verify() == {"FINISHED"}
+    assert cage["nested_cages_check"].startswith("Holds"), cage["nested_cages_finding"]
+    wanted = {name: points(obj) for name, obj in parts.items()}
+    # A copy of everything that is seen moves on its own.
+    select(*parts.values(), cage, armature)
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    copies = {obj.name.rsplit(".", 1)[0]: obj for obj in bpy.context.selected_objects}
+    double = next(obj for obj in bpy.context.selected_objects if obj.type == "ARMATURE")
+    select(copies["Torso"])
+    assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
+    turn(double, bone_at(double, 0.0, 1.7), 40.0)
+    for name, obj in parts.items():
+        np.testing.assert_allclose(points(obj), wanted[name], atol=1e-5)
+    assert np.abs(points(copies["Head"]) - wanted["Head"]).max() > 0.1
+    # Appended into another file, it shows the same and can be posed.
+    path = str(tmp_path / "figure.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    names = list(parts)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(path) as (source, target):
+        target.objects = [name for name in source.objects if name in {*names, armature_name(source.objects)}]
+    for obj in target.objects:
+        bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    for name in names:
+        np.testing.assert_allclose(points(bpy.data.objects[name]), wanted[name], atol=1e-5)
+    again = next(obj for obj in target.objects if obj.type == "ARMATURE")
+    turn(again, bone_at(again, 0.0, 1.7), 40.0)
+    assert np.abs(points(bpy.data.objects["Head"]) - wanted["Head"]).max() > 0.1
+
+
+def armature_name(names):
+    return next(name for name in names if name.endswith("Bones"))
 
 
 # Fill and stroke of each part of a layered drawing, as a style sheet names them, and the width of its stroke.
@@ -319,6 +416,34 @@ def layered_svg():
     )
     head = 'xmlns="http://www.w3.org/2000/svg" viewBox="-200 -250 400 450"'
     return f"<svg {head}><style>{styles}</style>{layers}</svg>"
+
+
+ODD = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 200"><defs>
+<linearGradient id="g"><stop offset="0" stop-color="red"/><stop offset="1" stop-color="blue"/></linearGradient>
+<pattern id="p" width="4" height="4"><rect width="4" height="4" fill="#f00"/><path d="M0,0H2" fill="#0f0"/></pattern>
+<symbol id="s"><circle cx="10" cy="10" r="8"/></symbol></defs>
+<g id="Outer" transform="translate(10 10)"><g id="Inner" transform="rotate(20) scale(2)">
+<rect id="Faded" x="20" width="20" height="30" fill="url(#g)"/></g></g>
+<rect id="Woven" x="120" y="20" width="40" height="60" fill="url(#p)"/>
+<use id="Button" href="#s" x="100" y="100" fill="green"/>
+<path id="Line" d="M10,150 C50,120 90,190 140,150" fill="none" stroke="purple" stroke-width="6"/>
+<text x="20" y="190">Hello</text></svg>"""
+
+
+def test_gradients_patterns_uses_and_lines_become_parts_and_the_rest_is_told(tmp_path, capfd) -> None:
+    file = tmp_path / "odd.svg"
+    file.write_text(ODD)
+    assert bpy.ops.object.nested_cages_import(filepath=str(file), outlines="PARTS") == {"FINISHED"}
+    parts = {obj.name: obj for obj in bpy.context.selected_objects}
+    fills = {name: obj.data.materials[0].name.partition("#")[2] for name, obj in parts.items()}
+    assert fills == {"Faded": "800080", "Woven": "808000", "Button 3": "008000", "Line": "800080"}
+    homes = {name: obj.users_collection[0].name for name, obj in parts.items()}
+    assert homes == {"Faded": "Inner", "Woven": "odd", "Button 3": "Button", "Line": "odd"}
+    told = capfd.readouterr().out
+    for sentence in ("Gradients become their mean colour", "Patterns become their mean colour", "1 text"):
+        assert f"'odd.svg': {sentence}" in told or sentence in told, told
+    assert bpy.ops.object.nested_cages_suggest_bones() == {"FINISHED"}
+    assert bpy.ops.object.nested_cages_rig() == {"FINISHED"}
 
 
 def test_a_layered_svg_of_twelve_parts_is_posed_after_four_actions(tmp_path) -> None:

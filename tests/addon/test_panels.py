@@ -81,6 +81,8 @@ def test_the_panel_shows_the_settings_and_the_list_once_there_is_one(draw) -> No
     bpy.ops.scene.nested_cages_level_add()
     assert "level_list" in draw("VIEW3D_PT_nested_cages")
     assert "resolution" in draw("VIEW3D_PT_nested_cages_reading")
+    bones = ["object.nested_cages_suggest_bones", "object.nested_cages_rig"]
+    assert draw("VIEW3D_PT_nested_cages_character") == bones
 
 
 def test_every_setting_is_in_one_of_the_panels_and_in_the_redo_panel(draw, addon, monkeypatch) -> None:

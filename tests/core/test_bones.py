@@ -205,6 +205,8 @@ def test_an_engine_poses_a_character_without_this_package(character: Character, 
         lambda d: d["shape"]["triangles"][0].__setitem__(0, 10**6),
         lambda d: d["shape"].update(points="many"),
         lambda d: d.update(version=2),
+        lambda d: d.update(frames=[{"time": 0.0, "shape": d["shape"]["points"][1:], "cage": d["cage"]["points"]}]),
+        lambda d: d.update(frames=[{"shape": d["shape"]["points"], "cage": d["cage"]["points"]}]),
         lambda d: d.update(format="nested-cages outline"),
     ],
 )

@@ -165,6 +165,20 @@ def test_styles_place_what_they_paint(body: str, bounds: tuple[float, ...]) -> N
     assert np.ravel(found.bounds) == pytest.approx(np.array(bounds), abs=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ('<path d="M0 0h80" stroke="red" stroke-width="2" pathLength="8" stroke-dasharray="1"/>', 80.0),
+        ('<g fill="none"><rect width="9" height="9" style="fill:unset"/><rect x="9" width="2" height="2" '
+         'style="fill:initial"/></g>', 4.0),
+        ('<linearGradient id="g"><stop offset=".5"/><stop offset=".5" stop-color="#fff"/></linearGradient><mask id="m">'
+         '<rect width="10" height="10" fill="url(#g)"/></mask><rect width="10" height="10" mask="url(#m)"/>', 50.0),
+    ],
+)  # fmt: skip
+def test_dashes_defaults_and_masks_are_those_of_browsers(body: str, expected: float) -> None:
+    assert area(body) == pytest.approx(expected)
+
+
 def test_clips_by_style_alone_are_told() -> None:
     assert "Left out: 1 clip path." in svg_drawing(svg(SQUARE.replace("/>", ' style="clip-path:circle(2px)"/>'))).notes
 

@@ -196,8 +196,10 @@ class Areas:
         kept: list[Any] = []
         for shape in content.shapes():
             for paint, part in self._layers(shape, outer):
-                light = paint.opacity * _luminance(paint)
-                if light > self.options.faintest:
+                light = paint.opacity * paint.colour.luminance
+                if paint.gradient is not None:
+                    kept += self._painted(shape, replace(paint, gradient=paint.gradient.as_light()), list(part), outer)
+                elif light > self.options.faintest:
                     kept += part
                 elif 1.0 - paint.opacity + light <= self.options.faintest:
                     rest, region = (union_of(shapely, areas, self.budget) for areas in (kept, part))
@@ -216,13 +218,6 @@ class Areas:
         if shape.stroke is not None and shape.stroke_paint is not None:
             found.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
         return found
-
-
-def _luminance(paint: Paint) -> float:
-    """The largest luminance of a paint."""
-    if paint.gradient is None:
-        return paint.colour.luminance
-    return max(stop.colour.alpha * stop.colour.luminance for stop in paint.gradient.stops)
 
 
 def _box(outlines: list[FloatArray]) -> tuple[FloatArray, FloatArray]:

@@ -74,6 +74,9 @@ def _reach(share: float) -> float:
 
 Layers = list[Layer]
 
+OPERATORS = ("over", "in", "out")
+"""Supported ways to composite."""
+
 
 @dataclass(frozen=True, eq=False)
 class Filter:
@@ -87,8 +90,9 @@ class Filter:
 
 
 def is_known(item: ET.Element) -> bool:
-    """Whether all parts of a filter are supported."""
-    return all(name_of(child) in KNOWN or not name_of(child).startswith("fe") for child in item)
+    """Whether all parts of a filter are supported: those that five of 20,000 public drawings use are not."""
+    parts = [child for child in item if name_of(child).startswith("fe")]
+    return all(name_of(part) in KNOWN and part.get("operator", "over") in OPERATORS for part in parts)
 
 
 def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, faintest: float) -> Any:
@@ -175,7 +179,7 @@ def _offset(step: _Step, item: ET.Element) -> Layers:
     return [
         replace(
             layer,
-            region=step.shapely.transform(layer.region, lambda xy: xy + by),
+            region=_moved(step, layer.region, by),
             within=_moved(step, layer.within, by),
         )
         for layer in step.input(item)
@@ -193,10 +197,7 @@ def _shadow(step: _Step, item: ET.Element) -> Layers:
     blur = np.clip(_pair(item, "stdDeviation") if item.get("stdDeviation") else np.full(2, 2.0), 0.0, step.size)
     by = np.array([_number(item, key, 2.0) for key in ("dx", "dy")])
     shadows = [
-        Layer(
-            step.shapely.transform(layer.region, lambda xy: xy + by), layer.alpha * opacity, np.hypot(layer.blur, blur)
-        )
-        for layer in source
+        Layer(_moved(step, layer.region, by), layer.alpha * opacity, np.hypot(layer.blur, blur)) for layer in source
     ]
     return [*shadows, *source]
 
@@ -205,33 +206,16 @@ def _flood(step: _Step, item: ET.Element) -> Layers:
     return [Layer(step.whole, share(step.styles.own(item).get("flood-opacity")))]
 
 
-def _faded(layers: Layers, step: _Step, alpha: Callable[[float], float]) -> Layers:
-    """Layers with opacity changed by a function; its value at 0 covers the whole."""
-    found = [replace(layer, alpha=min(max(alpha(layer.alpha), 0.0), 1.0)) for layer in layers]
-    nothing = min(max(alpha(0.0), 0.0), 1.0)
-    return [Layer(step.whole, nothing), *found] if nothing > step.faintest else found
-
-
 def _colour_matrix(step: _Step, item: ET.Element) -> Layers:
+    """Layers with another opacity; what the matrix makes of nothing covers the whole."""
     values = numbers(item.get("values", ""))
     if item.get("type", "matrix") != "matrix" or len(values) != 20:
         return step.input(item)
-    return _faded(step.input(item), step, lambda alpha: values[18] * alpha + values[19])
-
-
-def _transfer(step: _Step, item: ET.Element) -> Layers:
-    of_alpha = next((child for child in item if name_of(child) == "feFuncA"), None)
-    if of_alpha is None:
-        return step.input(item)
-    slope, intercept = _number(of_alpha, "slope", 1.0), _number(of_alpha, "intercept", 0.0)
-    table = numbers(of_alpha.get("tableValues", ""))
-    kind = of_alpha.get("type", "identity")
-    if kind == "linear":
-        return _faded(step.input(item), step, lambda alpha: slope * alpha + intercept)
-    if kind == "table" and table:
-        places = np.linspace(0.0, 1.0, len(table))
-        return _faded(step.input(item), step, lambda alpha: float(np.interp(alpha, places, table)))
-    return step.input(item)
+    nothing = min(max(values[19], 0.0), 1.0)
+    found = [
+        replace(layer, alpha=min(max(values[18] * layer.alpha + values[19], 0.0), 1.0)) for layer in step.input(item)
+    ]
+    return [Layer(step.whole, nothing), *found] if nothing > step.faintest else found
 
 
 def _composite(step: _Step, item: ET.Element) -> Layers:
@@ -244,12 +228,6 @@ def _composite(step: _Step, item: ET.Element) -> Layers:
         else:
             within = step.shapely.difference(step.whole, within)
         return [layer.kept(step.shapely, within, alpha) for layer in first]
-    if operator == "atop":
-        return second
-    if operator == "arithmetic":
-        k1, k2, k3, k4 = (_number(item, f"k{n}", 0.0) for n in (1, 2, 3, 4))
-        both = _faded(first, step, lambda alpha: k2 * alpha + k4)
-        return [*both, *(replace(layer, alpha=min(max(k3 + k1, 0.0) * layer.alpha, 1.0)) for layer in second)]
     return [*second, *first]
 
 
@@ -261,24 +239,14 @@ def _blend(step: _Step, item: ET.Element) -> Layers:
     return [*step.input(item, "in2"), *step.input(item)]
 
 
-def _morphology(step: _Step, item: ET.Element) -> Layers:
-    radius = min(float(_pair(item, "radius").max()), step.size) * (1.0 if item.get("operator") == "dilate" else -1.0)
-    return [
-        replace(layer, region=step.shapely.buffer(layer.region, radius, join_style="mitre"))
-        for layer in step.input(item)
-    ]
-
-
 KNOWN: dict[str, Callable[[_Step, ET.Element], Layers]] = {
     "feGaussianBlur": _blur,
     "feOffset": _offset,
     "feDropShadow": _shadow,
     "feFlood": _flood,
     "feColorMatrix": _colour_matrix,
-    "feComponentTransfer": _transfer,
     "feComposite": _composite,
     "feMerge": _merge,
     "feBlend": _blend,
-    "feMorphology": _morphology,
 }
 """Supported parts of filters."""

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from ...geometry.arrays import FloatArray
 from ..libraries import load_colours
 from .document import Document
@@ -51,6 +53,11 @@ class Gradient:
     matrix: FloatArray = field(compare=False)
     stops: tuple[Stop, ...]
     repeats: bool
+
+    def as_light(self) -> Gradient:
+        """The same in a mask: as opaque as it is light."""
+        stops = (replace(stop, colour=Colour(stop.colour.alpha * stop.colour.luminance)) for stop in self.stops)
+        return replace(self, stops=tuple(stops))
 
 
 @dataclass(frozen=True)
@@ -126,7 +133,7 @@ class Paints:
         if server is None:
             return self.paint(instead, opacity, style, bright=bright) if instead and "url(" not in instead else None
         if name_of(server) not in GRADIENTS:
-            return Paint(opacity)  # a pattern counts as a whole
+            return self._pattern(server, opacity, bright)
         if (server, bright) not in self.gradients:
             self.gradients[server, bright] = self._gradient(server, bright)
         gradient = self.gradients[server, bright]
@@ -136,6 +143,18 @@ class Paints:
             colour = gradient.stops[0].colour
             return Paint(opacity * colour.alpha, colour)
         return Paint(opacity, gradient=gradient)
+
+    def _pattern(self, item: ET.Element, opacity: float, bright: bool) -> Paint:
+        """A pattern, which counts as a whole, in the mean colour of its fills, or else of its strokes."""
+        styles = [self.styles.own(child) for child in item.iter() if bright and child is not item]
+        for key in ("fill", "stroke"):
+            given = [colour_of(style[key], style, bright=bright) for style in styles if style.get(key)]
+            found = np.array([colour.rgb for colour in given if colour is not None])
+            if len(found):
+                red, green, blue = found.mean(axis=0).tolist()
+                self.document.faults.add("Patterns become their mean colour")
+                return Paint(opacity, Colour(1.0, _luminance(red, green, blue), (red, green, blue)))
+        return Paint(opacity)
 
     def _gradient(self, item: ET.Element, bright: bool) -> Gradient | None:
         """A gradient with the inherited attributes and stops; None without stops."""

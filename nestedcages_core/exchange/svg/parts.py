@@ -44,12 +44,15 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
 
     options: fields of `SvgOptions`. Raises NestedCagesError as `from_svg`.
     """
+    blended: list[str] = []
     reading = Reading(Document(text, SvgOptions(**options).limits), SvgOptions(**options), colours=True)
 
     def work(root: Group, areas: Areas, page: Box | None) -> tuple[SvgPart, ...]:
         fills = dict(areas.parts(root, np.eye(3), areas.fill_of))
         strokes = dict(areas.parts(root, np.eye(3), areas.stroke_of))
         found: list[SvgPart] = []
+        if any(paint and paint.gradient for shape in root.shapes() for paint in (shape.fill, shape.stroke_paint)):
+            blended.append("Gradients become their mean colour.")
         for number, shape in enumerate(root.shapes(), 1):
             fill, stroke = _apart(fills.get(shape, []), strokes.get(shape, []), areas)
             made = [_mesh(each, reading, areas, page) for each in (fill, stroke)]
@@ -60,7 +63,7 @@ def svg_parts(text: str | bytes, **options: Any) -> tuple[tuple[SvgPart, ...], t
         return tuple(found)
 
     parts: tuple[SvgPart, ...] = reading.made(work)
-    return parts, reading.said()
+    return parts, (*reading.said(), *blended)
 
 
 def _part(shape: Shape, number: int, fill: Mesh | None, stroke: Mesh | None) -> SvgPart:

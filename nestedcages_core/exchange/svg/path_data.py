@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
 from ..limits import Budget
-from .curves import CUBIC, LINE, arc
+from .curves import CUBIC, LINE, arc, flattened
 
 NUMBER = r"[\s,]*+((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))"
 FLAG = r"[\s,]*+([01])"
@@ -26,6 +27,9 @@ ARGUMENTS = {
 
 ARC = re.compile("".join(ARGUMENTS["A"]))
 WHOLE = {kind: re.compile(f"(?:{''.join(taken)})*+" if taken else "") for kind, taken in ARGUMENTS.items()}
+
+LENGTH_TOLERANCE = 1e-5
+"""Distance of chords from curves, over their size, where lengths are measured."""
 
 MIRRORED = {"S": "CS", "T": "QT"}
 """Commands whose first control point mirrors the last one of a curve of one of these kinds."""
@@ -50,6 +54,15 @@ class Subpath:
         """The control points of each curve."""
         ends = np.cumsum(self.degrees).tolist()
         return [self.points[begin : end + 1] for begin, end in zip([0, *ends[:-1]], ends, strict=True)]
+
+
+def length_of(subpaths: Sequence[Subpath]) -> float:
+    """The length of all subpaths together."""
+    found = 0.0
+    for path in subpaths:
+        points = flattened(path.points, path.degrees, LENGTH_TOLERANCE * float(np.ptp(path.points, axis=0).max()))
+        found += float(np.hypot(*np.diff(points, axis=0).T).sum())
+    return found
 
 
 class _WrongDataError(Exception):

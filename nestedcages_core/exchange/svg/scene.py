@@ -32,7 +32,7 @@ from .nodes import Clip, Group, Shape, attach, rectangular_clip
 from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
-from .path_data import Subpath
+from .path_data import Subpath, length_of
 from .strokes import stroke_of
 from .style import Style, Styles
 from .transforms import moved, scaling, translation, turned
@@ -136,7 +136,7 @@ class Scene:
             in_element=around.in_element or item.get("id") == self.options.element,
             in_layer=around.in_layer or (around.depth == 1 and bool({*_layer_names(item)} & {*self.options.layers})),
             depth=around.depth + 1,
-            groups=(*around.groups, *_layer_names(item)[:1]) if name == "g" else around.groups,
+            groups=(*around.groups, *_layer_names(item)[:1]) if name in ("g", "use") else around.groups,
         )
         font = self.styles.own(item).get("font-size")
         if font:
@@ -245,6 +245,9 @@ class Scene:
             group.children.append(Shape(name, subpaths, context.matrix, rule == "evenodd", Paint(1.0)))
             return
         stroke = stroke_of(style, context.viewport)
+        if stroke and stroke.dashes and item.get("pathLength"):
+            told = attribute(item, "pathLength", context.viewport)
+            stroke = stroke.along(length_of(subpaths) / told) if told > 0.0 else stroke
         group.children.append(
             Shape(
                 name,

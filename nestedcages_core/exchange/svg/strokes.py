@@ -38,8 +38,11 @@ class Stroke:
 
     def scaled(self, factor: float) -> Stroke:
         """The same stroke in other units."""
-        dashes = tuple(factor * dash for dash in self.dashes)
-        return replace(self, width=factor * self.width, dashes=dashes, offset=factor * self.offset)
+        return replace(self.along(factor), width=factor * self.width)
+
+    def along(self, factor: float) -> Stroke:
+        """The same stroke with other lengths along its line."""
+        return replace(self, dashes=tuple(factor * dash for dash in self.dashes), offset=factor * self.offset)
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,9 @@ KNOWN = INHERITED | OWN | {"marker"}
 GEOMETRY = frozenset(("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"))
 """Attributes of shapes that styles replace."""
 
+UNSET = ("unset", "revert", "revert-layer")
+"""Values that leave a property as if nothing were said."""
+
 VARIABLE = re.compile(r"var\(\s*(--[\w-]+)\s*(?:,([^()]*))?\)")
 """A reference to a variable, and what is taken without it."""
 
@@ -87,7 +90,7 @@ class Styles:
 
     def _own(self, item: ET.Element) -> dict[str, str]:
         """In the order of CSS: attributes, sheets, style; important last."""
-        found = {key: value.strip() for key, value in item.attrib.items() if key in KNOWN}
+        found = {key: value.strip() for key, value in item.attrib.items() if key in INHERITED | OWN}
         given = [*self.sheets.get(item, ()), *(declarations(item.attrib["style"]) if "style" in item.attrib else ())]
         for important in (False, True):
             for key, value, is_important in given:
@@ -106,7 +109,9 @@ class Styles:
             if value == "inherit":
                 if key in around:
                     style[key] = around[key]
-            elif value:
+            elif value == "initial" or (value in UNSET and key not in INHERITED):
+                style.pop(key, None)
+            elif value and value not in UNSET:
                 style[key] = value
         if style.get("color", "").lower() == "currentcolor":
             style["color"] = around.get("color", "black")
