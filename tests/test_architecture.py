@@ -6,6 +6,7 @@ import ast
 import graphlib
 import importlib
 import pkgutil
+import runpy
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -435,3 +436,11 @@ def test_blender_outside_its_places_is_found() -> None:
     assert blender_violations(sources) == ["benchmarks/table1.py:2: imports bpy"]
     assert blender_violations({"tests/core/test_mesh.py": "from mathutils import Matrix"}) != []
     assert blender_violations({"tests/addon/test_panel.py": "import bpy", "__init__.py": "import bpy"}) == []
+
+
+def test_faults_put_in_by_hand_have_their_place_and_their_test() -> None:
+    """Who changes such a place, or such a test, changes its line in `packaging/by_hand.py` too."""
+    for path, before, _, test in runpy.run_path(str(ROOT / "packaging" / "by_hand.py"))["FAULTS"]:
+        assert (ROOT / path).read_text(encoding="utf-8").count(before) == 1, f"{path}: {before}"
+        file, name = test.split("::")
+        assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), test
