@@ -79,6 +79,10 @@ MOST_OF_ALL = 0.5
 FEW_LINES = 12
 """Number of lines of each of several loops that is sought in any case, to know the least."""
 
+MOST_LINES = 128
+"""Vertices of the largest loop's cage up to which cycles are sought: time grows with their square, and the hull's excess
+is about a twentieth larger there."""
+
 BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept."""
 
@@ -165,9 +169,16 @@ class LineCycles:
         return starts
 
     def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
-        """The mesh of the best cycles and its source; where they were kept from crossing, of the hull if smaller."""
+        """The mesh of the best cycles and its source; where they were kept from crossing, of the hull if smaller.
+
+        Of the hull alone where the largest loop has more vertices than cycles are sought for.
+        """
+        plain = self.symmetry is None and self.importance is None
+        largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
+        if plain and largest > MOST_LINES:
+            return (yield from OuterHull().hull(request, clearance)), HULL
         mesh, rounds = yield from cycles_around(self, request, clearance)
-        if rounds and self.symmetry is None and self.importance is None:
+        if rounds and plain:
             with suppress(NestingError):
                 hull = yield from OuterHull().hull(request, clearance)
                 if request.side * hull.area < request.side * mesh.area:
