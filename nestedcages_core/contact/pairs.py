@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,9 @@ from ..geometry.loops import Loops
 from ..geometry.mesh import Mesh
 from ..solver.banded import BandOrder
 from ..solver.quadratic_program import InteriorPoint, QPSolution, QuadraticProgram
-from ..solver.reduction import Tie
+
+if TYPE_CHECKING:
+    from ..solver.reduction import Tie
 
 MAX_EXCESS_REACH = 8.0
 """Ratio of the reach of a list to the reach asked for above which it is rebuilt, to save measuring its pairs."""

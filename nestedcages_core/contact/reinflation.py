@@ -7,7 +7,7 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from ..energies.containment_energy import ContainmentEnergy
 from ..errors import ReinflationError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
-from ..solver.reduction import Tie
 from ..tasks import Stage, mapped
 from .base import Contact
 from .pairs import Bodies
+
+if TYPE_CHECKING:
+    from ..solver.reduction import Tie
 
 logger = logging.getLogger(__name__)
 

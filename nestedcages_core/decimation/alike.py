@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..errors import NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.group import Symmetry
 from ..geometry.loops import Loops
-from ..geometry.orbits import Orbits
 from ..geometry.vectors import norm
+
+if TYPE_CHECKING:
+    from ..geometry.orbits import Orbits
 
 SYMMETRY_TOLERANCE = 1e-3
 """Distance between a vertex and the image of its partner, in diameters, up to which they count as symmetric. Offsets in
@@ -22,6 +26,8 @@ class AsymmetricError(NestingError):
 
 def orbits_of(outline: Loops, symmetry: Symmetry) -> Orbits:
     """The orbits of an outline. Raises AsymmetricError."""
+    from ..geometry.orbits import Orbits  # most cages have no symmetry
+
     orbits = Orbits.of(outline.vertices, outline.successor, symmetry, SYMMETRY_TOLERANCE * outline.diameter)
     if orbits is None:
         raise AsymmetricError(

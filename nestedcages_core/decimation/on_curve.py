@@ -7,9 +7,7 @@ import numpy as np
 from ..errors import InvalidMeshError
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
-from ..geometry.orbits import Orbits
 from ..geometry.signed_distance import EdgeSearch
-from .alike import SYMMETRY_TOLERANCE
 
 
 def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -> Mesh | None:
@@ -25,6 +23,9 @@ def closest_on_curve(cage: Mesh, fine: Mesh, symmetry: Symmetry | None = None) -
         start = starts[found.edge]
         places[own] = start + found.parameter[:, None] * (ends[found.edge] - start)
     if symmetry is not None:
+        from ..geometry.orbits import Orbits
+        from .alike import SYMMETRY_TOLERANCE
+
         orbits = Orbits.of(cage.vertices, cage.successor, symmetry, SYMMETRY_TOLERANCE * cage.diagonal)
         if orbits is None:
             return None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from .area import Area, signed_area
 from .base import CageEnergy, Energy
 from .blocks import Blocks
-from .inwards import inwards
 from .no_energy import NoEnergy
 from .weighted_sum import BoundSum, WeightedSum
 
@@ -17,6 +16,5 @@ __all__ = [  # noqa: RUF022 - in the order of explanation
     "NoEnergy",  # zero: the cage moves only where it is pushed
     "WeightedSum",  # several of them
     "BoundSum",  # the same for one cage
-    "inwards",  # an energy for cages inside the fine mesh
     "signed_area",  # area enclosed by oriented loops
 ]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from ..geometry.group import Symmetry
 from ..level.choices import DEFAULT_CLEARANCE
 from ..level.report import Hierarchy, Level, NestingReport, Progress
-from ..level.tightest_place import tightest_place
 from ..tolerance.within import Within
 from .levels import LEAST, Rising, Share, level_words, order_of, parse_level, wanted_levels
 from .run import InnerCagesRun, NestedCagesRun, inner_cages, nested_cages
 from .settings import Settings
+
+if TYPE_CHECKING:
+    from ..level.tightest_place import tightest_place as tightest_place
 
 __all__ = [
     "DEFAULT_CLEARANCE",
@@ -33,3 +37,12 @@ __all__ = [
     "tightest_place",
     "wanted_levels",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """What few runs need is imported when it is asked for."""
+    if name != "tightest_place":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from ..level.tightest_place import tightest_place
+
+    return tightest_place

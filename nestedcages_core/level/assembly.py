@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..contact.reinflation import Reinflation
-from ..decimation import Start
+from ..decimation import Decimation, Start
 from ..energies import CageEnergy
-from ..errors import Fault
+from ..errors import Fault, NestingError, note
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..tasks import Stage
 from ..verification import Certificate
+from ..verification.certificate import loops_in_words
 from .plan import ExactSolver, Plan
 from .progress import LevelProgress
 from .report import Level, NestingReport, Progress
-from .symmetrised_start import Alike
 from .units import SolverUnits
+
+if TYPE_CHECKING:
+    from .attempts import Attempt
+    from .symmetrised_start import Alike
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +100,27 @@ class Assembly:
         )
         return Level(self.fine, coarse, cage, *way, report, inside=self.plan.inside)
 
+    def untightened(
+        self, attempt: Attempt, starts: Sequence[Start], notes: tuple[Fault, ...]
+    ) -> Stage[Progress, Level]:
+        """The level of the first coarse mesh that already is a cage.
+
+        Details that are tiny relative to the whole may be resolved in input units only, near the origin. See
+        docs/ablation.md: untightened cage as last resort.
+        """
+        yield from self.progress.begin("verification")
+        may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
+        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in starts)
+        for start in starts if hulls_count else ():
+            certificate = self.plan.verify(start.coarse, 0.0)
+            clearance = min(wanted, certificate.clearance) if may_be_less else wanted
+            if certificate.holds and certificate.clearance >= clearance:
+                counts = {"flow": 0, "reinflation": 0}
+                resting = self.resting(start.coarse.vertices[None])
+                mesh, every = start.coarse, (note("note.untightened"), *notes)
+                return self.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
+        raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
+
     def in_input_units(self, cage: CageInProgress) -> tuple[FlowResult, Reinflation]:
         """Flow and reinflation in input units; input coordinates are restored exactly."""
         units, reinflation = self.units, cage.reinflation
@@ -135,3 +162,29 @@ def failed(certificate: Certificate, plan: Plan, tried: float, wanted: float) ->
         wanted=wanted,
         largest=certificate.clearance,
     )
+
+
+def collides(step: int, plan: Plan) -> Fault:
+    """Why a motion was rejected after a step."""
+    return Fault(
+        f"The motion from step {step} to the next could not be certified free of collisions; "
+        f"use more cage vertices{'' if plan.inside else ', or a coarse mesh closer to the fine one'}.",
+        "motion.collides",
+        step=step,
+    )
+
+
+def deviations(plan: Plan, cage: Mesh, clearance: float, wanted: float) -> tuple[Fault, ...]:
+    """What differs from the request in a certified cage."""
+    notes = plan.notes(cage, clearance)
+    if not cage.has_loops_like(plan.fine):
+        notes = (note("note.loops", given=loops_in_words(cage), wanted=loops_in_words(plan.fine)), *notes)
+    if clearance < wanted:
+        on = "inside" if plan.inside else "gaps"
+        notes = (note("note.clearance", on=on, wanted=wanted, given=clearance), *notes)
+    return notes
+
+
+def in_words(decimation: Decimation) -> str:
+    """The name of a decimation in words: "level set" for ``LevelSet()``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

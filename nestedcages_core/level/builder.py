@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -11,10 +10,10 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation, reinflate
-from ..decimation import CurveStarts, Decimation, SeveralStarts, Start
+from ..decimation import CurveStarts, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
-from ..energies import Area, inwards, signed_area
+from ..energies import Area, signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
@@ -22,9 +21,8 @@ from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh, Nesting
 from ..tasks import Stage
 from ..verification import verify
-from ..verification.certificate import loops_in_words
 from ..verification.motion import certifying
-from .assembly import Assembly, CageInProgress, failed, is_only_too_close
+from .assembly import Assembly, CageInProgress, collides, deviations, failed, in_words, is_only_too_close
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
 from .choices import Choices
 from .counts import with_least
@@ -33,11 +31,11 @@ from .plan import Plan
 from .progress import LevelProgress
 from .report import Level, Progress
 from .reuse import coarse_meshes, flow_inside
-from .symmetrised_start import Alike, made_alike
 from .units import SolverUnits
 
 if TYPE_CHECKING:
     from .settling import Settling
+    from .symmetrised_start import Alike
 
 logger = logging.getLogger(__name__)
 
@@ -117,8 +115,10 @@ class LevelBuilder:
                     start = self.starts[0]
                     reason = note("note.start", on="fallback", source=start.source, text=str(failures[0]))
                     notes = (*notes, reason, *shared_anew(attempt.count, start.coarse))
-                make = self._tightest if attempt.tightened else self._untightened
-                level = yield from make(attempt, notes)
+                work = self._tightest(attempt, notes)
+                if not attempt.tightened:
+                    work = self.assembly.untightened(attempt, self.starts, notes)
+                level = yield from work
                 again = attempt.again(level.report.excess)
                 return level if again is None else (yield from self._tighter(level, again, notes))
             except FAILURES as error:
@@ -236,12 +236,17 @@ class LevelBuilder:
     def _bound(self, attempt: Attempt, cage: CageInProgress) -> CageInProgress:
         """The cage with its energy."""
         energy = self.settings.energy.at(cage.unit_coarse)
-        energy = inwards(energy, self.unit_fine.area) if self.plan.inside else energy
+        if self.plan.inside:
+            from ..energies.inwards import inwards
+
+            energy = inwards(energy, self.unit_fine.area)
         clearance = self.units.clearance(attempt.clearances[0])
         energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units, clearance)
         return replace(cage, energy=energy, is_measure=is_measure)
 
     def _alike(self, start: Start, group: Symmetry) -> Alike:
+        from .symmetrised_start import made_alike
+
         return made_alike(start, group, inside=self.plan.inside)
 
     def _tightened(
@@ -253,8 +258,9 @@ class LevelBuilder:
         assert cage.energy is not None
         early_stop = EarlyStop(best, self._rank(cage, start))
         steps: list[FloatArray] = []
+        tie = None if cage.alike is None else cage.alike.tie
         tightening = self.settings.tightening.run(
-            self._bodies(cage),
+            Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side),
             start,
             self.unit_fine.vertices,
             clearance=self.units.clearance(clearance),
@@ -276,11 +282,6 @@ class LevelBuilder:
             rank=self._rank(cage, steps[-1] if steps else start),
             counts={"tightening": outcome.iterations, "quadratic programs": outcome.quadratic_programs},
         )
-
-    def _bodies(self, cage: CageInProgress) -> Bodies:
-        """Cage and fine mesh, as the solvers see them."""
-        tie = None if cage.alike is None else cage.alike.tie
-        return Bodies.of(cage.unit_coarse, self.unit_fine, tie, side=self.plan.side)
 
     def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
         """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
@@ -309,44 +310,11 @@ class LevelBuilder:
         motion_check = certifying(Bodies.of(result, self.fine), list(reinflation.cage_steps), reinflation.fine_path)
         motion = yield from self.progress.follow(motion_check, lambda done: (done, "verification"))
         if not motion:
-            raise NestingError(
-                f"The motion from step {motion.step} to the next could not be certified free of collisions; "
-                f"use more cage vertices{'' if self.plan.inside else ', or a coarse mesh closer to the fine one'}.",
-                code="motion.collides",
-                step=motion.step,
-            )
-        if clearance < wanted:
-            on = "inside" if self.plan.inside else "gaps"
-            notes = (*notes, note("note.clearance", on=on, wanted=wanted, given=clearance))
-        if not same_loops:
-            notes = (*notes, note("note.loops", given=loops_in_words(coarse), wanted=loops_in_words(self.fine)))
-        notes = (*notes, *self.plan.notes(result, clearance))
+            assert motion.step is not None
+            raise NestingError(collides(motion.step, self.plan))
+        notes = (*notes, *deviations(self.plan, result, clearance, wanted))
         if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
             notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}
         return self.assembly.level(coarse, result, (flow, reinflation), certificate, clearance, start, counts, notes)
-
-    def _untightened(self, attempt: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
-        """The level of the first coarse mesh that already is a cage.
-
-        Details that are tiny relative to the whole may be resolved in input units only, near the origin. See
-        docs/ablation.md: untightened cage as last resort.
-        """
-        yield from self.progress.begin("verification")
-        may_be_less, wanted = len(attempt.clearances) > 1, attempt.clearances[0]
-        hulls_count = attempt.may_fall_back or all(start.on_curve is None for start in self.starts)
-        for start in self.starts if hulls_count else ():
-            certificate = self.plan.verify(start.coarse, 0.0)
-            clearance = min(wanted, certificate.clearance) if may_be_less else wanted
-            if certificate.holds and certificate.clearance >= clearance:
-                counts = {"flow": 0, "reinflation": 0}
-                resting = self.assembly.resting(start.coarse.vertices[None])
-                mesh, every = start.coarse, (note("note.untightened"), *notes)
-                return self.assembly.level(mesh, mesh, resting, certificate, clearance, start.source, counts, every)
-        raise NestingError("None of the coarse meshes is a cage.", code="certificate.failed")
-
-
-def in_words(decimation: Decimation) -> str:
-    """The name of a decimation in words: "level set" for ``LevelSet()``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(decimation).__name__).lower()

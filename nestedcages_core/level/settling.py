@@ -9,7 +9,8 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..energies import Area, Energy, inwards
+from ..energies import Area, Energy
+from ..energies.inwards import inwards
 from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray

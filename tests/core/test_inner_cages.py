@@ -26,7 +26,7 @@ from nestedcages_core import (
     verify_motion,
 )
 from nestedcages_core.command import main
-from nestedcages_core.energies import inwards
+from nestedcages_core.energies.inwards import inwards
 from nestedcages_core.level.choices import DEFAULT_CLEARANCE
 from shapes import annulus, islands, letter_a, polygon, ring, square_with_hole, star
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,7 +30,6 @@ from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cl
 from ..hull.offset import offsetting
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
-from ..importance import Importance
 from ..on_curve import closest_on_curve
 from ..request import Request
 from .candidates import candidates
@@ -42,6 +42,9 @@ from .loop_search import LoopSearch, shares
 from .mirrored import MirrorSearch
 from .places import places, weights
 from .turns import SLACK
+
+if TYPE_CHECKING:
+    from ..importance import Importance
 
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
