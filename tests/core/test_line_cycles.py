@@ -7,17 +7,21 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 import shapely
+from shapely import box
 
 from nestedcages_core import (
     LineCycles,
     Mesh,
+    Mirror,
     NestedCagesError,
     OuterHull,
+    Rotation,
     Settings,
     inner_cages,
     nested_cages,
     verify,
 )
+from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
 from nestedcages_core.decimation.line_cycles.loop_search import shares
@@ -175,3 +179,33 @@ def test_the_least_count_that_is_named_has_a_cage() -> None:
     assert caught.value.code == "count.too_small"
     least = caught.value.data["least"]
     assert least > 15 and len(nested_cages(islands(), least).cages[0].vertices) == least
+
+
+def test_needs_are_kept_by_the_start_itself() -> None:
+    fine = letter_a()
+    place = fine.vertices[[3, 11]]
+    nothing = np.zeros((0, 2))
+    at_pins = LineCycles(importance=Importance(fine, None, place)).decimate(fine, 20)
+    for pin in place:
+        assert np.hypot(*(at_pins.vertices - pin).T).min() < 2e-3 * fine.diagonal
+    right = 1.0 + 20.0 * (fine.vertices[:, 0] > fine.vertices[:, 0].mean())
+    weighted = LineCycles(importance=Importance(fine, right, nothing)).decimate(fine, 20)
+    beyond = [
+        polygon(mesh).difference(polygon(fine)).intersection(box(fine.vertices[:, 0].mean(), -9e3, 9e3, 9e3)).area
+        for mesh in (weighted, LineCycles().decimate(fine, 20))
+    ]
+    assert beyond[0] < beyond[1]
+    fine = Mesh.from_loops([ring(60) * (1.0, 0.3)])
+    limited = Importance(fine, None, nothing, min_edge=0.4)
+    shortest = [LineCycles(importance=each).decimate(fine, 10).edge_lengths.min() for each in (None, limited)]
+    assert shortest[1] > 1.2 * shortest[0]
+    for symmetry in (Mirror((0.0, 0.0)), Rotation((0.0, 0.0), 5)):
+        angle = np.arange(100) / 50.0 * np.pi + 0.5 * np.pi
+        flower = Mesh.from_loops([(1.0 + 0.3 * np.cos(5 * (angle - 0.5 * np.pi)))[:, None] * ring_at(angle)])
+        mesh = LineCycles(symmetry=symmetry).decimate(flower, 15)
+        off = np.abs(symmetry.image(mesh.vertices)[:, None] - mesh.vertices).sum(axis=2).min(axis=1).max()
+        assert off < 1e-9 and len(mesh.vertices) == 15 and verify(mesh, flower)
+
+
+def ring_at(angle: np.ndarray) -> np.ndarray:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
