@@ -99,16 +99,16 @@ def test_rays_end_where_they_meet_the_solid() -> None:
 
 def test_areas_of_cycles_are_those_between_cage_and_outline(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sum over the turns of each loop is the difference of two areas."""
-    from nestedcages_core.decimation.line_cycles import method
+    from nestedcages_core.decimation.line_cycles import around
 
     seen: list[float] = []
-    choose = method.Choice.of.__func__  # type: ignore[attr-defined]
+    choose = around.Choice.of.__func__  # type: ignore[attr-defined]
 
     def watched(cls: type, searches: dict, numbers: dict, images: None) -> object:
         seen.append(sum(float(search.totals[k]) for search, k in zip(searches.values(), numbers.values(), strict=True)))
         return choose(cls, searches, numbers, images)
 
-    monkeypatch.setattr(method.Choice, "of", classmethod(watched))
+    monkeypatch.setattr(around.Choice, "of", classmethod(watched))
     for fine, count in ((letter_a(), 16), (star(), 20), (annulus(60), 12)):
         request = Request.of(fine, count)
         mesh, _ = drain(cycles_around(LineCycles(), request, 0.0))
