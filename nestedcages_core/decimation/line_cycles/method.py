@@ -39,8 +39,8 @@ EXACT_SHIFT = 1e-7
 """Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
 
 MOST_LINES = 128
-"""Vertices of the largest loop's cage up to which cycles are sought: time grows with their square, and the hull's excess
-is about a twentieth larger there."""
+"""Vertices of the largest loop's cage up to which cycles are sought: time grows with their square, and the hull
+is looser by about a twentieth there."""
 
 BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept."""
