@@ -121,10 +121,7 @@ class LineCycles:
         return starts
 
     def found(self, request: Request, clearance: float) -> Stage[float, tuple[Mesh, str]]:
-        """The mesh of the best cycles and its source; where they were kept from crossing, of the hull if smaller.
-
-        Of the hull alone where the largest loop has more vertices than cycles are sought for.
-        """
+        """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
         plain = self.symmetry is None and self.importance is None
         largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
         if plain and largest > MOST_LINES:
