@@ -20,10 +20,10 @@ SENTENCES: Mapping[str, str] = {
         "for less."
     ),
     "loose.count": (
-        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for {loops} loops; ask for more."
+        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for its {loops}; ask for more."
     ),
     "loose.enough": (
-        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for {loops} loops; {better} would "
+        "{excess_percent:.0f} % larger than the drawing: {count} vertices are few for its {loops}; {better} would "
         "make it less than {good_percent:.0f} % larger."
     ),
     "check.holds": "{when}'{outer}' encloses '{inner}': clearance {clearance:.3g}, excess {excess_percent:.2f} %",

@@ -91,7 +91,7 @@ MECHANISMS: dict[str, Mechanism] = {
         "decimation", patches={"decimation.line_cycles.method:BIASES": (1.0,)}
     ),
     "line cycles: places (3 to 2 per vertex)": Mechanism(
-        "decimation", patches={"decimation.line_cycles.method:PLACES_PER_VERTEX": 2.0}
+        "decimation", patches={"decimation.line_cycles.around:PLACES_PER_VERTEX": 2.0}
     ),
     "clearing": Mechanism(
         "decimation",

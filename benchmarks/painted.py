@@ -6,8 +6,7 @@ Icons, emoji, flags, clip-art and themes of games come from packages, fetched on
 a cage of 8 % of the vertices around each file, and rsvg-convert (Debian's librsvg2-bin) draws the file, its cage and
 what was read of it in one frame. Told are the files that got a cage, the ink outside of cages, the CPU time and the
 memory; a file is right if at most 2 % of its painted pixels lie outside of what was read and at most 2 % of that is
-unpainted. Text and pictures inside a drawing are left out on both sides. Needs npm and apt-get for the packages;
---overlays writes pictures to look at.
+unpainted. Text and pictures inside a drawing are left out on both sides. Needs npm and apt-get for the packages.
 """
 
 from __future__ import annotations

@@ -13,8 +13,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from nestedcages_core import Mesh  # noqa: E402
-from nestedcages_core.decimation.line_cycles import method  # noqa: E402
+from nestedcages_core import LineCycles, Mesh  # noqa: E402
+from nestedcages_core.decimation.hull.clearing import HULL_OFFSET  # noqa: E402
+from nestedcages_core.decimation.line_cycles.around import Around  # noqa: E402
 from nestedcages_core.decimation.line_cycles.crossings import Choice  # noqa: E402
 from nestedcages_core.decimation.request import Request  # noqa: E402
 
@@ -43,9 +44,8 @@ def points(ring: np.ndarray) -> str:
 def picture() -> str:
     """Three panels: candidates, one turn and its area, the best cycle."""
     request = Request.of(bean(), VERTICES)
-    around = method._Around(request, request.outline, method.HULL_OFFSET)
-    search = next(around._searches())
-    choice = Choice.of([search], [VERTICES])
+    loop, search = next(Around(LineCycles(), request, request.outline, HULL_OFFSET)._searches())
+    choice = Choice.of({loop: search}, {loop: VERTICES}, None)
     ring, lines = choice.rings[0], search.lines.take(choice.line)
     low, high = ring.min(axis=0), ring.max(axis=0)
     scale = (WIDTH - 2.0 * MARGIN) / (high - low).max()

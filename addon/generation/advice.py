@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil, pi
 
 from ..core import core
-from ..errors import UserError
+from ..errors import UserError, counted
 from ..notes import note
 from ..scene.convert import Drawing
 from .memory import remembered
@@ -46,7 +46,8 @@ def excess_note(fine: core.Mesh, cage: core.Mesh, wanted: object, clearance: flo
     around = clearance * (float(fine.edge_lengths.sum()) + pi * clearance) / fine.area
     if around > min(CLEARANCE_PART * excess, LOOSE):
         return (note("loose.clearance", excess=float(excess), share=float(clearance / fine.diagonal)),)
-    better, facts = _enough(fine, count, clearance), {"count": count, "loops": len(fine.loops), "excess": float(excess)}
+    better, loops = _enough(fine, count, clearance), counted(len(fine.loops), "loop")
+    facts = {"count": count, "loops": loops, "excess": float(excess)}
     return (note("loose.enough", **facts, better=better, good=GOOD) if better else note("loose.count", **facts),)
 
 

@@ -42,11 +42,13 @@ class Matching:
 
     def fine_loops_in(self, coarse_component: int) -> IntArray:
         """Fine loops that belong inside a coarse component."""
-        return np.nonzero(self.component[self.fine.component_of_loop] == coarse_component)[0]
+        loops: IntArray = np.nonzero(self.component[self.fine.component_of_loop] == coarse_component)[0]
+        return loops
 
     def coarse_loops_of(self, coarse_component: int) -> IntArray:
         """Loops that bound a coarse component."""
-        return np.nonzero(self.coarse.component_of_loop == coarse_component)[0]
+        loops: IntArray = np.nonzero(self.coarse.component_of_loop == coarse_component)[0]
+        return loops
 
 
 def match_loops(fine: Mesh, coarse: Mesh) -> Matching:

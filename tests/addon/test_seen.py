@@ -171,23 +171,14 @@ def test_nothing_is_computed_twice(addon, core, monkeypatch) -> None:
         list(addon.generation.generate.Generation([_request(addon)], addon.generation.generate.Options(levels=(11,))))
 
 
-def test_a_level_that_has_not_changed_is_not_made_again(addon, core, monkeypatch) -> None:
+def test_a_level_that_has_not_changed_is_not_made_again(runs) -> None:
     poly_curve("Drawing", [star()])
-    made = []
-    run = core.NestedCagesRun
-    monkeypatch.setattr(
-        core, "NestedCagesRun", lambda fine, levels, *rest: made.append(levels[0]) or run(fine, levels, *rest)
-    )
-    generate(levels="20, 10")
-    generate(levels="20, 12")
-    assert made == [20, 10, 12]
-    generate(levels="20, 10")
-    generate(levels="20")
-    assert made == [20, 10, 12]
-    generate(levels="18, 10")  # around another cage
-    assert made == [20, 10, 12, 18, 10]
+    for levels, made in (("20, 10", [20, 10]), ("20, 12", [12]), ("20, 10", []), ("20", []), ("18, 10", [18, 10])):
+        generate(levels=levels)
+        assert runs == made
+        runs.clear()
     generate(levels="20, 10", clearance=0.05)
-    assert made == [20, 10, 12, 18, 10, 20, 10]
+    assert runs == [20, 10]
 
 
 def _request(addon):
@@ -240,10 +231,9 @@ def test_the_largest_clearance_is_known_before_the_work_begins(addon, core, monk
 def test_a_loose_cage_says_why_and_what_number_would_do(addon) -> None:
     poly_curve("Drawing", [star(120, 0.4, 7)])
     generate(levels="5")
-    note = bpy.data.objects["Drawing Cage 1"]["nested_cages_notes"]
-    assert "% larger than the drawing: 5 vertices are few; " in note
-    enough = int(note.partition("few; ")[2].split()[0])
-    generate(levels=str(enough))
+    note = dict(addon.record.notes(addon.record.member(bpy.data.objects["Drawing Cage 1"])))["loose.enough"]
+    assert note["count"] == 5 and note["excess"] > 0.5
+    generate(levels=str(note["better"]))
     cage = bpy.data.objects["Drawing Cage 1"]
     assert cage["nested_cages_excess"] < 0.25 and not cage["nested_cages_notes"]
 

@@ -7,17 +7,21 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 import shapely
+from shapely import box
 
 from nestedcages_core import (
     LineCycles,
     Mesh,
+    Mirror,
     NestedCagesError,
     OuterHull,
+    Rotation,
     Settings,
     inner_cages,
     nested_cages,
     verify,
 )
+from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
 from nestedcages_core.decimation.line_cycles.loop_search import shares
@@ -95,16 +99,16 @@ def test_rays_end_where_they_meet_the_solid() -> None:
 
 def test_areas_of_cycles_are_those_between_cage_and_outline(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sum over the turns of each loop is the difference of two areas."""
-    from nestedcages_core.decimation.line_cycles import method
+    from nestedcages_core.decimation.line_cycles import around
 
     seen: list[float] = []
-    choose = method.Choice.of.__func__  # type: ignore[attr-defined]
+    choose = around.Choice.of.__func__  # type: ignore[attr-defined]
 
     def watched(cls: type, searches: dict, numbers: dict, images: None) -> object:
         seen.append(sum(float(search.totals[k]) for search, k in zip(searches.values(), numbers.values(), strict=True)))
         return choose(cls, searches, numbers, images)
 
-    monkeypatch.setattr(method.Choice, "of", classmethod(watched))
+    monkeypatch.setattr(around.Choice, "of", classmethod(watched))
     for fine, count in ((letter_a(), 16), (star(), 20), (annulus(60), 12)):
         request = Request.of(fine, count)
         mesh, _ = drain(cycles_around(LineCycles(), request, 0.0))
@@ -175,3 +179,33 @@ def test_the_least_count_that_is_named_has_a_cage() -> None:
     assert caught.value.code == "count.too_small"
     least = caught.value.data["least"]
     assert least > 15 and len(nested_cages(islands(), least).cages[0].vertices) == least
+
+
+def test_needs_are_kept_by_the_start_itself() -> None:
+    fine = letter_a()
+    place = fine.vertices[[3, 11]]
+    nothing = np.zeros((0, 2))
+    at_pins = LineCycles(importance=Importance(fine, None, place)).decimate(fine, 20)
+    for pin in place:
+        assert np.hypot(*(at_pins.vertices - pin).T).min() < 2e-3 * fine.diagonal
+    right = 1.0 + 20.0 * (fine.vertices[:, 0] > fine.vertices[:, 0].mean())
+    weighted = LineCycles(importance=Importance(fine, right, nothing)).decimate(fine, 20)
+    beyond = [
+        polygon(mesh).difference(polygon(fine)).intersection(box(fine.vertices[:, 0].mean(), -9e3, 9e3, 9e3)).area
+        for mesh in (weighted, LineCycles().decimate(fine, 20))
+    ]
+    assert beyond[0] < beyond[1]
+    fine = Mesh.from_loops([ring(60) * (1.0, 0.3)])
+    limited = Importance(fine, None, nothing, min_edge=0.4)
+    shortest = [LineCycles(importance=each).decimate(fine, 10).edge_lengths.min() for each in (None, limited)]
+    assert shortest[1] > 1.2 * shortest[0]
+    for symmetry in (Mirror((0.0, 0.0)), Rotation((0.0, 0.0), 5)):
+        angle = np.arange(100) / 50.0 * np.pi + 0.5 * np.pi
+        flower = Mesh.from_loops([(1.0 + 0.3 * np.cos(5 * (angle - 0.5 * np.pi)))[:, None] * ring_at(angle)])
+        mesh = LineCycles(symmetry=symmetry).decimate(flower, 15)
+        off = np.abs(symmetry.image(mesh.vertices)[:, None] - mesh.vertices).sum(axis=2).min(axis=1).max()
+        assert off < 1e-9 and len(mesh.vertices) == 15 and verify(mesh, flower)
+
+
+def ring_at(angle: np.ndarray) -> np.ndarray:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -160,6 +160,8 @@ def test_what_is_measured_is_compared_with_the_limit() -> None:
         assert Within(distance=distance * size).is_met(AROUND, SQUARE) == (size > 1.0)
     assert Within(excess=excess).is_met(AROUND, SQUARE)
     assert not Within(excess=np.nextafter(excess, 0.0)).is_met(AROUND, SQUARE)
+    notes = Within(excess=0.5).note(9, 0.4), Within(distance=0.5).note(9, 0.4), Within(distance=0.5).note(9, 0.4, 8)
+    assert [each.data["on"] for each in notes] == ["excess", "distance", "bounded"]
     assert str(Within(distance=0.5)) == "within a distance of 0.5"
     assert str(Within(excess=0.25)) == "within an excess of 25 %"
 

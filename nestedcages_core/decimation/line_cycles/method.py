@@ -9,39 +9,25 @@ way, and the search is repeated.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from ...errors import InvalidMeshError, NestingError
-from ...geometry.arrays import IntArray
+from ...errors import NestingError
 from ...geometry.group import Symmetry
 from ...geometry.loops import Loops
 from ...geometry.mesh import Mesh
-from ...geometry.vectors import norm
 from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
-from ..alike import AsymmetricError, padded_alike, symmetrised
-from ..base import LEAST_PER_LOOP, Count, Start
+from ..alike import AsymmetricError, symmetrised
+from ..base import Count, Start
 from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
 from ..hull.offset import offsetting
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
 from ..request import Request
-from .candidates import candidates
-from .chain import Chain, Lines, without_doubles
-from .crossings import Choice, Search, again, give_way
-from .frame import Frame
-from .free_rays import Obstacles
-from .images import Images
-from .loop_search import LoopSearch, shares
-from .mirrored import MirrorSearch
-from .places import places, weights
-from .turns import SLACK
+from .around import Around, NoCyclesError
 
 if TYPE_CHECKING:
     from ..importance import Importance
@@ -49,35 +35,8 @@ if TYPE_CHECKING:
 SOURCE = "line cycles"
 """Name of its meshes in reports."""
 
-REACH = 1.5
-"""Longest part of an edge on either side of its contact, in diameters."""
-
-LOOP_REACH = 4.0
-"""The same in diameters of the loop that a line belongs to: a vertex farther away would be a needle."""
-
 EXACT_SHIFT = 1e-7
 """Distance, in diameters, of lines from the strict offset, to which they belong in narrow gaps."""
-
-PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
-"""Places: per vertex of the cage; at least, in all; at least, for each loop."""
-
-LONGEST_STRETCH = 3.0
-"""Length of the longest stretches that have tangents, in mean edges of the cage."""
-
-FULL_WIDTH = 12
-"""Number of edges of a loop up to which a line may be followed by any other."""
-
-FOLLOWING, SPARE_FOLLOWING = 3.0, 8
-"""Otherwise it is followed by a line within this many mean edges of the cage, and this many lines."""
-
-USUAL_SHARE, MAX_SHARE, SPARE_SHARE = 1.2, 2.0, 8
-"""Lines of a loop: likely ones per deserved one; largest number per likely one, and beyond that."""
-
-MOST_OF_ALL = 0.5
-"""Lines per vertex of the outline from which each loop may have any number."""
-
-FEW_LINES = 12
-"""Number of lines of each of several loops that is sought in any case, to know the least."""
 
 BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept."""
@@ -87,13 +46,6 @@ MAX_EXCESS_ON_CURVE = 1.0
 
 MAX_AREA_OF_SYMMETRY, MAX_EXCESS_OF_SYMMETRY = 0.005, 0.008
 """Fractions of the area of the fine mesh, and of the area beyond it, that a preferred symmetry may cost."""
-
-MAX_CLEARINGS = 12
-"""Number of times that crossings are cleared."""
-
-
-class NoCyclesError(NestingError):
-    """No cycles of lines were found."""
 
 
 @dataclass(frozen=True)
@@ -211,7 +163,7 @@ def _best(method: LineCycles, request: Request, outline: Loops, shift: float) ->
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
-    around = _Around(method, request, outline, shift)
+    around = Around(method, request, outline, shift)
     for bias in BIASES:
         try:
             area, mesh = yield from around.run(bias)
@@ -226,160 +178,3 @@ def _best(method: LineCycles, request: Request, outline: Loops, shift: float) ->
         assert error is not None
         raise error
     return best[1], around.rounds
-
-
-class _Around:
-    """A search for cycles around all loops of an outline."""
-
-    def __init__(self, method: LineCycles, request: Request, outline: Loops, shift: float) -> None:
-        self.method, self.request, self.shift = method, request, shift
-        self.frame = Frame.of(outline)
-        self.images = None if method.symmetry is None else Images.of(outline, method.symmetry, self.frame)
-        self.chains = self._chains(outline)
-        self.outline = outline.moved(self.frame.into(outline.vertices))
-        self.searches: dict[int, Search] = {}
-        self.rounds = 0
-
-    def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
-        """Area and mesh. Raises NoCyclesError."""
-        if not self.searches:
-            for loop, search in self._searches():
-                self.searches[loop] = search
-                yield len(self.searches) / (len(self.outline.sizes) + 1)
-        searches = {loop: again(search) for loop, search in self.searches.items()}
-        self.rounds = 0
-        numbers = self._shares(searches)
-        for _ in range(MAX_CLEARINGS):
-            yield len(searches) / (len(self.outline.sizes) + 1)
-            for loop, number in numbers.items():
-                searches[loop].refine(number)
-            numbers = self._shares(searches)
-            choice = Choice.of(searches, numbers, self.images)
-            i, j = choice.crossings()
-            if len(i) == 0:
-                break
-            self.rounds += 1
-            for k in give_way(searches, choice, i, j, bias):
-                searches[k].solve(int(searches[k].cycle(numbers[k])[0]))
-            numbers = self._shares(searches)
-        return self._mesh(choice)
-
-    def _chains(self, outline: Loops) -> list[Chain]:
-        """The loops in the frame of the search, with what matters there."""
-        vertices, importance = self.frame.into(outline.vertices), self.method.importance
-        weights, pinned = np.ones(len(vertices)), np.zeros(len(vertices), bool)
-        if importance is not None:
-            weights, pinned = importance.at(outline.vertices), importance.pinned(outline)
-        parts = [np.split(each, outline.begins[1:]) for each in (vertices, weights, pinned)]
-        weighted = importance is not None and importance.weights is not None
-        limits = (0.0, 0.0)
-        if importance is not None:
-            limits = (importance.min_edge or 0.0) / self.frame.scale, importance.min_angle or 0.0
-        return [Chain(loop, some if weighted else None, pins, limits) for loop, some, pins in zip(*parts, strict=True)]
-
-    def _copies(self, loop: int) -> int:
-        """Lines of the cage for each one that is counted around a loop."""
-        if self.images is None:
-            return 1
-        return 1 if self._is_halved(loop) else self.images.symmetry.order
-
-    def _is_halved(self, loop: int) -> bool:
-        """Whether a loop lies across the axis of a mirror."""
-        return self.images is not None and self.images.symmetry.reverses and len(self.images.own[loop]) > 1
-
-    def _shares(self, searches: dict[int, Search]) -> dict[int, int]:
-        copies = [self._copies(loop) for loop in searches]
-        totals = [number * search.totals for number, search in zip(copies, searches.values(), strict=True)]
-        numbers = shares(totals, self.request.target, copies)
-        if numbers is None:
-            least = [number * int(np.isfinite(total).argmax()) for number, total in zip(copies, totals, strict=True)]
-            known = {"least": sum(least)} if all(least) and sum(least) > self.request.target else {}
-            raise NoCyclesError(
-                "There are no such cycles of lines.", code="count.too_small", total=self.request.total, **known
-            )
-        return dict(zip(searches, numbers, strict=True))
-
-    def _searches(self) -> Iterator[tuple[int, Search]]:
-        """The search around each loop that stands for its images. Raises NoCyclesError."""
-        target, chains, images = self.request.target, self.chains, self.images
-        if any(chain.length == 0.0 for chain in chains):
-            raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
-        deserved = weights(chains, target)
-        whole = sum(float(weight.sum()) for weight in deserved)
-        found: list[tuple[Lines, IntArray, float, float]] = []
-        for chain, weight in zip(chains, deserved, strict=True):
-            share = float(weight.sum()) / whole
-            count = max(LEAST_PLACES_OF_A_LOOP, round(max(LEAST_PLACES, PLACES_PER_VERTEX * target) * share))
-            at = places(chain, weight, min(count, max(chain.size, 6)))
-            if len(chain.pins):
-                at = np.union1d(at, chain.pins)
-            deserved_lines = USUAL_SHARE * target * share
-            expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
-            lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
-            found.append((lines.shifted(self.shift), at, expected, deserved_lines))
-        obstacles = Obstacles(self.outline.split())
-        for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
-            if images is not None and images.loops[k][0] != k:
-                continue
-            halves, parts = None, 1
-            if images is not None and self._is_halved(k):
-                lines, halves = images.mirrored(k, chain, lines, at, self.shift)
-            elif images is not None and len(images.own[k]) > 1:
-                parts = len(images.own[k])
-                lines = images.turned(k, chain, lines)
-            size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
-            free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
-            usable = np.asarray((free > SLACK).all(axis=0))
-            if images is not None and halves is not None:
-                free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
-                usable &= usable[halves.image]
-                halves = halves.take(usable)
-            elif parts > 1:
-                usable = np.tile(usable.reshape(parts, -1).all(axis=0), parts)
-            lines, own_free = lines.take(usable), free[:, usable]
-            count = len(lines)
-            if count < 3:
-                raise NoCyclesError("No lines are free.", code="count.too_small")
-            width = count - 1
-            if expected > FULL_WIDTH:
-                width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
-            if halves is not None:
-                sizes = self._sizes(k, deserved_lines, count)
-                yield k, MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
-                continue
-            sizes = self._sizes(k, deserved_lines, count, copies=self._copies(k), parts=parts)
-            part_expected = expected / parts
-            yield k, LoopSearch(chain, lines, own_free, width=width, sizes=sizes, expected=part_expected, parts=parts)
-
-    def _sizes(self, loop: int, deserved: float, lines: int, copies: int = 1, parts: int = 1) -> range:
-        """The possible numbers of lines of a loop."""
-        minimum, most = self.request.minimum[loop], self._most(loop, deserved, lines, copies // parts)
-        return range(-(-minimum // parts), most // parts + 1)
-
-    def _most(self, loop: int, deserved: float, lines: int, loops: int) -> int:
-        """The largest number of lines for a loop, and as many others like it."""
-        minimum, target = self.request.minimum, self.request.target
-        if self.request.per_loop is not None:
-            return minimum[loop]
-        others = sum(minimum) - loops * minimum[loop]
-        most = min(lines, (target - others) // loops)
-        if len(minimum) > 1 and target < MOST_OF_ALL * len(self.outline.vertices):
-            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
-        return most
-
-    def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
-        """Area and mesh of cycles that do not cross. Raises NoCyclesError."""
-        rings = [without_doubles(self.frame.out_of(ring)) for ring in choice.rings]
-        if min(map(len, rings)) < 3:
-            raise NoCyclesError("A cycle is flat.", code="count.too_small")
-        outline = Loops.of(np.concatenate(rings), [len(ring) for ring in rings])
-        try:
-            if self.method.symmetry is None:
-                mesh = self.request.coarse(outline)
-            else:
-                mesh = self.request.mesh(padded_alike(outline, self.request.total, self.method.symmetry))
-        except (InvalidMeshError, AsymmetricError) as error:
-            raise NoCyclesError(error.fault) from error
-        if not self.request.nests(mesh):
-            raise NoCyclesError("The cycles do not enclose the loops.", code="count.too_small")
-        return outline.area, mesh
