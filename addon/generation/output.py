@@ -69,6 +69,8 @@ def write(
         staged += collections
         stage.leave(*collections)
         for collection in collections:
+            if not any(scene.objects.get(obj.name) == obj for obj in members(collection)):  # made in another scene
+                ownership.home_of(scene, ownership.source_of(collection)).children.link(collection)
             stage.enter(collection)
     except BaseException:
         rollback.restore()

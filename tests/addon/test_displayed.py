@@ -283,6 +283,11 @@ def test_a_drawing_in_two_scenes_has_no_ghost_in_the_other() -> None:
     assert [obj.name for obj in other.objects] == ["Drawing"]
     at_frame(3)
     assert not source.hide_viewport and not source.hide_render
+    with bpy.context.temp_override(scene=other, view_layer=other.view_layers[0]):
+        other.view_layers[0].objects.active = source
+        source.select_set(True, view_layer=other.view_layers[0])
+        assert bpy.ops.object.nested_cages_generate(levels="10") == {"FINISHED"}
+    assert {"Drawing Fine", "Drawing Cage 1"} <= {obj.name for obj in other.objects}  # one set, shown in both
 
 
 def word(obj, fill):
