@@ -38,7 +38,7 @@ LOOP_REACH = 4.0
 """The same in diameters of the loop that a line belongs to: a vertex farther away would be a needle."""
 
 PLACES_PER_VERTEX, LEAST_PLACES, LEAST_PLACES_OF_A_LOOP = 3.0, 96, 12
-"""Places: per vertex of the cage; at least, in all; at least, for each loop."""
+"""Places: per vertex of the cage; at least, in all; at least, for each loop (docs/ablation.md: line cycles: places)."""
 
 LONGEST_STRETCH = 3.0
 """Length of the longest stretches that have tangents, in mean edges of the cage."""
