@@ -44,7 +44,9 @@ def points(ring: np.ndarray) -> str:
 def picture() -> str:
     """Three panels: candidates, one turn and its area, the best cycle."""
     request = Request.of(bean(), VERTICES)
-    loop, search = next(Around(LineCycles(), request, request.outline, HULL_OFFSET)._searches())
+    around = Around(LineCycles(), request, request.outline, HULL_OFFSET)
+    list(around._search())
+    ((loop, search),) = around.searches.items()
     choice = Choice.of({loop: search}, {loop: VERTICES}, None)
     ring, lines = choice.rings[0], search.lines.take(choice.line)
     low, high = ring.min(axis=0), ring.max(axis=0)

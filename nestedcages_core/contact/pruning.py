@@ -46,7 +46,8 @@ def _lower_hull(edge: IntArray, t: FloatArray, height: FloatArray) -> IntArray:
     kept = np.arange(len(edge))
     for _ in range(MAX_PASSES):
         above, nearly = _above_neighbours(edge, t, height)
-        nearly[::2] = False  # of two neighbours one stays
+        rank = np.arange(len(edge)) - np.searchsorted(edge, edge)
+        nearly &= rank[1:-1] % 2 == 1  # of two neighbours one stays, the same in any order of the edges
         below = np.ones(len(kept), bool)
         np.logical_not(above | nearly, out=below[1:-1])
         left = np.flatnonzero(below)

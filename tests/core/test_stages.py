@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 
 from nestedcages_core import (
+    ArcLength,
     Found,
     InnerCagesRun,
+    LineCycles,
     Mesh,
     NestedCagesError,
     NestedCagesRun,
     NestingError,
     OnCurve,
+    OuterHull,
     Progress,
     Settings,
     Within,
@@ -196,15 +199,18 @@ def test_every_stage_yields_often_enough_to_cancel() -> None:
     """
     turn = ring(1900)
     fine = Mesh.from_loops([turn * (1.0 + 0.2 * (turn[:, :1] * 20.0 % 1.0))])
-    settings = Settings(decimation=OnCurve())
-    run = NestedCagesRun(fine, [24], settings)
-    stages = [progress.stage for progress in run]
-    level = run.hierarchy.levels[0]
+    settings = Settings(decimation=OnCurve(around=OuterHull()))
+    stages = [progress.stage for progress in NestedCagesRun(fine, [24], settings)]
     moves = (1900 - 24) // 512  # of the first run of the hull, at least
     assert stages.count("decimation") >= moves + 5
-    assert stages.count("reinflation") >= 2 * (len(level.reinflation.moving_steps) - 1)  # two halves of each step
+    run = NestedCagesRun(fine, [24], Settings(decimation=ArcLength()))  # a long way
+    stages = [progress.stage for progress in run]
+    steps = len(run.hierarchy.levels[0].reinflation.moving_steps) - 1
+    assert stages.count("reinflation") >= 2 * steps >= 4  # two halves of each step
     assert stages.count("verification") >= 3  # one for each block of steps, whose size is bounded
     forget()
     first_move = next(k for k, progress in enumerate(NestedCagesRun(fine, [24], settings)) if progress.fraction > 0.0)
     assert first_move >= 5
-    assert [progress.stage for progress in NestedCagesRun(fine, [24])].count("decimation") >= 3  # loops, and rounds
+    for cycles in (LineCycles(), OnCurve()):  # candidates, free parts, turns, programs and rounds
+        stages = [progress.stage for progress in NestedCagesRun(fine, [24], Settings(decimation=cycles))]
+        assert stages.count("decimation") >= 6

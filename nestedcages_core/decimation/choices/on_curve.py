@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from ...errors import NestingError
 from ...geometry.mesh import Mesh
 from ...parameters import check_part
-from ..base import Count, Decimation
+from ...tasks import Stage, drain
+from ..base import Count, Decimation, SeveralStarts, Start
 from ..line_cycles import LineCycles
 from ..on_curve import closest_on_curve
 from .arc_length import ArcLength
@@ -28,8 +29,19 @@ class OnCurve:
 
         Where its loops would cross, they are resampled by `ArcLength` instead. Raises NestingError as that does.
         """
+        return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse
+
+    def starts(self, fine: Mesh, count: Count, *, clearance: float = 0.0, most: int = 1) -> Stage[float, list[Start]]:
+        """The mesh of `decimate`. A generator: yields the fraction done and returns the list."""
+        return [Start((yield from self._coarse(fine, count, clearance)), "on curve")]
+
+    def _coarse(self, fine: Mesh, count: Count, clearance: float) -> Stage[float, Mesh]:
         try:
-            around = self.around.decimate(fine, count, clearance=clearance)
+            if isinstance(self.around, SeveralStarts):
+                starts = yield from self.around.starts(fine, count, clearance=clearance, most=1)
+                around = starts[0].coarse
+            else:
+                around = self.around.decimate(fine, count, clearance=clearance)
         except NestingError as error:
             try:
                 return ArcLength().decimate(fine, count, clearance=clearance)

@@ -56,12 +56,13 @@ class ProgressiveHull:
         return drain(self.steps(count, max_cost))
 
     def steps(self, count: int, max_cost: float = inf) -> Stage[float, Loops]:
-        """The same as a generator: yields the fraction done every `PAUSE` moves.
+        """The same as a generator: yields the fraction done at first and every `PAUSE` moves.
 
         Runs to ever smaller counts make the same moves as one to the smallest.
         """
         loops = self.loops
         first, moves = loops.total, 0
+        yield 0.0  # between the costs of all moves and the first one
         while loops.total > count:
             moves += 1
             if moves % PAUSE == 0:

@@ -89,16 +89,16 @@ class Around:
 
     def run(self, bias: float) -> Stage[float, tuple[float, Mesh]]:
         """Area and mesh. Raises NoCyclesError."""
+        loops = len(self.outline.sizes) + 1
         if not self.searches:
-            for loop, search in self._searches():
-                self.searches[loop] = search
-                yield len(self.searches) / (len(self.outline.sizes) + 1)
+            for _ in self._search():
+                yield len(self.searches) / loops
         searches = {loop: again(search) for loop, search in self.searches.items()}
         self.rounds = 0
         numbers = self._shares(searches)
         for _ in range(MAX_CLEARINGS):
-            yield len(searches) / (len(self.outline.sizes) + 1)
             for loop, number in numbers.items():
+                yield len(searches) / loops
                 searches[loop].refine(number)
             numbers = self._shares(searches)
             choice = Choice.of(searches, numbers, self.images)
@@ -107,7 +107,8 @@ class Around:
                 break
             self.rounds += 1
             for k in give_way(searches, choice, i, j, bias):
-                searches[k].solve(int(searches[k].cycle(numbers[k])[0]))
+                for _ in searches[k].solve(int(searches[k].cycle(numbers[k])[0])):
+                    yield len(searches) / loops
             numbers = self._shares(searches)
         return self._mesh(choice)
 
@@ -146,8 +147,8 @@ class Around:
             )
         return dict(zip(searches, numbers, strict=True))
 
-    def _searches(self) -> Iterator[tuple[int, Search]]:
-        """The search around each loop that stands for its images. Raises NoCyclesError."""
+    def _search(self) -> Iterator[None]:
+        """Search around each loop that stands for its images. Yields in between. Raises NoCyclesError."""
         target, chains, images = self.request.target, self.chains, self.images
         if any(chain.length == 0.0 for chain in chains):
             raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
@@ -163,6 +164,7 @@ class Around:
             deserved_lines = USUAL_SHARE * target * share
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
+            yield
             found.append((lines.shifted(self.shift), at, expected, deserved_lines))
         obstacles = Obstacles(self.outline.split())
         for k, (chain, (lines, at, expected, deserved_lines)) in enumerate(zip(chains, found, strict=True)):
@@ -176,6 +178,7 @@ class Around:
                 lines = images.turned(k, chain, lines)
             size = 2.0 * float(norm(chain.vertices - chain.vertices.mean(axis=0)).max())
             free = obstacles.free(lines, min(REACH, LOOP_REACH * size)) + SLACK
+            yield
             usable = np.asarray((free > SLACK).all(axis=0))
             if images is not None and halves is not None:
                 free = np.minimum(free, images.to_axis(lines, halves) + SLACK)
@@ -192,11 +195,14 @@ class Around:
                 width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
             if halves is not None:
                 sizes = self._sizes(k, deserved_lines, count)
-                yield k, MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
-                continue
-            sizes = self._sizes(k, deserved_lines, count, copies=self._copies(k), parts=parts)
-            part_expected = expected / parts
-            yield k, LoopSearch(chain, lines, own_free, width=width, sizes=sizes, expected=part_expected, parts=parts)
+                self.searches[k] = MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
+            else:
+                sizes = self._sizes(k, deserved_lines, count, copies=self._copies(k), parts=parts)
+                self.searches[k] = LoopSearch(
+                    chain, lines, own_free, width=width, sizes=sizes, expected=expected / parts, parts=parts
+                )
+            yield
+            yield from self.searches[k].solve()
 
     def _sizes(self, loop: int, deserved: float, lines: int, copies: int = 1, parts: int = 1) -> range:
         """The possible numbers of lines of a loop."""

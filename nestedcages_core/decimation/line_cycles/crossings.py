@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
@@ -32,8 +32,8 @@ class Search(Protocol):
     found: dict[int, Any]
     """What tells the best cycle of each number of lines."""
 
-    def solve(self, through: int | None = None) -> None:
-        """Search from scratch, after changes of `free`."""
+    def solve(self, through: int | None = None) -> Iterator[None]:
+        """Search from scratch, at first and after changes of `free`. Yields between its programs."""
         ...
 
     def refine(self, number: int) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ...geometry.arrays import FloatArray, IntArray
@@ -59,20 +61,21 @@ class LoopSearch:
         self.first: IntArray = np.searchsorted(self.turns.target, np.arange(self.count + 1))
         self.totals: FloatArray = np.zeros(0)
         self.found: dict[int, Paths] = {}
-        self.solve()
 
-    def solve(self, through: int | None = None) -> None:
-        """Search from scratch, after changes of `free`; through: a line that good cycles had."""
+    def solve(self, through: int | None = None) -> Iterator[None]:
+        """Search from scratch, after changes of `free`; through: a line that good cycles had. Yields in between."""
         self.areas = self.turns.within(self.free)
         self.totals, self.found = np.full(self.sizes.stop, np.inf), {}
         if through is not None:
             self._search(through)
+            yield
         if not self.found:
-            self._first_cycles()
+            yield from self._first_cycles()
         if not self.found:
             return
         spare = CHEAP_WORK / (len(self.areas) * self.sizes.stop)
         for _ in range(min(int(spare), MAX_ACROSS)):
+            yield
             if not self._search(self._across(self._usual())):
                 break
         more = MAX_MORE_IN_PARTS if self.parts > 1 else min(int(spare), MAX_MORE)
@@ -81,6 +84,7 @@ class LoopSearch:
             gaps = np.mod(np.roll(cycle, -1) - cycle - 1, self.count) + 1
             g = int(gaps.argmin())
             for step in np.unique(np.linspace(0, gaps[g], more + 2)[1:-1].astype(np.int64)).tolist():
+                yield
                 self._search(int((cycle[g] + step) % self.count))
 
     def refine(self, number: int) -> None:
@@ -104,7 +108,7 @@ class LoopSearch:
     def _part(self, number: int) -> IntArray:
         return self.found[number].cycle(number)
 
-    def _first_cycles(self) -> None:
+    def _first_cycles(self) -> Iterator[None]:
         """Search through the lines that most cycles are likely to have, until there is a cycle."""
         chain, count = self.chain, self.count
         lines = self.lines.take(np.arange(count))
@@ -122,6 +126,7 @@ class LoopSearch:
             if self.found or score[start] <= 0.0:
                 return
             self._search(start)
+            yield
             apart = np.mod(lines.place - lines.place[start] + 0.5 * chain.size, chain.size) - 0.5 * chain.size
             score[np.abs(apart) < APART * chain.size] = -1.0
 

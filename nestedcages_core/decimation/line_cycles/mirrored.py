@@ -6,6 +6,8 @@ image. Without a first line to fix, one program finds the best cycles of all num
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ...geometry.arrays import BoolArray, FloatArray, IntArray
@@ -26,10 +28,9 @@ class MirrorSearch:
         self.chain, self.lines, self.free, self.sizes, self.halves = chain, lines, free, sizes, halves
         self.turns: Turns = turns(chain, lines, free, width)
         self.totals: FloatArray = np.zeros(0)
-        self.solve()
 
-    def solve(self, through: int | None = None) -> None:
-        """Search from scratch, after changes of `free`."""
+    def solve(self, through: int | None = None) -> Iterator[None]:
+        """Search from scratch, after changes of `free`. Yields in between."""
         image, rank = self.halves.image, self.halves.rank
         areas, (source, target) = self.turns.within(self.free), (self.turns.source, self.turns.target)
         begins, ends = self.halves.begins.copy(), self.halves.ends.copy()
@@ -47,6 +48,7 @@ class MirrorSearch:
         self.totals = np.full(self.sizes.stop, np.inf)
         self.found: dict[int, tuple[int, int, int]] = {}
         for line_first in (0, 1):
+            yield
             least = self.least[line_first]
             least[0] = np.where(at_axis[0] == bool(line_first), begins, np.inf)
             for k in range(most):
