@@ -124,7 +124,7 @@ class Scene:
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
             return
         matrix = around.matrix
-        if around.depth or name != "svg":
+        if (around.depth or name != "svg") and style.get("transform", "none") != "none":
             origin = translation(*self._origin(style, around.viewport, title_of(item)))
             own = self.document.transform(style.get("transform") or "", title_of(item))
             matrix = matrix @ origin @ own @ np.linalg.inv(origin)
@@ -164,7 +164,7 @@ class Scene:
     def _origin(self, style: Style, viewport: Viewport, title: str) -> tuple[float, float]:
         """The point that the transform of an element leaves where it is."""
         words = style.get("transform-origin", "").replace(",", " ").split()
-        if not words or style.get("transform", "none") == "none":
+        if not words:
             return 0.0, 0.0
         if style.get("transform-box", "view-box") != "view-box":
             self.document.faults.add(f"The transform-box of the {title} is not the view box: the origin is at 0 0")
