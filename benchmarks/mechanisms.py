@@ -75,7 +75,7 @@ MECHANISMS: dict[str, Mechanism] = {
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
         "hierarchy",
-        patches={"level.builder:LevelBuilder._untightened": no_level},
+        patches={"level.assembly:Assembly.untightened": no_level},
     ),
     "line cycles (places by arc length)": Mechanism("decimation", partial(Settings, decimation=ArcLength())),
     "line cycles (outer hull)": Mechanism("decimation", partial(Settings, decimation=OuterHull())),
