@@ -31,9 +31,6 @@ from ..scene.plane import Frame, transform, world_matrix
 from ..scene.selection import scene_of
 from . import live
 
-# Seconds that a drawing must rest before its cages are checked.
-REST = 0.3
-
 # Points of a drawing that tell whether its transform was applied, and their largest relative error then.
 MAX_CORNERS, UNMOVED = 8, 1e-5
 
@@ -137,7 +134,7 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
                     placement.keep_carried(obj, source)
             _changed[collection.name] = time.perf_counter()
             if not bpy.app.timers.is_registered(_on_timer):
-                bpy.app.timers.register(_on_timer, first_interval=REST)
+                bpy.app.timers.register(_on_timer, first_interval=live.REST)
 
 
 def _shown(source: bpy.types.Object) -> list[bpy.types.Object]:
@@ -181,11 +178,11 @@ def _corners(obj: bpy.types.Object) -> list[Vector]:
 def _on_timer() -> float | None:
     """Seconds until the next look; None when there is nothing left to check."""
     if running() is not None:
-        return REST
+        return live.REST
     window = live.window_of("", bpy.context.window_manager.windows)
     with bpy.context.temp_override(window=window) if window is not None else nullcontext():
-        check_changed(bpy.context, rested=REST)
-    return REST if _changed else None
+        check_changed(bpy.context, rested=live.REST)
+    return live.REST if _changed else None
 
 
 def check_changed(context: bpy.types.Context, rested: float = 0.0) -> None:

@@ -33,8 +33,8 @@ from .editing import drawing_now
 
 # Seconds between checks for something to do, and of work per check while cages are made again.
 LOOK_INTERVAL, REMAKE_SLICE = 0.02, 0.03
-# Seconds that a drawing must rest before its cages are made again. A step needs no rest: it only waits as long as the
-# last one took, which leaves at least half of the time to Blender.
+# Seconds that a drawing must rest before its cages are checked, or made again. A step needs no rest: it only waits as
+# long as the last one took, which leaves at least half of the time to Blender.
 REST = 0.3
 
 

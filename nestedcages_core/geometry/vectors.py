@@ -44,3 +44,13 @@ def rotated_left(v: FloatArray) -> FloatArray:
 def rotated_right(v: FloatArray) -> FloatArray:
     """(..., 2) vectors turned clockwise by 90°: (y, -x). From an edge with the solid on its left, this points out."""
     return np.stack([v[..., 1], -v[..., 0]], axis=-1)
+
+
+def crossing_point(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
+    """Where segments a-b and c-d, each (2,), cross, rounded; their common middle if they are parallel."""
+    along, across = b - a, d - c
+    determinant = along[0] * across[1] - along[1] * across[0]
+    if determinant == 0.0:
+        return np.asarray(0.25 * (a + b + c + d))
+    share = ((c - a)[0] * across[1] - (c - a)[1] * across[0]) / determinant
+    return np.asarray(a + np.clip(share, 0.0, 1.0) * along)

@@ -37,7 +37,7 @@ MAX_LOOPS_LISTED = 8
 def greedy_hull(request: Request, clearance: float) -> Stage[float, Mesh]:
     """The hull of a request. Raises NestingError."""
     outline = without_gaps(request.outline, CLOSED_GAP_WIDTH * request.outline.diameter)
-    plain = without_small_details(outline, 0.0)  # docs/ablation.md: details like round-off built over
+    plain = without_small_details(outline, 0.0)  # (docs/ablation.md: details like round-off built over)
     yield 0.0
     smallest: Loops | None = None
     for start in (outline, plain) if len(plain.vertices) < len(outline.vertices) else (outline,):

@@ -30,7 +30,8 @@ CHEAP_WORK = 3e5
 """Turns times lines of the cage up to which there is time for one more search."""
 
 MAX_ACROSS, MAX_MORE = 4, 6
-"""Number of searches through the opposite line of the best cycle, and through lines between two lines of it."""
+"""Number of searches through the opposite line of the best cycle, and through lines between two lines of it
+(docs/ablation.md: line cycles: searches through other lines)."""
 
 MAX_MORE_IN_PARTS = 60
 """The same where rotations leave few lines to each part, so that the first one decides."""

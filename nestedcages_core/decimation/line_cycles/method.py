@@ -5,6 +5,8 @@ pairs of consecutive lines: of the region between the path from the contact of o
 of the next, and the outline between these contacts. So dynamic programming finds the best cycles of 3, 4, … lines among
 candidates, and the best number of lines for each loop. Where edges that are not neighbours cross, one of them gives
 way, and the search is repeated.
+
+See docs/ablation.md: line cycles; the curve.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ MOST_LINES = 128
 is looser by about a twentieth there."""
 
 BIASES = (1.0, 1e9, 0.3)
-"""Rules for which of two crossing edges is shortened; the best result is kept."""
+"""Rules for which of two crossing edges is shortened; the best result is kept (docs/ablation.md: line cycles: ways to
+clear crossings)."""
 
 MAX_EXCESS_ON_CURVE = 1.0
 """Excess above which a mesh on the curve would cut most of the shape off, so that no flow gets it inside."""
@@ -171,7 +174,7 @@ def _best(method: LineCycles, request: Request, outline: Loops, shift: float) ->
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
-    around = Around(method, request, outline, shift)
+    around = Around(request, outline, shift, method.symmetry, method.importance)
     for bias in BIASES:
         try:
             area, mesh = yield from around.run(bias)

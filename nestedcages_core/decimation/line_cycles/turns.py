@@ -24,7 +24,7 @@ LEAST_TURN = 1e-9
 ROUND_OFF = 1e-6
 """Margin of the first test, in diameters: it computes in single precision."""
 
-PIN_COST, PIN_REACH = 10.0, 1e-3
+PIN_COST, PIN_SLACK = 10.0, 1e-3
 """Cost of a vertex for its distance from a pin that it stands for, in diameters; the distance that costs nothing."""
 
 LIMIT_COST = 1.0
@@ -117,7 +117,7 @@ def _missing(chain: Chain, lines: Lines, i: IntArray, j: IntArray, forth: FloatA
     for pin in chain.pins.tolist():
         passed = np.mod(pin - lines.place[i], chain.size) < np.mod(lines.place[j] - lines.place[i], chain.size)
         away = norm(vertex[passed] - chain.vertices[pin])
-        cost[passed] += PIN_COST * np.maximum(0.0, away - PIN_REACH)
+        cost[passed] += PIN_COST * np.maximum(0.0, away - PIN_SLACK)
     return cost
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from ...geometry.arrays import FloatArray
 from .filters import Filter
-from .lengths import Viewport
+from .lengths import Viewport, measure
 from .outlines import outline
 from .paints import Paint
 from .path_data import Subpath
@@ -79,3 +79,17 @@ def rectangular_clip(x: float, y: float, width: float, height: float, matrix: Fl
     rect = ET.Element("rect", {"x": repr(x), "y": repr(y), "width": repr(width), "height": repr(height)})
     shape = Shape("rect", outline(rect, Viewport()), np.eye(3), fill=Paint(1.0))
     return Clip(Group([shape]), matrix)
+
+
+def mask_region(item: ET.Element, around: Viewport, matrix: FloatArray) -> Clip:
+    """The rectangle outside which a mask hides everything."""
+    of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
+    viewport = around.sized(1.0, 1.0) if of_box else around
+    keys = ("x", "y", "width", "height")
+    defaults = ("-10%", "-10%", "120%", "120%")
+    size = [
+        measure(item.get(key) or default, key, f"{key} of the mask", viewport)
+        for key, default in zip(keys, defaults, strict=True)
+    ]
+    clip = rectangular_clip(size[0], size[1], size[2], size[3], matrix)
+    return replace(clip, of_box=of_box)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from ...errors import NestedCagesError
-from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..limits import Budget
 from .document import Document
+from .elements import CLIP, MASK, PAINT, Context, check_names, chosen, layer_names, origin_of
 from .filters import Filter, is_known
 from .lengths import (
     Viewport,
@@ -28,7 +28,7 @@ from .lengths import (
     view_box_of,
 )
 from .markers import MARKED, PLACES, Vertex, vertices
-from .nodes import Clip, Group, Shape, attach, rectangular_clip
+from .nodes import Clip, Group, Shape, attach, mask_region, rectangular_clip
 from .options import SvgOptions
 from .outlines import OUTLINED, outline
 from .paints import Paint, Paints, link_in
@@ -43,32 +43,8 @@ GROUPS = frozenset(("svg", "g", "a", "switch"))
 LEFT_OUT = {"text": "text", "image": "image", "foreignObject": "foreign object"}
 """Visible elements that are not read."""
 
-PLACES_OF_ORIGIN = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
-
 MAX_DEPTH = 64
 """Maximum nesting depth of elements."""
-
-PAINT, CLIP, MASK = "paint", "clip", "mask"
-"""Purposes of shapes: to be painted, to clip by their outlines, to mask by their luminance."""
-
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-
-
-@dataclass(frozen=True)
-class _Context:
-    """Inherited state of an element."""
-
-    matrix: FloatArray
-    viewport: Viewport
-    style: Style = field(default_factory=dict)
-    opacity: float = 1.0
-    purpose: str = PAINT
-    in_element: bool = True
-    in_layer: bool = True
-    users: tuple[ET.Element, ...] = ()
-    """References that are being followed."""
-    depth: int = 0
-    groups: tuple[str, ...] = ()
 
 
 class Scene:
@@ -84,8 +60,8 @@ class Scene:
         self.left_out: Counter[str] = Counter()
         self.budget = Budget(options.limits)
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
-        self._check_names()
-        whole = _Context(
+        check_names(document, options)
+        whole = Context(
             np.eye(3),
             document.viewport,
             in_element=options.element is None,
@@ -94,22 +70,7 @@ class Scene:
         self.root = Group()
         self._add(document.root, whole, self.root)
 
-    def _check_names(self) -> None:
-        element = self.options.element
-        if element is not None and element not in self.document.by_id:
-            known = ", ".join(sorted(filter(None, self.document.by_id))[:12]) or "none"
-            raise NestedCagesError(
-                f"The drawing has no element with the id {quoted(element)}; its ids: {known}.", code="file.invalid"
-            )
-        labels = [name for item in self.document.root if name_of(item) == "g" for name in _layer_names(item)]
-        for layer in self.options.layers:
-            if layer not in labels:
-                known = ", ".join(labels[:12]) or "none"
-                raise NestedCagesError(
-                    f"The drawing has no layer {quoted(layer)}; its layers: {known}.", code="file.invalid"
-                )
-
-    def _add(self, item: ET.Element, around: _Context, to: Group) -> None:
+    def _add(self, item: ET.Element, around: Context, to: Group) -> None:
         """Add the drawing of an element to a group."""
         self.budget.spend("elements", 1)
         name = name_of(item)
@@ -125,7 +86,7 @@ class Scene:
             return
         matrix = around.matrix
         if (around.depth or name != "svg") and style.get("transform", "none") != "none":
-            origin = translation(*self._origin(style, around.viewport, title_of(item)))
+            origin = translation(*origin_of(style, around.viewport, title_of(item), self.document.faults))
             own = self.document.transform(style.get("transform") or "", title_of(item))
             matrix = matrix @ origin @ own @ np.linalg.inv(origin)
         context = replace(
@@ -134,9 +95,9 @@ class Scene:
             style=style,
             opacity=opacity,
             in_element=around.in_element or item.get("id") == self.options.element,
-            in_layer=around.in_layer or (around.depth == 1 and bool({*_layer_names(item)} & {*self.options.layers})),
+            in_layer=around.in_layer or (around.depth == 1 and bool({*layer_names(item)} & {*self.options.layers})),
             depth=around.depth + 1,
-            groups=(*around.groups, *_layer_names(item)[:1]) if name in ("g", "use") else around.groups,
+            groups=(*around.groups, *layer_names(item)[:1]) if name in ("g", "use") else around.groups,
         )
         font = self.styles.own(item).get("font-size")
         if font:
@@ -156,26 +117,12 @@ class Scene:
             x, y = (attribute(item, key, context.viewport) for key in ("x", "y"))
             self._add_framed(item, context, group, x, y, size)
         else:
-            children = list(item) if name != "switch" else _chosen(item)
+            children = list(item) if name != "switch" else chosen(item)
             for child in children:
                 self._add(child, context, group)
         attach(group, to)
 
-    def _origin(self, style: Style, viewport: Viewport, title: str) -> tuple[float, float]:
-        """The point that the transform of an element leaves where it is."""
-        words = style.get("transform-origin", "").replace(",", " ").split()
-        if not words:
-            return 0.0, 0.0
-        if style.get("transform-box", "view-box") != "view-box":
-            self.document.faults.add(f"The transform-box of the {title} is not the view box: the origin is at 0 0")
-            return 0.0, 0.0
-        if words[0] in ("top", "bottom") or words[1:2] in (["left"], ["right"]):
-            words[:2] = [[*words, "center"][1], words[0]]
-        x, y = (PLACES_OF_ORIGIN.get(word, word) for word in [*words, "center"][:2])
-        what = f"transform-origin of the {title}"
-        return measure(x, "x", what, viewport), measure(y, "y", what, viewport)
-
-    def _add_used(self, item: ET.Element, context: _Context, group: Group) -> None:
+    def _add_used(self, item: ET.Element, context: Context, group: Group) -> None:
         """Add the drawing of a `use` element."""
         link = link_of(item)
         target = self.document.linked(link)
@@ -198,7 +145,7 @@ class Scene:
     def _add_framed(
         self,
         item: ET.Element,
-        context: _Context,
+        context: Context,
         group: Group,
         x: float,
         y: float,
@@ -224,7 +171,7 @@ class Scene:
         for child in item:
             self._add(child, context, group)
 
-    def _add_shape(self, item: ET.Element, context: _Context, group: Group) -> None:
+    def _add_shape(self, item: ET.Element, context: Context, group: Group) -> None:
         """Add an element with an outline, and its markers."""
         style, purpose = context.style, context.purpose
         if not (context.in_element and context.in_layer) or style.get("visibility", "visible") != "visible":
@@ -258,7 +205,7 @@ class Scene:
                 stroke,
                 self._paint("stroke", "none", context) if stroke else None,
                 style.get("vector-effect") != "non-scaling-stroke",
-                next(iter(_layer_names(item)), ""),
+                next(iter(layer_names(item)), ""),
                 context.groups,
             )
         )
@@ -272,14 +219,14 @@ class Scene:
             for vertex in vertices(subpaths):
                 self._add_marker(vertex, width, context, group)
 
-    def _paint(self, key: str, default: str, context: _Context) -> Paint | None:
+    def _paint(self, key: str, default: str, context: Context) -> Paint | None:
         style = context.style
         opacity = context.opacity * share(style.get(f"{key}-opacity"))
         return self.paints.paint(
             style.get(key, default), opacity, style, bright=self.colours or context.purpose == MASK
         )
 
-    def _add_marker(self, vertex: Vertex, width: float, context: _Context, group: Group) -> None:
+    def _add_marker(self, vertex: Vertex, width: float, context: Context, group: Group) -> None:
         """Add the marker at a vertex of a path (SVG 1.1, section 11.6)."""
         link, _ = link_in(context.style.get(f"marker-{vertex.place}", "none"))
         marker = self.document.linked(link)
@@ -310,7 +257,7 @@ class Scene:
             self._add(child, inner, marked)
         attach(marked, group)
 
-    def _clips(self, style: Style, context: _Context) -> list[Clip]:
+    def _clips(self, style: Style, context: Context) -> list[Clip]:
         """The clip path and the mask of an element."""
         found = []
         for key, tag, purpose in (("clip-path", "clipPath", CLIP), ("mask", "mask", MASK)):
@@ -340,10 +287,10 @@ class Scene:
                 self._add(child, inner, content)
             found.append(Clip(content, context.matrix, of_box, is_mask=inner.purpose == MASK))
             if purpose == MASK:
-                found.append(self._mask_region(item, context))
+                found.append(mask_region(item, context.viewport, context.matrix))
         return found
 
-    def _filters(self, style: Style, context: _Context) -> list[Filter]:
+    def _filters(self, style: Style, context: Context) -> list[Filter]:
         """The filter of an element, if it is supported."""
         if style.get("filter", "none") == "none" or context.purpose == CLIP:
             return []
@@ -353,33 +300,3 @@ class Scene:
             return [Filter(item, self.styles, context.matrix, context.viewport)]
         self.left_out["filter"] += 1
         return []
-
-    def _mask_region(self, item: ET.Element, context: _Context) -> Clip:
-        """The rectangle outside which a mask hides everything."""
-        of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
-        viewport = context.viewport.sized(1.0, 1.0) if of_box else context.viewport
-        keys = ("x", "y", "width", "height")
-        defaults = ("-10%", "-10%", "120%", "120%")
-        size = [
-            measure(item.get(key) or default, key, f"{key} of the mask", viewport)
-            for key, default in zip(keys, defaults, strict=True)
-        ]
-        clip = rectangular_clip(size[0], size[1], size[2], size[3], context.matrix)
-        return replace(clip, of_box=of_box)
-
-
-def _chosen(item: ET.Element) -> list[ET.Element]:
-    """The element that a `switch` draws: its first child without unknown requirements."""
-    for child in item:
-        languages = child.get("systemLanguage")
-        if (
-            name_of(child) not in ("", "foreignObject")
-            and not child.get("requiredExtensions")
-            and (languages is None or any(part.strip().startswith("en") for part in languages.split(",")))
-        ):
-            return [child]
-    return []
-
-
-def _layer_names(item: ET.Element) -> list[str]:
-    return [name for name in (item.get(LABEL), item.get("id")) if name]

@@ -12,6 +12,7 @@ from ...errors import InvalidMeshError
 from ..arrays import AnyArray, FloatArray, IntArray
 from ..loops import Loops
 from ..predicates import orientation, segments_intersect
+from ..vectors import crossing_point
 
 MAX_COORDINATE, MIN_EXTENT = 1e150, 1e-150
 """Largest coordinate and smallest bounding box, in input units, whose squares stay within the range of a double."""
@@ -312,13 +313,3 @@ def _raise_contact(order: Loops, i: IntArray, j: IntArray) -> None:
         vertices=corners,
         place=point,
     )
-
-
-def crossing_point(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
-    """Where segments a-b and c-d, each (2,), cross, rounded; their common middle if they are parallel."""
-    along, across = b - a, d - c
-    determinant = along[0] * across[1] - along[1] * across[0]
-    if determinant == 0.0:
-        return np.asarray(0.25 * (a + b + c + d))
-    share = ((c - a)[0] * across[1] - (c - a)[1] * across[0]) / determinant
-    return np.asarray(a + np.clip(share, 0.0, 1.0) * along)

@@ -25,7 +25,7 @@ FREE_TANGENTS = 240
 MAX_SAMPLES_PER_VERTEX = 40
 """The same at one vertex of the hull."""
 
-SAMPLES_PER_EDGE = 8
+SAMPLES_PER_HULL_EDGE = 8
 """Number of places along each edge of a hull whose weights are averaged."""
 
 SMALLEST_TURN = 1e-9
@@ -161,7 +161,7 @@ class Hull:
         """(3, h + 1) lengths, weighted lengths and areas of edges from corner 0 on, and (h,) weights of corners."""
         assert self.weight_at is not None
         begin, end = self.corners, np.roll(self.corners, -1, axis=0)
-        shares = (np.arange(SAMPLES_PER_EDGE) + 0.5) / SAMPLES_PER_EDGE
+        shares = (np.arange(SAMPLES_PER_HULL_EDGE) + 0.5) / SAMPLES_PER_HULL_EDGE
         samples = begin[:, None] + shares[:, None] * (end - begin)[:, None]
         mean = self.weight_at((samples + self.origin).reshape(-1, 2)).reshape(len(begin), -1).mean(axis=1)
         length = norm(end - begin)

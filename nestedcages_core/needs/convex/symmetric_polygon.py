@@ -78,16 +78,16 @@ def _mirrored(hull: Hull, angles: FloatArray, count: int, turn: float) -> Tangen
     half = half[(half > axis) & (half < axis + np.pi)]
     one, other = hull.tangents(half), hull.tangents(turn - half)
     ahead = _ahead(hull, one)
-    ends = (axis, axis + np.pi)
-    first = 0.5 * hull.sector(other, one), hull.sector(hull.tangents(np.array([ends[0]])), one)
-    last = 0.5 * hull.sector(one, other), hull.sector(one, hull.tangents(np.array([ends[1]])))
+    ends = np.array([axis, axis + np.pi])
+    first = 0.5 * hull.sector(other, one), hull.sector(hull.tangents(ends[:1]), one)
+    last = 0.5 * hull.sector(one, other), hull.sector(one, hull.tangents(ends[1:]))
     best: tuple[float, FloatArray] | None = None
     for across in product((0, 1), (0, 1)):
         steps, odd = divmod(count - sum(across), 2)
         found = None if odd or steps < 1 else _cheapest(first[across[0]], ahead, last[across[1]], steps)
         if found is not None and (best is None or found[0] < best[0]):
             path = half[found[1]]
-            parts = [ends[:1] * across[0], path, ends[1:] * across[1], turn + 2.0 * np.pi - path[::-1]]
+            parts = [ends[: across[0]], path, ends[1:][: across[1]], turn + 2.0 * np.pi - path[::-1]]
             best = found[0], np.concatenate(parts)
     return None if best is None else hull.tangents(best[1])
 
