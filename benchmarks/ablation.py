@@ -261,23 +261,32 @@ def main() -> int:
                 print(rows[-1], flush=True)
     if options.output:
         options.output.write_text(page(rows, len(chosen), options), encoding="utf-8")
+        whole = options.output.parent / "measured" / "ablation.txt"
+        whole.parent.mkdir(parents=True, exist_ok=True)
+        whole.write_text("\n".join([*HEAD, *rows, ""]), encoding="utf-8")
     return 0
 
 
 def page(rows: Sequence[str], count: int, options: argparse.Namespace) -> str:
-    """A Markdown page."""
+    """A Markdown page of the columns that decide; measured/ablation.txt has all."""
     about = f"""\
 # What each mechanism buys
 
 `python benchmarks/ablation.py --shapes {options.shapes} --output docs/ablation.md`, commit {commit()},
 {time.strftime("%Y-%m-%d")}: {count} cases in {len(POSITIONS)} positions each, turned and moved, up to
 {max(options.sizes, default=LARGEST)} vertices. Each mechanism is switched off alone, and those that are named together
-at once. Excess and time are without it, relative to with it: above 1, it helps. A ratio is the geometric mean over the
-positions of a case; shapes with needles, whose excess round-off decides, are apart. The first row switches nothing
-off and compares two positions: it is the noise. *Lost* are cages that cannot be made without it, *changed* those
-whose excess differs at all.
+at once. Excess and time are without it, relative to with it: above 1, it helps; a ratio is the geometric mean over the
+positions of a case. The first row switches nothing off and compares two positions: it is the noise. *Lost* are cages
+that cannot be made without it, *changed* those whose excess differs at all. [All columns](measured/ablation.txt), with
+shapes with needles, whose excess round-off decides, apart.
 """
-    return "\n".join([about, *HEAD, *rows, "", STAYS])
+    return "\n".join([about, *(_shown(row) for row in (*HEAD, *rows)), "", STAYS])
+
+
+def _shown(row: str) -> str:
+    """A line of the table without room, quartiles and needles."""
+    cells = row.split("|")
+    return "|".join(cells[k] for k in (0, 2, 3, 4, 5, 7, 9, 10))
 
 
 STAYS = """\

@@ -13,7 +13,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from nestedcages_core import LineCycles, Mesh  # noqa: E402
+from nestedcages_core import Mesh  # noqa: E402
 from nestedcages_core.decimation.hull.clearing import HULL_OFFSET  # noqa: E402
 from nestedcages_core.decimation.line_cycles.around import Around  # noqa: E402
 from nestedcages_core.decimation.line_cycles.crossings import Choice  # noqa: E402
@@ -44,7 +44,7 @@ def points(ring: np.ndarray) -> str:
 def picture() -> str:
     """Three panels: candidates, one turn and its area, the best cycle."""
     request = Request.of(bean(), VERTICES)
-    around = Around(LineCycles(), request, request.outline, HULL_OFFSET)
+    around = Around(request, request.outline, HULL_OFFSET, None, None)
     list(around._search())
     ((loop, search),) = around.searches.items()
     choice = Choice.of({loop: search}, {loop: VERTICES}, None)

@@ -81,10 +81,11 @@ class Importance:
             held[int(np.argmin(distance))] |= bool(distance.min() <= FARTHEST_PIN * self.fine.diagonal)
         return held
 
-    def with_vertices(self, outline: Loops) -> Loops:
-        """The outline with additional vertices at pins without one."""
+    def with_vertices(self, outline: Loops, most: float = np.inf) -> Loops:
+        """The outline with additional vertices at pins without one, as long as it has at most so many."""
         for pin in self.pins:
-            if norm(outline.vertices - pin).min() > 0.5 * PIN_REACH * self.fine.diagonal:
+            missed = len(outline.vertices) < most and norm(outline.vertices - pin).min()
+            if missed > 0.5 * PIN_REACH * self.fine.diagonal:
                 outline = _with_vertex(outline, pin)
         return outline
 

@@ -216,6 +216,7 @@ def test_a_hidden_own_level_counts_with_its_modifiers(hide, kind) -> None:
     first = evaluated(cage, at_frame(cage["nested_cages_flow_start"]))
     np.testing.assert_allclose(in_world(cage, first), expected, atol=1e-5)
     assert snapshot()["hidden"] == ["Drawing Moving", *before["hidden"]]
+    assert cage["nested_cages_end"] == cage["nested_cages_flow_start"]  # nothing moves
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -66,22 +66,15 @@ class NoCyclesError(NestingError):
     """No cycles of lines were found."""
 
 
-class Method(Protocol):
-    """What the search reads of `LineCycles`."""
-
-    @property
-    def symmetry(self) -> Symmetry | None: ...
-    @property
-    def importance(self) -> Importance | None: ...
-
-
 class Around:
     """A search for cycles around all loops of an outline."""
 
-    def __init__(self, method: Method, request: Request, outline: Loops, shift: float) -> None:
-        self.method, self.request, self.shift = method, request, shift
+    def __init__(
+        self, request: Request, outline: Loops, shift: float, symmetry: Symmetry | None, importance: Importance | None
+    ) -> None:
+        self.symmetry, self.importance, self.request, self.shift = symmetry, importance, request, shift
         self.frame = Frame.of(outline)
-        self.images = None if method.symmetry is None else Images.of(outline, method.symmetry, self.frame)
+        self.images = None if symmetry is None else Images.of(outline, symmetry, self.frame)
         self.chains = self._chains(outline)
         self.outline = outline.moved(self.frame.into(outline.vertices))
         self.searches: dict[int, Search] = {}
@@ -114,7 +107,7 @@ class Around:
 
     def _chains(self, outline: Loops) -> list[Chain]:
         """The loops in the frame of the search, with what matters there."""
-        vertices, importance = self.frame.into(outline.vertices), self.method.importance
+        vertices, importance = self.frame.into(outline.vertices), self.importance
         weights, pinned = np.ones(len(vertices)), np.zeros(len(vertices), bool)
         if importance is not None:
             weights, pinned = importance.at(outline.vertices), importance.pinned(outline)
@@ -193,32 +186,25 @@ class Around:
             width = count - 1
             if expected > FULL_WIDTH:
                 width = min(width, int(FOLLOWING * count / expected) + SPARE_FOLLOWING)
+            sizes = self._sizes(k, deserved_lines, count, self._copies(k), parts)
             if halves is not None:
-                sizes = self._sizes(k, deserved_lines, count)
                 self.searches[k] = MirrorSearch(chain, lines, own_free, width=width, sizes=sizes, halves=halves)
             else:
-                sizes = self._sizes(k, deserved_lines, count, copies=self._copies(k), parts=parts)
                 self.searches[k] = LoopSearch(
                     chain, lines, own_free, width=width, sizes=sizes, expected=expected / parts, parts=parts
                 )
             yield
             yield from self.searches[k].solve()
 
-    def _sizes(self, loop: int, deserved: float, lines: int, copies: int = 1, parts: int = 1) -> range:
-        """The possible numbers of lines of a loop."""
-        minimum, most = self.request.minimum[loop], self._most(loop, deserved, lines, copies // parts)
-        return range(-(-minimum // parts), most // parts + 1)
-
-    def _most(self, loop: int, deserved: float, lines: int, loops: int) -> int:
-        """The largest number of lines for a loop, and as many others like it."""
-        minimum, target = self.request.minimum, self.request.target
-        if self.request.per_loop is not None:
-            return minimum[loop]
-        others = sum(minimum) - loops * minimum[loop]
-        most = min(lines, (target - others) // loops)
-        if len(minimum) > 1 and target < MOST_OF_ALL * len(self.outline.vertices):
-            most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
-        return most
+    def _sizes(self, loop: int, deserved: float, lines: int, copies: int, parts: int) -> range:
+        """The possible numbers of lines of a part of a loop, and of as many others like it."""
+        minimum, target, loops = self.request.minimum, self.request.target, copies // parts
+        most = minimum[loop]
+        if self.request.per_loop is None:
+            most = min(lines, (target - sum(minimum) + loops * minimum[loop]) // loops)
+            if len(minimum) > 1 and target < MOST_OF_ALL * len(self.outline.vertices):
+                most = max(minimum[loop], min(most, int(MAX_SHARE * deserved) + SPARE_SHARE), min(lines, FEW_LINES))
+        return range(-(-minimum[loop] // parts), most // parts + 1)
 
     def _mesh(self, choice: Choice) -> tuple[float, Mesh]:
         """Area and mesh of cycles that do not cross. Raises NoCyclesError."""
@@ -227,10 +213,12 @@ class Around:
             raise NoCyclesError("A cycle is flat.", code="count.too_small")
         outline = Loops.of(np.concatenate(rings), [len(ring) for ring in rings])
         try:
-            if self.method.symmetry is None:
+            if self.symmetry is None:
+                if self.importance is not None and self.request.per_loop is None:  # straight sides have pins too
+                    outline = self.importance.with_vertices(outline, self.request.total)
                 mesh = self.request.coarse(outline)
             else:
-                mesh = self.request.mesh(padded_alike(outline, self.request.total, self.method.symmetry))
+                mesh = self.request.mesh(padded_alike(outline, self.request.total, self.symmetry))
         except (InvalidMeshError, AsymmetricError) as error:
             raise NoCyclesError(error.fault) from error
         if not self.request.nests(mesh):

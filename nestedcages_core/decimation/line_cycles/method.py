@@ -174,7 +174,7 @@ def _best(method: LineCycles, request: Request, outline: Loops, shift: float) ->
     """The mesh of least area of several ways to clear crossings, and how often. Raises NoCyclesError."""
     best: tuple[float, Mesh] | None = None
     error: NoCyclesError | None = None
-    around = Around(method, request, outline, shift)
+    around = Around(request, outline, shift, method.symmetry, method.importance)
     for bias in BIASES:
         try:
             area, mesh = yield from around.run(bias)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...geometry.arrays import BoolArray, FloatArray, IntArray
+from ...geometry.arrays import FloatArray, IntArray
 from .chain import Chain, Lines
 from .images import Halves
 from .turns import Turns, turns
@@ -18,8 +18,6 @@ from .turns import Turns, turns
 
 class MirrorSearch:
     """The best symmetric cycles around one loop; like `LoopSearch`."""
-
-    copies = 1
 
     def __init__(
         self, chain: Chain, lines: Lines, free: FloatArray, *, width: int, sizes: range, halves: Halves
@@ -56,14 +54,10 @@ class MirrorSearch:
                     least[k, reached] = np.minimum.reduceat(least[k - 1, self.source] + self.areas, at)
                 for line_last in (0, 1):
                     number = 2 * (k + 1) - line_first - line_last
-                    closed = self._closed(line_first, k, line_last, at_axis[1])
+                    closed = np.where(at_axis[1] == bool(line_last), least[k] + self.ends, np.inf)
                     end = int(closed.argmin())
                     if number in self.sizes and closed[end] < self.totals[number]:
                         self.totals[number], self.found[number] = closed[end], (line_first, k, end)
-
-    def _closed(self, line_first: int, k: int, line_last: int, at_end: BoolArray) -> FloatArray:
-        closed: FloatArray = np.where(at_end == bool(line_last), self.least[line_first, k] + self.ends, np.inf)
-        return closed
 
     def refine(self, number: int) -> None:
         """The search knows no better cycle."""

@@ -9,16 +9,19 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
-from ..limits import Limits
-from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, name_of, quoted, view_box_of
+from ..limits import Budget, Limits
+from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, link_of, name_of, quoted, view_box_of
 from .outlines import OUTLINED
 from .transforms import read_transform
 
 OUTLINES, DECORATION = "data-outlines", "decoration"
 """Attribute of the root of our own documents, whose strokes only mark the edges of filled shapes."""
 
-DRAWN = OUTLINED | {"svg", "g", "a"}
-"""Elements that are drawn with all their children."""
+DRAWN = OUTLINED | {"svg", "g", "a", "use"}
+"""Elements that are drawn with all their children, or with what they refer to."""
+
+MAX_USERS = 64
+"""References within references that are counted: deeper ones are refused as they are drawn."""
 
 Box = tuple[float, float, float, float]
 """x, y, width and height."""
@@ -81,7 +84,7 @@ class Document:
             if isinstance(item.tag, str) and item.tag.rpartition("}")[0] != room:
                 item.tag = ""  # of another namespace: nobody draws it
             self.by_id.setdefault(item.get("id", ""), item)
-        limits.check("elements", _drawn(self.root))
+        self._count(Budget(limits))
         self.frame = Frame(
             view_box_of(self.root),
             self.root.get("width", ""),
@@ -114,16 +117,17 @@ class Document:
         """The element that `#id` names."""
         return self.by_id.get(link[1:]) if len(link) > 1 and link.startswith("#") else None
 
-
-def _drawn(root: ET.Element) -> int:
-    """How many elements are drawn without a reference: a lower bound, but for those that style sheets hide."""
-    number, waiting = 0, [root]
-    while waiting:
-        drawn = [
-            child
-            for child in waiting.pop()
-            if name_of(child) in DRAWN and "display" not in child.attrib and "display" not in child.get("style", "")
-        ]
-        number += len(drawn)
-        waiting += drawn
-    return number
+    def _count(self, budget: Budget) -> None:
+        """Spend what is drawn, each copy by `use` again: a lower bound, but for elements that style sheets hide."""
+        nobody: tuple[ET.Element, ...] = ()
+        waiting = [(child, nobody) for child in self.root]
+        while waiting:
+            item, users = waiting.pop()
+            name = name_of(item)
+            if name not in DRAWN or "display" in item.attrib or "display" in item.get("style", ""):
+                continue
+            budget.spend("elements", 1)
+            if name != "use":
+                waiting += [(child, users) for child in item]
+            elif (target := self.linked(link_of(item))) is not None and target not in users and len(users) < MAX_USERS:
+                waiting.append((target, (*users, target)))

@@ -62,7 +62,7 @@ def check_names(document: Document, options: SvgOptions) -> None:
 def origin_of(style: Style, viewport: Viewport, title: str, faults: Faults) -> tuple[float, float]:
     """The point that the transform of an element leaves where it is."""
     words = style.get("transform-origin", "").replace(",", " ").split()
-    if not words or style.get("transform", "none") == "none":
+    if not words:
         return 0.0, 0.0
     if style.get("transform-box", "view-box") != "view-box":
         faults.add(f"The transform-box of the {title} is not the view box: the origin is at 0 0")

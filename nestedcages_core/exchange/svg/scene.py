@@ -85,7 +85,7 @@ class Scene:
         if style.get("display") == "none" or (around.purpose != CLIP and not opacity > 0.0):
             return
         matrix = around.matrix
-        if around.depth or name != "svg":
+        if (around.depth or name != "svg") and style.get("transform", "none") != "none":
             origin = translation(*origin_of(style, around.viewport, title_of(item), self.document.faults))
             own = self.document.transform(style.get("transform") or "", title_of(item))
             matrix = matrix @ origin @ own @ np.linalg.inv(origin)
