@@ -197,6 +197,8 @@ def _path(level: Level, vertices: FloatArray, spacing: float) -> Reinflation | N
     """
     path, bodies = level.reinflation, Bodies.of(level.cage, level.fine)
     last = path.cage_steps[-1]
+    if np.array_equal(last, vertices):
+        return path  # a further step would be shown as frames without motion
     walked = Bodies.of(level.cage, level.fine, side=-1 if level.inside else 1)
     middle = 0.5 * (last + vertices)
     shift = np.ones(bodies.m) * spacing
