@@ -28,7 +28,7 @@ PAGE = ROOT / "docs" / "performance.md"
 
 RUNS: dict[str, tuple[str, str]] = {
     "table1": ("table1.py", r"fine| +(32|512) |ratio"),
-    "shapes": ("shapes.py", r"ratio|hull before"),
+    "shapes": ("shapes.py", r"ratio|start, to"),
     "speed": ("speed.py --against bb3b310 --cases 48 --repeats 1", r"time |excess "),
     "corners": ("corners.py --against bb3b310", r".*"),
     "start": ("start.py", r".*"),
