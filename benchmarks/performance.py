@@ -37,7 +37,7 @@ RUNS: dict[str, tuple[str, str]] = {
     "iterations": ("iterations.py --plot docs/iterations.png", r"$"),
     "growth": ("growth.py --plot docs/growth.png", r"kind|.* 100000 |.*: time"),
     "million": ("growth.py --sizes 1000000 --cage 1000 --kinds smooth", r"kind|smooth +1"),
-    "many": ("many_shapes.py --dask", r".*: \d|\d.*times as fast"),
+    "many": ("many_shapes.py --dask", r"[a-z]+: \d|\d.*times as fast"),
     "motions": ("motions.py --plot docs/motions.png", r"\d+ of \d+ keys"),
 }
 """Place in the page: program with its arguments, and which of the lines that it prints the page shows."""

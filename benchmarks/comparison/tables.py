@@ -65,10 +65,10 @@ def ranges(runs: Sequence[Run]) -> str:
         mine = [row[name] for row in rows]
         lines.append([
             name, solved([run for run in own if run.method == name]), quartiles(run.excess for run in mine),
-            quartiles((run.tightened for run in mine), ".2f"), quartiles(1e3 * (run.seconds or 0.0) for run in mine),
+            quartiles(1e3 * (run.seconds or 0.0) for run in mine),
             number(float(np.median([run.distance or 0.0 for run in mine])) if mine else None, ".0e"),
         ])  # fmt: skip
-    return table(["barrier, d̂", "solved", "excess %", "tightened %", "ms", "distance left"], lines)
+    return table(["barrier, d̂", "solved", "excess %", "ms", "distance left"], lines)
 
 
 def whole(runs: Sequence[Run]) -> str:
