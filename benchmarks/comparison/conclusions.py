@@ -15,6 +15,9 @@ from comparison.shapes import GLYPHS, HELD_OUT, RANDOM
 KNOWN = (RANDOM, GLYPHS)
 SIGNIFICANT = 0.05
 """p of a paired test below which one method is called better."""
+MOST = 0.5
+"""Share of shapes below which those that differ are the few."""
+
 AGREE = 0.02
 """Spread of medians after the tightening, relative to their mean, up to which contacts agree in the median."""
 APART = 1.01
@@ -119,7 +122,7 @@ def tightened(runs: Sequence[Run], families: tuple[str, ...]) -> Verdict:
             f"[{100.0 * differ.low:.0f}, {100.0 * differ.high:.0f}]",
             "largest difference": f"{max(apart, default=np.nan):.1f} times",
         },
-        max(medians) - min(medians) <= AGREE * float(np.mean(medians)) and differ.low > 0.0,
+        max(medians) - min(medians) <= AGREE * float(np.mean(medians)) and differ.high < MOST,
     )
 
 
@@ -159,7 +162,7 @@ CONCLUSIONS = (
         "Excess over the range d̂, median and quartiles",
     ),
     Conclusion(
-        "tightened", "After the same tightening contacts agree in the median, but not shape by shape.", tightened,
+        "tightened", "After the same tightening contacts agree in the median, and on most shapes.", tightened,
         "contacts.md", "tightened.png", "Largest over least excess of the contacts, for every shape",
     ),
 )  # fmt: skip
