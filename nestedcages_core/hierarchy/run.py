@@ -100,12 +100,7 @@ class InnerCagesRun(NestedCagesRun):
     side = -1
 
 
-def _hierarchy(
-    fine: MeshLike,
-    levels: Sequence[Wanted],
-    settings: Settings,
-    side: int,
-) -> Stage[Progress, Hierarchy]:
+def _hierarchy(fine: MeshLike, levels: Sequence[Wanted], settings: Settings, side: int) -> Stage[Progress, Hierarchy]:
     """All levels."""
     seconds = inf if settings.seconds is None else settings.seconds
     deadline = perf_counter() + seconds
