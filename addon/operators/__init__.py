@@ -20,6 +20,7 @@ from . import (
     levels,
     live,
     pieces,
+    presets,
     report,
     rig,
     silhouette,
@@ -29,9 +30,9 @@ from . import (
 _ROOMS = (generate, verify, fault, bake, bind, handles, rig, report, follow, live, importers, exporters, pieces, levels)
 CLASSES = [
     found
-    for room in (*_ROOMS, image_outline, cutout, silhouette)
+    for room in (*_ROOMS, image_outline, cutout, silhouette, presets)
     for found in vars(room).values()
-    if isinstance(found, type) and issubclass(found, (bpy.types.Operator, bpy.types.FileHandler))
+    if isinstance(found, type) and issubclass(found, (bpy.types.Operator, bpy.types.FileHandler, bpy.types.Panel))
     if found.__module__ == room.__name__
 ]
 

@@ -9,10 +9,10 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
-from .errors import UserError
-from .operators.base import Named, Operator
-from .properties import groups
-from .properties.settings import NAMES, settings_of
+from ..errors import UserError
+from ..properties import groups
+from ..properties.settings import NAMES, settings_of
+from .base import Named, Operator
 
 TASKS = "nested_cages"
 METHODS = "nested_cages_methods"
@@ -143,22 +143,3 @@ class SCENE_OT_nested_cages_method_preset_add(Named, AddPresetBase, bpy.types.Op
     preset_subdir = METHODS
     preset_defines = SCENE_OT_nested_cages_preset_add.preset_defines
     preset_values = SCENE_OT_nested_cages_preset_add.preset_values
-
-
-CLASSES = (
-    NESTEDCAGES_PT_presets,
-    NESTEDCAGES_PT_method_presets,
-    SCENE_OT_nested_cages_use_preset,
-    SCENE_OT_nested_cages_preset_add,
-    SCENE_OT_nested_cages_method_preset_add,
-)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
