@@ -6,7 +6,7 @@ import math
 
 from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
-from .fill import Painted, mesh_of, regions
+from .fill import Painted, regions, united
 from .hairlines import without_hairlines
 from .libraries import load_shapely
 
@@ -22,4 +22,4 @@ def joined(mesh: Mesh, distance: float) -> Mesh:
     shapely = load_shapely("parts that nearly touch")
     (solid,) = regions(shapely, [Painted([mesh.vertices[loop] for loop in mesh.loops])])
     found = without_hairlines(shapely, solid, gap=distance)
-    return mesh_of(shapely, [found.region]) if found.gaps else mesh
+    return united(shapely, [found.region]) if found.gaps else mesh

@@ -13,8 +13,9 @@ from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..level.choices import DEFAULT_CLEARANCE
 from ..verification import verify
+from .fill import united
 from .libraries import load_shapely
-from .repair import polygons_in, shape_of, united
+from .repair import shape_of
 from .rings import polygons_of
 
 NEEDED_FOR = "regions that share borders"
@@ -107,7 +108,7 @@ def _cut(cage: Mesh, inner: Mesh, others: Any, least: float, width: float | None
     rest = shapely.difference(whole, shapely.difference(others, strip))
     parts = [part for part in shapely.get_parts(rest) if part.intersects(core)]
     try:
-        found = united(polygons_in(shapely.multipolygons(parts)))
+        found = united(shapely, parts)
     except InvalidMeshError:
         return uncut
     certificate = verify(found, inner, least, same_loops=False)
