@@ -18,7 +18,7 @@ from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
 from .hairlines import has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
-from .limits import Budget
+from .limits import Budget, no_outline
 
 GRIDS = (0.0, 2.0**-38, 2.0**-30, 2.0**-24)
 """Spacings, in diagonals rounded up to a power of two, of the grids that a union is rounded to, tried in turn: none,
@@ -81,9 +81,7 @@ def solid(
     cleaned = [area.cleaned() for area in areas]
     loops = [loop for area in cleaned for loop in area.loops]
     if not loops:
-        raise InvalidMeshError(
-            "The shapes have no inside: every loop is shorter than three different points.", code="file.invalid"
-        )
+        raise no_outline("The shapes have no inside: every loop is shorter than three different points.")
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)

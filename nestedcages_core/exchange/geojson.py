@@ -18,7 +18,7 @@ from ..geometry.mesh import Mesh, MeshLike
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole
-from .limits import Budget, LimitError, Limits
+from .limits import Budget, LimitError, Limits, invalid, no_outline
 from .repair import mesh_of
 from .rings import meshes_of, polygons_of, shown
 
@@ -87,9 +87,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     document, has_nan = _loaded(source, limits)
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
-        raise NestedCagesError(
-            f"The FeatureCollection has {shown(members)} where its list of features belongs.", code="file.invalid"
-        )
+        raise invalid(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
     degrees = _may_be_degrees(document)
     features, refused, without, budget = [], [], 0, Budget(limits)
     for number, member in enumerate(members):
@@ -135,9 +133,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     """
     features = _said(read_map(source, limits, tolerance)).features
     if not features:
-        raise NestedCagesError(
-            "The document has no polygons; give Polygon or MultiPolygon geometries.", code="file.invalid"
-        )
+        raise invalid("The document has no polygons; give Polygon or MultiPolygon geometries.")
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
@@ -171,9 +167,7 @@ def to_geojson(
     listed = isinstance(shapes, str | Mapping | list | tuple)
     given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
-        raise NestedCagesError(
-            "GeoJSON is written from meshes and features; give a list of these.", code="file.invalid"
-        )
+        raise invalid("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
     check_decimals([item.mesh for item in features], decimals)
     collection: dict[str, Any] = (
@@ -188,7 +182,7 @@ def to_geojson(
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:
-        raise NestedCagesError(f"The properties cannot be written as JSON: {error}.", code="file.invalid") from error
+        raise invalid(f"The properties cannot be written as JSON: {error}.") from error
 
 
 def write_geojson(
@@ -205,10 +199,7 @@ def write_geojson(
 def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
-        raise NestedCagesError(
-            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.",
-            code="file.invalid",
-        )
+        raise invalid(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
     limits.check("bytes", len(text))
     constants: list[str] = []
 
@@ -219,7 +210,7 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise NestedCagesError(f"This is not {what}: {error}.", code="file.invalid") from error
+        raise invalid(f"This is not {what}: {error}.") from error
     return document, bool(constants)
 
 
@@ -229,12 +220,9 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     if not isinstance(document, Mapping):
         document, has_nan = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
-        raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.", code="file.invalid")
+        raise invalid("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":
-        raise NestedCagesError(
-            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.",
-            code="file.invalid",
-        )
+        raise invalid("This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.")
     return document, has_nan
 
 
@@ -242,7 +230,7 @@ def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | in
     """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
-        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.", code="file.invalid")
+        raise no_outline(f"It is {shown(member)}, not an object with a type.")
     if mapping.get("type") != "Feature":
         return mapping, {}, None, ()
     properties, identity = mapping.get("properties"), mapping.get("id")
@@ -287,9 +275,7 @@ def _said(found: Map) -> Map:
     """Warn of repaired and rejected features. Raises NestedCagesError if all were rejected."""
     sentences = [*found.refused, *found.notes]
     if found.refused and not found.features:
-        raise InvalidMeshError(
-            "\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences), code="file.invalid"
-        )
+        raise no_outline("\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences))
     if sentences:
         warnings.warn("\n".join(sentences), NestedCagesWarning, stacklevel=3)
     return found

@@ -15,6 +15,7 @@ from ..level.choices import DEFAULT_CLEARANCE
 from ..verification import verify
 from .fill import united
 from .libraries import load_shapely
+from .limits import invalid
 from .repair import shape_of
 from .rings import polygons_of
 
@@ -76,11 +77,9 @@ def cut_at_borders(
     """
     inside = regions if inner is None else inner
     if not len(cages) == len(regions) == len(inside):
-        raise NestedCagesError(
-            f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.", code="file.invalid"
-        )
+        raise invalid(f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.")
     if clearance is not None and not 0.0 < clearance < np.inf:
-        raise NestedCagesError(f"The clearance must be a positive length, not {clearance!r}.", code="file.invalid")
+        raise invalid(f"The clearance must be a positive length, not {clearance!r}.")
     shapely = load_shapely(NEEDED_FOR)
     shapes = [_shape(region) for region in regions]
     tree = shapely.STRtree(shapes)

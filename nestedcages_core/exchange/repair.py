@@ -16,7 +16,7 @@ from .crossings import edges_in, spend_crossings
 from .fill import united
 from .hairlines import has_hairlines
 from .libraries import load_shapely
-from .limits import Budget
+from .limits import Budget, no_outline
 from .rings import Polygon
 
 NEEDED_FOR = "polygons that touch or cross"
@@ -45,7 +45,7 @@ def mesh_of(
     """
     kept, notes = _cleaned(polygons)
     if not kept:
-        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
+        raise no_outline(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.")
     corners = np.concatenate([np.concatenate(polygon) for polygon in kept])
     diagonal = float(np.hypot(*np.ptp(corners, axis=0)))
     width = DEFAULT_HAIRLINE * diagonal if tolerance is None else HAIRLINE_PART * tolerance
@@ -68,7 +68,7 @@ def mesh_of(
                 shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
             except shapely.errors.GEOSException as error:
                 problem = f"{faults[0]}, which cannot be repaired ({error})."
-                raise InvalidMeshError(problem, code="file.invalid") from error
+                raise no_outline(problem) from error
             touching = [f"{fault}: repaired" for fault in faults]
     narrow: list[str] = []
     mended = united(shapely, shapely.get_parts(shape), seam=width, spike=width, notes=narrow)

@@ -14,7 +14,7 @@ from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.mesh import Mesh
 from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
 from ...tasks import drain
-from ..limits import Limits
+from ..limits import Limits, invalid
 from .boundary import boundary_of_pixels
 
 MAX_BORDER = 1e8
@@ -27,10 +27,9 @@ def alpha_channel(picture: AnyArray) -> FloatArray:
     if given.ndim == 3 and given.shape[2] in (2, 4):
         given = given[:, :, -1]
     if given.ndim != 2 or given.dtype.kind not in "buif":
-        raise NestedCagesError(
+        raise invalid(
             f"A picture of shape {given.shape} and type {given.dtype} has no alpha channel; give (H, W, 4), or (H, W) "
-            "opacities.",
-            code="file.invalid",
+            "opacities."
         )
     if given.dtype.kind in "ui":
         return given.astype(np.float64) / float(np.iinfo(given.dtype).max)
@@ -91,9 +90,7 @@ def picture_cages_run(
 ) -> Generator[Progress, None, Hierarchy]:
     """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
-        raise NestedCagesError(
-            f"The padding must be a length of at least 0 pixels, not {padding!r}.", code="file.invalid"
-        )
+        raise invalid(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
 
