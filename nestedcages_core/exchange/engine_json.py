@@ -114,17 +114,9 @@ def frames_from_engine_json(
     return tuple(read)
 
 
-def write_engine_json(
-    path: str | os.PathLike[str],
-    shape: Drawable | MeshLike,
-    *,
-    flip_y: float | None = None,
-    triangles: bool = False,
-    pieces: int | None = None,
-    decimals: int | None = None,
-) -> None:
-    """Write the outline to a file, whole or not at all; see `to_engine_json`."""
-    write_whole(path, to_engine_json(shape, flip_y=flip_y, triangles=triangles, pieces=pieces, decimals=decimals))
+def write_engine_json(path: str | os.PathLike[str], shape: Drawable, **options: Any) -> None:
+    """Write the outline to a file, whole or not at all; options as of `to_engine_json`."""
+    write_whole(path, to_engine_json(shape, **options))
 
 
 def is_engine_json(text: str | bytes) -> bool:

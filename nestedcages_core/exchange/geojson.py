@@ -20,7 +20,7 @@ from .decimals import check_decimals
 from .files import read_whole, write_whole
 from .limits import Budget, LimitError, Limits, invalid, no_outline
 from .repair import mesh_of
-from .rings import meshes_of, polygons_of, shown
+from .rings import polygons_of, shown
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -163,21 +163,13 @@ def to_geojson(
     """
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
-        return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
-    listed = isinstance(shapes, str | Mapping | list | tuple)
-    given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
+        shapes = shapes.features
+    given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
         raise invalid("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
     check_decimals([item.mesh for item in features], decimals)
-    collection: dict[str, Any] = (
-        {"type": "FeatureCollection"}
-        if crs is None
-        else {
-            "type": "FeatureCollection",
-            "crs": crs,
-        }
-    )
+    collection = {"type": "FeatureCollection", **({} if crs is None else {"crs": crs})}
     collection["features"] = [item.__geo_interface__ for item in features]
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
@@ -186,14 +178,10 @@ def to_geojson(
 
 
 def write_geojson(
-    path: str | os.PathLike[str],
-    shapes: Drawable | MeshLike | Feature | Map | Sequence[Mesh | Feature],
-    *,
-    crs: Any = None,
-    decimals: int | None = None,
+    path: str | os.PathLike[str], shapes: Drawable | Feature | Map | Sequence[Mesh | Feature], **options: Any
 ) -> None:
-    """Write a GeoJSON file, whole or not at all; see `to_geojson`."""
-    write_whole(path, to_geojson(shapes, crs=crs, decimals=decimals))
+    """Write a GeoJSON file, whole or not at all; shapes and options as of `to_geojson`."""
+    write_whole(path, to_geojson(shapes, **options))
 
 
 def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
@@ -249,8 +237,7 @@ def _may_be_degrees(document: Mapping[str, Any]) -> bool:
 
 def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
     known = next((properties[key] for key in NAMES if properties.get(key) not in (None, "")), identity)
-    text = known if isinstance(known, str) else "" if known is None else shown(known)
-    words = " ".join(text.split())
+    words = " ".join(("" if known is None else known if isinstance(known, str) else shown(known)).split())
     words = words if len(words) <= LONGEST_NAME else f"{words[:LONGEST_NAME]}…"
     return f"feature {number}" + (f" ({words})" if words else "")
 

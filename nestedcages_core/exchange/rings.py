@@ -74,12 +74,11 @@ def ring_of(points: Any, where: str) -> FloatArray:
         for k, point in enumerate(_items(points, where.capitalize())):
             if not _is_point(point):
                 raise no_outline(f"Point {k} of {where} is {shown(point)}, not two numbers.")
-            rows.append((point[0], point[1]))
-        try:
-            ring = np.array(rows, dtype=np.float64).reshape(-1, 2)
-        except OverflowError:
-            k = next(k for k, row in enumerate(rows) if not _fits(row))
-            raise no_outline(f"Point {k} of {where} is out of range for floating-point numbers.") from None
+            try:
+                rows.append((float(point[0]), float(point[1])))
+            except OverflowError:
+                raise no_outline(f"Point {k} of {where} is out of range for floating-point numbers.") from None
+        ring = np.reshape(rows, (-1, 2))
     far = np.flatnonzero(~(np.abs(ring) < MAX_COORDINATE).all(axis=1))
     if len(far):
         x, y = ring[far[0]].tolist()
@@ -113,10 +112,3 @@ def _is_point(point: Any) -> bool:
     if isinstance(point, str | bytes) or not isinstance(point, Sequence | np.ndarray) or len(point) < 2:
         return False
     return all(isinstance(value, float | int | np.number) and type(value) is not bool for value in point[:2])
-
-
-def _fits(row: Sequence[Any]) -> bool:
-    try:
-        return all(np.isfinite(float(value)) for value in row)
-    except OverflowError:
-        return False

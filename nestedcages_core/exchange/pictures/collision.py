@@ -17,6 +17,8 @@ from ...tasks import drain
 from ..limits import Limits, invalid
 from .boundary import boundary_of_pixels
 
+Levels = Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]]
+
 MAX_BORDER = 1e8
 """Pixels around a picture up to which they are counted; no limit allows as many."""
 
@@ -36,51 +38,34 @@ def alpha_channel(picture: AnyArray) -> FloatArray:
     return given.astype(np.float64)
 
 
-def collision_outline(
-    picture: AnyArray,
-    vertices: int,
-    *,
-    padding: float = 0.0,
-    threshold: float = 0.0,
-    holes: bool = False,
-    settings: Settings | None = None,
-    limits: Limits | None = None,
-) -> Mesh:
+def collision_outline(picture: AnyArray, vertices: int, *, settings: Settings | None = None, **options: Any) -> Mesh:
     """An outline with the given number of vertices around all opaque pixels; for the options see `picture_cages`."""
-    made = picture_cages(
-        picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings, limits=limits
-    )
-    return made.cages[0]
+    return picture_cages(picture, [vertices], settings=settings, **options).cages[0]
 
 
 def picture_cages(
     picture: AnyArray,
-    levels: Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]],
+    levels: Levels,
     *,
-    padding: float = 0.0,
-    threshold: float = 0.0,
-    holes: bool = False,
-    settings: Settings | None = None,
-    limits: Limits | None = None,
     progress: Callable[[Progress], None] | None = None,
+    **options: Any,
 ) -> Hierarchy:
     """Cages around all opaque pixels, with the given numbers of vertices, or fewer if the pixels have fewer corners.
 
     picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
     them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
     distance in pixels that the cages keep from them and from each other; threshold: opacity above which a pixel counts
-    as opaque; holes: whether holes are kept open; limits: on pixels, and on their edges as points. Parts and holes with
-    no room for the padding are joined and closed.
+    as opaque; holes: whether holes are kept open; settings; limits: on pixels, and on their edges as points. Parts and
+    holes with no room for the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
-    options: dict[str, Any] = {"padding": padding, "threshold": threshold, "holes": holes}
-    return drain(picture_cages_run(picture, levels, **options, settings=settings, limits=limits), progress)
+    return drain(picture_cages_run(picture, levels, **options), progress)
 
 
 def picture_cages_run(
     picture: AnyArray,
-    levels: Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]],
+    levels: Levels,
     *,
     padding: float = 0.0,
     threshold: float = 0.0,
