@@ -21,6 +21,9 @@ STREAM = "-"
 KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture"}
 """The content of a file by its extension."""
 
+BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
+"""The content of a stream by its first bytes."""
+
 
 @dataclass(frozen=True, eq=False)
 class Shape:
@@ -72,10 +75,7 @@ def kind_of(path: str) -> str | None:
 
 def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
-    data = _streamed(limits) if path == STREAM else read_whole(path, limits)
-    kind = kind_of(path)
-    if kind == "stream":
-        kind = _guessed(data)
+    data, kind = _streamed(limits) if path == STREAM else (read_whole(path, limits), kind_of(path))
     if kind == "picture":
         picture = decode_png(data, limits=limits)
         opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)
@@ -105,23 +105,15 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     return Source(path, "map", shapes, notes, found.refused, found.crs)
 
 
-def _streamed(limits: Limits) -> bytes:
+def _streamed(limits: Limits) -> tuple[bytes, str]:
+    """The standard input and its kind by the first bytes. Raises NestedCagesError."""
     if sys.stdin is None or sys.stdin.closed:
         raise NestedCagesError("The standard input is closed; name a file.", code="file.invalid")
     data = sys.stdin.buffer.read(limits.bytes + 1)
     limits.check("bytes", len(data))
-    return data
-
-
-def _guessed(data: bytes) -> str:
-    """The kind of a stream by its first bytes. Raises NestedCagesError."""
-    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    if start.startswith(b"\x89PNG"):
-        return "picture"
-    if start.startswith(b"<"):
-        return "drawing"
-    if start.startswith(b"{"):
-        return "map"
+    for start, kind in BEGINNINGS.items():
+        if data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(start):
+            return data, kind
     raise NestedCagesError(
         "The standard input is neither SVG, GeoJSON, a collision outline nor PNG.", code="file.invalid"
     )

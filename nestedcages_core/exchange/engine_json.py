@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, MeshLike
 from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
 from .geojson import loaded_json
 from .limits import Budget, LimitError, Limits
-from .rings import polygons_of, ring_of, shown
+from .rings import meshes_of, polygons_of, ring_of, shown
 
 FORMAT = "nested-cages outline"
 FRAMES = "nested-cages frames"
@@ -28,7 +28,7 @@ VERSION = 1
 
 
 def to_engine_json(
-    shape: Drawable,
+    shape: Drawable | MeshLike,
     *,
     flip_y: float | None = None,
     triangles: bool = False,
@@ -48,7 +48,7 @@ def to_engine_json(
 
     Raises NestedCagesError if ``pieces`` is less than 3, and for coordinates with more decimals.
     """
-    mesh = shape.meshes[-1]
+    mesh = meshes_of(shape)[-1]
     check_decimals([mesh], decimals)
     document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "polygons": _polygons(mesh, flip_y)}
     turn = 1 if flip_y is None else -1
@@ -121,7 +121,7 @@ def frames_from_engine_json(
 
 def write_engine_json(
     path: str | os.PathLike[str],
-    shape: Drawable,
+    shape: Drawable | MeshLike,
     *,
     flip_y: float | None = None,
     triangles: bool = False,

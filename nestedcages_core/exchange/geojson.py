@@ -14,13 +14,13 @@ import numpy as np
 
 from ..errors import InvalidMeshError, NestedCagesError, NestedCagesWarning
 from ..geometry.drawable import Drawable
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, MeshLike
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole
 from .limits import Budget, LimitError, Limits
 from .repair import mesh_of
-from .rings import polygons_of, shown
+from .rings import meshes_of, polygons_of, shown
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -151,7 +151,7 @@ def read_geojson(path: str | os.PathLike[str], *, limits: Limits | None = None, 
 
 
 def to_geojson(
-    shapes: Drawable | Feature | Map | Sequence[Mesh | Feature],
+    shapes: Drawable | MeshLike | Feature | Map | Sequence[Mesh | Feature],
     *,
     indent: int | None = None,
     crs: Any = None,
@@ -168,7 +168,8 @@ def to_geojson(
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
         return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
-    given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
+    listed = isinstance(shapes, str | Mapping | list | tuple)
+    given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
         raise NestedCagesError(
             "GeoJSON is written from meshes and features; give a list of these.", code="file.invalid"
@@ -192,7 +193,7 @@ def to_geojson(
 
 def write_geojson(
     path: str | os.PathLike[str],
-    shapes: Drawable | Feature | Map | Sequence[Mesh | Feature],
+    shapes: Drawable | MeshLike | Feature | Map | Sequence[Mesh | Feature],
     *,
     crs: Any = None,
     decimals: int | None = None,

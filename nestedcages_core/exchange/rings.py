@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import FloatArray
+from ..geometry.drawable import Drawable
+from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import MAX_COORDINATE
 
 Polygon = list[FloatArray]
@@ -89,6 +91,18 @@ def ring_of(points: Any, where: str) -> FloatArray:
             code="file.invalid",
         )
     return ring
+
+
+def meshes_of(shapes: Any) -> list[Mesh]:
+    """The meshes of a result, the items of a list of meshes, or one shape as a mesh. Raises InvalidMeshError."""
+    if isinstance(shapes, Drawable):
+        return list(shapes.meshes)
+    if not isinstance(shapes, np.ndarray | str) and isinstance(shapes, Iterable):
+        shapes = list(shapes)
+        meshes = [item for item in shapes if isinstance(item, Mesh)]
+        if len(meshes) == len(shapes):
+            return meshes
+    return [Mesh.of(shapes)]
 
 
 def shown(value: Any) -> str:

@@ -184,10 +184,8 @@ class Areas:
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
         """The areas of a group after a filter."""
         shapely = load_shapely("filters")
-        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
-        region = union_of(shapely, areas, self.budget)
-        fades = all(paint.fades(self.options.faintest) for paint in paints)
-        source = Layer(region, max(paint.opacity for paint in paints), fades=fades)
+        opacity = max(paint.opacity for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint)
+        source = Layer(union_of(shapely, areas, self.budget), opacity)
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:

@@ -68,11 +68,6 @@ class Paint:
     colour: Colour = Colour()
     gradient: Gradient | None = None
 
-    def fades(self, faintest: float) -> bool:
-        """Whether a part of it is invisible."""
-        stops = self.gradient.stops if self.gradient else ()
-        return any(not self.opacity * stop.colour.alpha > faintest for stop in stops)
-
     @property
     def rgba(self) -> tuple[float, float, float, float]:
         """Its sRGB and opacity; of a gradient, the mean of its stops."""
