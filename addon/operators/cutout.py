@@ -30,7 +30,7 @@ from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import scene_of, select
-from .base import DialogJobOperator, Outcome
+from .base import DialogJobOperator
 
 
 @dataclass(frozen=True)
@@ -43,15 +43,11 @@ class Part:
 
 
 class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Cuts pictures out and binds them."""
+    """Cut out image files, or the selected image planes and image empties, along their opaque pixels, as textured
+    meshes that follow a cage
+    """
 
-    bl_idname = "object.nested_cages_cutout"
     bl_label = "Cutout"
-    bl_description = (
-        "Cut out image files, or the selected image planes and image empties, along their opaque pixels, as textured "
-        "meshes that follow a cage"
-    )
-    bl_options = {"REGISTER", "UNDO"}
     exclusive = True
 
     filepath: StringProperty(
@@ -82,18 +78,17 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
         name="Handles", description="Add a bone per corner of each bound cage to move that corner", default=True
     )
 
-    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:
         if _shown(context):
             return context.window_manager.invoke_props_dialog(self)
-        asked: Any = ImportHelper.invoke(self, context, event)  # type: ignore[func-returns-value]
-        return {*asked}
+        return ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         for name in ("vertices", *picture.NAMES, "levels", "bind", "handles"):
             self.layout.prop(self, name)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         parts, settings = self._parts(context), settings_of(context)
         levels = parse_levels(self.levels, units.lengths(scene_of(context)))
         drawings: list[tuple[Part, Drawing]] = []
@@ -147,7 +142,6 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
                 f"'{name}' has no transparent pixels, so its outline is a rectangle: erase its background, or raise "
                 "the threshold",
             )
-        return {"FINISHED"}
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows textures in solid views, unless the user has changed their colour."""
@@ -216,6 +210,3 @@ def _size(image: bpy.types.Image) -> tuple[int, int]:
 def _stem(image: bpy.types.Image) -> str:
     """The name of an image without file extension."""
     return Path(image.name).stem or image.name
-
-
-CLASSES = (OBJECT_OT_nested_cages_cutout,)

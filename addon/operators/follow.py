@@ -17,7 +17,7 @@ from ..properties import conversion, groups
 from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
 from ..scene.selection import collection_of_active, scene_of
-from .base import DialogJobOperator, Outcome
+from .base import DialogJobOperator
 from .generate import sources, why_nothing
 
 # Approximate fraction of the work for reading the frames.
@@ -25,13 +25,9 @@ READING_PART = 0.2
 
 
 class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.types.Operator):
-    """Makes cages that follow the animation of the selected drawings."""
+    """Wrap the selected animated drawings in cages that move with them and strictly enclose them at every instant"""
 
-    bl_idname = "object.nested_cages_follow"
     bl_label = "Follow Animation"
-    bl_description = (
-        "Wrap the selected animated drawings in cages that move with them and strictly enclose them at every instant"
-    )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     frame_start: IntProperty(name="Start", description="First frame; the scene's if it is not set", default=1)
@@ -50,14 +46,11 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode != "OBJECT":
-            return "Switch to Object Mode"
         return "" if sources(context) else why_nothing(context)
 
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
         self.prepare(context)
-        asked: Any = context.window_manager.invoke_props_dialog(self)
-        return {*asked}
+        return context.window_manager.invoke_props_dialog(self)
 
     def prepare(self, context: bpy.types.Context) -> None:
         """Takes what is not given from the cages that the active drawing has, or else from the panel."""
@@ -87,7 +80,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         following.prop(self, "cyclic")
         groups.draw(layout.column(), self, groups.READING)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         scene, reading = scene_of(context), conversion.reading_options(self)
         options = conversion.options(self, scene)
         if options.inside:
@@ -122,7 +115,6 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         for sentence in writing.write(after, results, self.thickness, conversion.used(self)):
             self.report({"WARNING"}, sentence)
         self._tell(results)
-        return {"FINISHED"}
 
     def _set_range(self, scene: bpy.types.Scene) -> None:
         """Takes the frames that are not set from the scene."""
@@ -144,6 +136,3 @@ def _has_counts(levels: str, scene: bpy.types.Scene) -> bool:
     """Whether all levels of a text are numbers or shares of vertices."""
     found = parse_levels(levels, units.lengths(scene))
     return OWN not in found and are_counts(found)
-
-
-CLASSES = (OBJECT_OT_nested_cages_follow,)

@@ -14,7 +14,7 @@ from ..generation.job import Progress, Work
 from ..io import importers, layered
 from ..scene.filling import mesh_of
 from ..scene.selection import select
-from .base import DialogJobOperator, Outcome
+from .base import DialogJobOperator
 
 Y_ITEMS = (
     ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
@@ -32,14 +32,11 @@ EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
 
 class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Reads outlines from a file."""
+    """Read drawings to be caged: the filled area of an SVG with overlaps united, each feature of a GeoJSON, or a
+    collision outline
+    """
 
-    bl_idname = "object.nested_cages_import"
     bl_label = "Import Outlines"
-    bl_description = (
-        "Read drawings to be caged: the filled area of an SVG with overlaps united, each feature of a GeoJSON, or a "
-        "collision outline"
-    )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     filepath: StringProperty(
@@ -73,9 +70,8 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         name="SVG As", description="Number of outlines to make from an SVG", items=OUTLINE_ITEMS, default="AUTO"
     )
 
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
-        asked: Any = self.invoke_popup(context)  # type: ignore[func-returns-value]
-        return {*asked}
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
+        return self.invoke_popup(context)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -83,7 +79,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         self.layout.prop(self, "scale")
         self.layout.prop(self, "outlines")
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         names = [file.name for file in self.files if file.name]
         folder = Path(bpy.path.abspath(self.directory)) if self.directory else None
         paths = [folder / name for name in names] if folder is not None else []
@@ -109,7 +105,6 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"
         self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
-        return {"FINISHED"}
 
 
 class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
@@ -123,6 +118,3 @@ class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:
         return context.mode == "OBJECT" and context.area is not None and context.area.type == "VIEW_3D"
-
-
-CLASSES = (OBJECT_OT_nested_cages_import, NESTEDCAGES_FH_outlines)

@@ -18,21 +18,17 @@ from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.selection import select
-from .base import JobOperator, Outcome
+from .base import JobOperator
 
 
 class OnParts(JobOperator):
     """Works on all that the selected drawings paint."""
 
-    bl_options = {"REGISTER", "UNDO"}
-
     gap: length("Join Gaps", "Join parts that are closer than this, so that one skeleton can move both")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and not _drawings(context):
-            return "Select the drawings: meshes, curves, texts or Grease Pencil"
-        return super().unavailable(context)
+        return "" if _drawings(context) else "Select the drawings: meshes, curves, texts or Grease Pencil"
 
     def united(self, context: bpy.types.Context, parts: Sequence[bpy.types.Object]) -> tuple[Drawing, list[UserError]]:
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
@@ -41,14 +37,11 @@ class OnParts(JobOperator):
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
-    """Binds drawings to an armature by a cage."""
+    """Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, and
+    let its bones move them all
+    """
 
-    bl_idname = "object.nested_cages_rig"
     bl_label = "Rig with Armature"
-    bl_description = (
-        "Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, "
-        "and let its bones move them all"
-    )
 
     vertices: IntProperty(
         name="Vertices", description="Vertices of the cage; 0: as many as parts and joints need", default=0, min=0
@@ -56,11 +49,11 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and _armature(context) is None:
+        if _armature(context) is None:
             return "Select an armature too, or press Suggest Bones"
         return super().unavailable(context)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
         assert armature is not None
         identity, parts = armature.session_uid, _drawings(context)
@@ -79,15 +72,12 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
             f"{counted(len(parts), 'drawing')} in a cage of {len(cage.data.vertices)} vertices: "
             f"pose '{armature.name}', and they follow",
         )
-        return {"FINISHED"}
 
 
 class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
-    """Draws a skeleton."""
+    """Draw an armature along the limbs of the selected drawings, to edit or to use as it is"""
 
-    bl_idname = "object.nested_cages_suggest_bones"
     bl_label = "Suggest Bones"
-    bl_description = "Draw an armature along the limbs of the selected drawings, to edit or to use as it is"
 
     protrudes: FloatProperty(
         name="Limbs Protrude",
@@ -111,7 +101,7 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         soft_max=30.0,
     )
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         parts = [part.session_uid for part in _drawings(context)]
         whole, problems = self.united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
@@ -123,7 +113,6 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(len(found), 'bone')}: edit them, then press Rig with Armature")
-        return {"FINISHED"}
 
 
 def _drawings(context: bpy.types.Context) -> Sequence[bpy.types.Object]:
@@ -136,6 +125,3 @@ def _armature(context: bpy.types.Context) -> bpy.types.Object | None:
     active = context.view_layer.objects.active
     found = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
     return active if active in found else next(iter(found), None)
-
-
-CLASSES = (OBJECT_OT_nested_cages_suggest_bones, OBJECT_OT_nested_cages_rig)

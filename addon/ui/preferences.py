@@ -6,7 +6,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, FloatProperty, PointerProperty, StringProperty
 
-from ..operators.base import Outcome, remember_fault
+from ..operators.base import Operator, remember_fault
 from ..properties import groups
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
@@ -80,29 +80,25 @@ DEFAULTS = (
 )
 
 
-class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
-    """Stores the scene's settings as defaults."""
+class SCENE_OT_nested_cages_store_defaults(Operator, bpy.types.Operator):
+    """Start new files with the settings of this scene"""
 
-    bl_idname = "scene.nested_cages_store_defaults"
     bl_label = "Use Settings of Scene"
-    bl_description = "Start new files with the settings of this scene"
     bl_options = {"INTERNAL"}
+    modes = ()
+    during_jobs = True
 
     @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        if preferences() is None:
-            cls.poll_message_set("The add-on is not enabled in the preferences")
-            return False
-        return True
+    def unavailable(cls, _context: bpy.types.Context) -> str:
+        return "The add-on is not enabled in the preferences" if preferences() is None else ""
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
+    def run(self, context: bpy.types.Context) -> None:
         found = preferences()
         copy_values(settings_of(context), found.defaults)
         # Objects of this file do not exist in others.
         found.defaults.level_objects = ""
         found.has_defaults = True
         context.preferences.is_dirty = True
-        return {"FINISHED"}
 
 
 def preferences() -> NestedCagesPreferences | None:
