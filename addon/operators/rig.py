@@ -44,7 +44,10 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
     bl_label = "Rig with Armature"
 
     vertices: IntProperty(
-        name="Vertices", description="Vertices of the cage; 0: as many as parts and joints need", default=0, min=0
+        name="Vertices",
+        description="Vertices of the cage besides those at joints; 0: as many as its loops need",
+        default=0,
+        min=0,
     )
 
     @classmethod
