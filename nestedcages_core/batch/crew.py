@@ -1,10 +1,13 @@
-"""The workers of an executor, replaced when they die."""
+"""The workers of an executor, replaced when they die.
+
+The reusable executor of loky breaks as a whole too when a worker dies, and serves neither threads nor clusters.
+"""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 
 from ..errors import NestedCagesError
 from .tasks import Outcome, Task
@@ -13,7 +16,7 @@ IN_FLIGHT = 2
 """Shapes in flight per worker: enough to keep all busy, few to retry when a worker dies."""
 
 TRIES_ALONE = 2
-"""Retries of a shape alone after a worker died, before it is blamed."""
+"""Deaths of the worker of a shape alone, before the shape is blamed."""
 
 MAX_DEATHS = 12
 """Consecutive deaths of workers without any outcome after which the batch gives up: no single shape is the cause."""
@@ -23,71 +26,62 @@ class Crew:
     """An executor, and its replacements when workers die."""
 
     def __init__(self, executor: Executor | Callable[[], Executor]) -> None:
-        self.make = executor if not isinstance(executor, Executor) else None
-        self.executor = executor if isinstance(executor, Executor) else executor()
         self.own = not isinstance(executor, Executor)
+        self.make = None if isinstance(executor, Executor) else executor
+        self.executor = executor if isinstance(executor, Executor) else executor()
         self.waiting: deque[Task] = deque()
-        self.alone: deque[tuple[Task, int]] = deque()
-        """Tasks that were in flight when a worker died, with their numbers of tries alone."""
+        self.suspects: deque[Task] = deque()
+        """Tasks that were in flight when a worker died, to be tried one at a time."""
         self.under_way: dict[Future[Outcome], Task] = {}
-        self.deaths = 0
-        self.cause: BaseException | None = None
-        """What broke the executor, if it says so: a result that cannot be unpickled rather than a dead worker."""
+        self.tries = self.deaths = 0
+        """Deaths with the first suspect alone, and consecutive deaths."""
 
     def run(self, tasks: Sequence[Task]) -> Generator[Outcome, None, None]:
         """Yield outcomes as they come in; start no further task once the caller stops iterating."""
         self.waiting.extend(tasks)
         try:
-            while self.waiting or self.alone or self.under_way:
-                broken = not self._hand_out()
-                done = wait(self.under_way, return_when=FIRST_COMPLETED).done if self.under_way else ()
-                for future in done:
+            while self.waiting or self.suspects or self.under_way:
+                dead = not self._hand_out()
+                wait(self.under_way, return_when=ALL_COMPLETED if dead else FIRST_COMPLETED)
+                cause, lost = None, []
+                for future in [each for each in self.under_way if each.done()]:
                     error = future.exception()
                     if isinstance(error, BrokenExecutor):
-                        broken, self.cause = True, error.__cause__
+                        dead, cause = True, error.__cause__
+                        lost.append(self.under_way.pop(future))
                         continue
                     task = self.under_way.pop(future)
-                    self._came_back(task)
+                    self.deaths = self.tries = 0
+                    if self.suspects and self.suspects[0] is task:
+                        self.suspects.popleft()
                     yield future.result() if error is None else _failed(task, error)
-                if broken:
-                    yield from self._after_a_death()
+                if dead:
+                    yield from self._after_a_death([*lost, *self.under_way.values()], cause)
         finally:
             for future in self.under_way:
                 future.cancel()
             if self.own:
                 self.executor.shutdown(wait=not self.under_way, cancel_futures=True)
 
-    def _came_back(self, task: Task) -> None:
-        self.deaths = 0
-        if self.alone and self.alone[0][0] is task:
-            self.alone.popleft()
-
     def _hand_out(self) -> bool:
-        """Submit as many tasks as the workers can take; False if they are dead."""
+        """Submit as many tasks as the workers can take, or one suspect alone; False if they are dead."""
+        workers = getattr(self.executor, "_max_workers", None)  # executors without a number take all at once
+        most = IN_FLIGHT * workers if isinstance(workers, int) else len(self.waiting) + len(self.under_way)
         try:
-            if self.alone:
-                if not self.under_way:
-                    task = self.alone[0][0]
-                    self.under_way[self.executor.submit(task.run)] = task
-                return True
-            workers = getattr(self.executor, "_max_workers", None)  # executors without a number take all at once
-            most = IN_FLIGHT * workers if isinstance(workers, int) else len(self.waiting) + len(self.under_way)
-            while self.waiting and len(self.under_way) < most:
-                future = self.executor.submit(self.waiting[0].run)
-                self.under_way[future] = self.waiting.popleft()
+            if self.suspects and not self.under_way:
+                self.under_way[self.executor.submit(self.suspects[0].run)] = self.suspects[0]
+            while self.waiting and not self.suspects and len(self.under_way) < most:
+                self.under_way[self.executor.submit(self.waiting[0].run)] = self.waiting[0]
+                self.waiting.popleft()
         except BrokenExecutor:
             return False
         return True
 
-    def _after_a_death(self) -> Iterator[Outcome]:
-        """Replace the executor and retry the tasks in flight one at a time, to find the one to blame."""
-        for future, task in list(self.under_way.items()):  # some had finished before
-            if future.done() and not isinstance(future.exception(), BrokenExecutor):
-                del self.under_way[future]
-                self._came_back(task)
-                error = future.exception()
-                yield future.result() if error is None else _failed(task, error)
-        lost = list(self.under_way.values())
+    def _after_a_death(self, lost: list[Task], cause: BaseException | None) -> Iterator[Outcome]:
+        """Replace the executor and retry what was lost one at a time, to find the one to blame.
+
+        cause: what broke the executor, if it says so: a result that cannot be unpickled rather than a dead worker.
+        """
         self.under_way.clear()
         self.deaths += 1
         if self.deaths > MAX_DEATHS:
@@ -95,48 +89,37 @@ class Crew:
                 f"The workers died {self.deaths} times in a row without one outcome; see whether they start at all.",
                 code="batch.invalid",
             )
-        if not self.alone:
-            self.alone.extend((task, 0) for task in lost)
+        if not self.suspects:
+            self.suspects.extend(lost)
         elif lost:
-            task, tries = self.alone.popleft()
-            if tries + 1 < TRIES_ALONE:
-                self.alone.appendleft((task, tries + 1))
-            else:
-                yield _failed(task, NestedCagesError(_blame(task, self.cause), code="batch.invalid"))
-        self.executor = self._another()
+            self.tries += 1
+            if self.tries == TRIES_ALONE:
+                self.tries, task = 0, self.suspects.popleft()
+                problem = f"The worker died whenever it made the shape {task.key!r}; simplify it or add memory."
+                if cause is not None:
+                    words = str(cause).strip(" \n\"'").splitlines() or [type(cause).__name__]
+                    problem = f"The result of the shape {task.key!r} cannot be read back from its worker ({words[-1]})"
+                    problem += "; keep less of it."
+                yield Outcome(task.key, None, NestedCagesError(problem, code="batch.invalid"))
+        dead, self.executor = self.executor, self._another()
+        if self.own:
+            dead.shutdown(wait=False, cancel_futures=True)
         self.own = True
 
     def _another(self) -> Executor:
         """A new executor like the one that died."""
         from concurrent.futures import ProcessPoolExecutor  # imports multiprocessing, which few need
 
-        dead = self.executor
-        if self.own:
-            dead.shutdown(wait=False, cancel_futures=True)
         if self.make is not None:
             return self.make()
-        if isinstance(dead, ProcessPoolExecutor):
-            given = vars(dead)
-            return ProcessPoolExecutor(
-                given.get("_max_workers"),
-                given.get("_mp_context"),
-                given.get("_initializer"),
-                given.get("_initargs", ()),
-                max_tasks_per_child=given.get("_max_tasks_per_child"),
+        if not isinstance(self.executor, ProcessPoolExecutor):
+            raise NestedCagesError(
+                f"The workers of the {type(self.executor).__name__} died, and another one cannot be made; give a "
+                "function that makes executors.",
+                code="batch.invalid",
             )
-        raise NestedCagesError(
-            f"The workers of the {type(dead).__name__} died, and another one cannot be made; give a function that "
-            "makes executors.",
-            code="batch.invalid",
-        )
-
-
-def _blame(task: Task, cause: BaseException | None) -> str:
-    """Why a task broke its executor each time."""
-    if cause is None:
-        return f"The worker died whenever it made the shape {task.key!r}; simplify it or add memory."
-    words = str(cause).strip(" \n\"'").splitlines() or [type(cause).__name__]
-    return f"The result of the shape {task.key!r} cannot be read back from its worker ({words[-1]}); keep less of it."
+        names = ("max_workers", "mp_context", "initializer", "initargs", "max_tasks_per_child")
+        return ProcessPoolExecutor(**{name: getattr(self.executor, f"_{name}") for name in names})
 
 
 def _failed(task: Task, error: BaseException) -> Outcome:

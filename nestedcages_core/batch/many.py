@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 from ..errors import NestedCagesError, NestedCagesWarning
 from ..geometry.mesh import Mesh
 from ..hierarchy import Settings
+from ..tasks import Run, Stage, listened
 from .crew import Crew
 from .fingerprint import UnreadableError, fingerprint, hash_of
 from .tasks import Keep, Outcome, Task
@@ -31,6 +32,11 @@ class BatchProgress:
     """The outcome that has just come in."""
 
     @property
+    def message(self) -> str:
+        """How many shapes are done."""
+        return f"{self.finished} of {self.total} shapes"
+
+    @property
     def fraction(self) -> float:
         """Fraction of the batch that is done, from 0 to 1."""
         return self.finished / self.total
@@ -42,7 +48,7 @@ def nested_cages_many(
     settings: Settings | None = None,
     *,
     executor: Executor | Callable[[], Executor] | None = None,
-    progress: Callable[[BatchProgress], None] | None = None,
+    progress: Callable[[BatchProgress], None] | bool | None = None,
     finished: MutableMapping[Any, Outcome] | None = None,
     keep: Keep | None = None,
 ) -> list[Outcome]:
@@ -53,7 +59,8 @@ def nested_cages_many(
     executor: where the work runs; default: this process, one shape after the other. May be a function that makes an
     executor: it is called again if a worker dies, and its executors are shut down at the end. A ProcessPoolExecutor
     with a dead worker is replaced by a new one, and no shape is lost.
-    progress: called for every outcome; it may raise to cancel, and then no further shape is started.
+    progress: called for every outcome; it may raise to cancel, and then no further shape is started. True: a bar, if
+    tqdm is installed.
     finished: stored outcomes by key, a dict or an OutcomeFolder; new ones are added. A shape is computed again unless
     its stored outcome has no error and comes from the same shape, levels, settings and ``keep``. A function counts by
     its code and what that refers to, or by its `key`, a text of your own; where neither can be read nothing is reused.
@@ -68,14 +75,18 @@ def nested_cages_many(
         tasks = [replace(task, made_of=fingerprint(task)) for task in tasks]
         outcomes = {task.key: known for task in tasks if (known := _known(task, finished)) is not None}
     open_ = [task for task in tasks if task.key not in outcomes]
-    with closing(_run_here(open_) if executor is None else Crew(executor).run(open_)) as incoming:
-        for outcome in incoming:
-            outcomes[outcome.key] = outcome
-            if finished is not None:
-                _keep(finished, outcome)
-            if progress is not None:
-                progress(BatchProgress(len(outcomes), len(tasks), outcome))
-    return [outcomes[task.key] for task in tasks]
+
+    def work() -> Stage[BatchProgress, list[Outcome]]:
+        with closing(_run_here(open_) if executor is None else Crew(executor).run(open_)) as incoming:
+            for outcome in incoming:
+                outcomes[outcome.key] = outcome
+                if finished is not None:
+                    _keep(finished, outcome)
+                yield BatchProgress(len(outcomes), len(tasks), outcome)
+        return [outcomes[task.key] for task in tasks]
+
+    with closing(Run(work())) as run:
+        return listened(run, progress)
 
 
 def _warn_of_unreadable(keep: Keep | None) -> None:

@@ -51,40 +51,34 @@ def main(arguments: Sequence[str]) -> int:
     try:
         problems, count = _problems(given)
     except OSError as error:
-        tell(f"error: {error.filename}: {error.strerror}", sys.stderr)
-        return WRONG
+        problems, count = [f"{error.filename}: {error.strerror}"], None
     except (NestedCagesError, ValueError, LookupError, TypeError, AttributeError) as error:
-        tell(f"error: the files cannot be read as outlines: {error}", sys.stderr)
-        return WRONG
-    for problem in problems[:MOST_SAID]:
-        tell(f"wrong: {problem}", sys.stderr)
-    if len(problems) > MOST_SAID:
-        tell(f"wrong: and {len(problems) - MOST_SAID} more", sys.stderr)
+        problems, count = [f"the files cannot be read as outlines: {error}"], None
+    more = len(problems) - MOST_SAID
+    for problem in [*problems[:MOST_SAID], *([f"and {more} more"] if more > 0 else [])]:
+        tell(f"{'error' if count is None else 'wrong'}: {problem}", sys.stderr)
     if not problems:
         tell(f"{count} cage{'s' * (count != 1)}: everything holds.", sys.stdout)
     return WRONG if problems else HOLDS
 
 
-def _problems(given: argparse.Namespace) -> tuple[list[str], int]:
+def _problems(given: argparse.Namespace) -> tuple[list[str], int | None]:
     """What is wrong, and the number of cages. Raises an error for what can't be read."""
     (drawings, moves), (results, also_moves) = _drawings(given.drawing, given.tolerance), _cages(given.result)
     if len(drawings) != len(results) or not results:
         return [f"{given.drawing} has {len(drawings)} shapes, {given.result} cages of {len(results)}"], 0
     is_picture = Path(given.drawing).suffix.lower() == ".png"  # whose holes are closed and whose parts may be joined
+    options = {
+        "same_loops": False if given.any_loops or is_picture else None,
+        "grid": given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
+        "symmetry": given.symmetry,
+        "distance": given.distance,
+    }
     found = []
-    for k, (drawing, sides) in enumerate(zip(drawings, results, strict=True)):
-        for inside, cages in [(given.inside or side, cages) for side, cages in enumerate(sides) if cages] or [(0, [])]:
-            verdict = check(
-                drawing,
-                cages,
-                given.clearance,
-                same_loops=False if given.any_loops or is_picture else None,
-                inside=bool(inside),
-                grid=given.grid if given.decimals is None else float(f"1e-{given.decimals}"),
-                symmetry=given.symmetry,
-                distance=given.distance,
-            )
-            found += [f"shape {k + 1}: {problem}" if len(results) > 1 else problem for problem in verdict.problems]
+    for k, (drawing, sides) in enumerate(zip(drawings, results, strict=True), 1):
+        for side, cages in [(side, cages) for side, cages in enumerate(sides) if cages] or [(0, [])]:
+            verdict = check(drawing, cages, given.clearance, inside=given.inside or side == 1, **options)
+            found += [f"shape {k}: {problem}" if len(results) > 1 else problem for problem in verdict.problems]
     if moves and also_moves:
         found += _faults_between([outer[0] for outer, _ in results], drawings)
     return found, sum(len(cages) for sides in results for cages in sides)
@@ -118,16 +112,16 @@ def _drawings(path: str, tolerance: float | None) -> tuple[list[Any], bool]:
 def _cages(path: str) -> tuple[list[Shape], bool]:
     """The cages of each shape of a file, and whether they are frames of a motion."""
     if Path(path).suffix.lower() == ".svg":
-        outer_first = [[levels[k] for k in sorted(levels) if k > 0] for levels in _paths(path)]
-        inner = [[levels[k] for k in sorted(levels, reverse=True) if k < 0] for levels in _paths(path)]
-        return list(zip(outer_first, inner, strict=True)), False
+        return [
+            ([levels[k] for k in sorted(levels) if k > 0], [levels[k] for k in sorted(levels, reverse=True) if k < 0])
+            for levels in _paths(path)
+        ], False
     document = json.loads(read_whole(path, Limits()))
     shapes: list[Shape] = []
     for rings, level in _shapes(document):
-        if level > 1 and shapes:
-            shapes[-1][0].append(rings)
-        else:
-            shapes.append(([rings], []))
+        if level == 1 or not shapes:
+            shapes.append(([], []))
+        shapes[-1][0].append(rings)
     return shapes, "frames" in document
 
 

@@ -6,9 +6,9 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..batch import Outcome, nested_cages_many
 from ..errors import NestedCagesError
@@ -36,23 +36,25 @@ SETTINGS = ("clearance", "grid", "merge", "convex", "symmetry", "min_edge", "min
 """Options that are settings of the same name."""
 
 
-@dataclass(frozen=True, eq=False)
-class Cage:
+class Cage(NamedTuple):
     """One cage of a shape, with its certificate."""
 
     mesh: Mesh
     report: NestingReport
 
 
-@dataclass(frozen=True, eq=False)
-class Made:
+class Made(NamedTuple):
     """The cages of one shape, from the finest to the coarsest."""
 
     shape: Shape
     fine: Mesh
     cages: Sequence[Cage]
-    notes: Sequence[str] = ()
-    """What became of counts that are too small."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What became of counts that are too small."""
+        said = [(number, note) for number, cage in enumerate(self.cages, 1) for note in cage.report.notes]
+        return [f"Level {number}: {note}" for number, note in said if note.data.get("on") == LEAST]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +63,32 @@ class Result:
 
     source: Source
     made: Sequence[Made] = ()
-    failures: Sequence[str] = field(default_factory=list)
+    failures: Sequence[str] = ()
     """One sentence per shape that has no cages, or not all of them."""
     borders: Sequence[dict[str, Any]] = ()
     """For each level: points read, points of the cages and what they cover of their neighbours, uncut and cut."""
+
+
+def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
+    """The cages of a file. If a shape fails, its finished levels and all other shapes are kept.
+
+    Counts that are too small for a shape are raised to the least that does, and a note says so, unless `strict`.
+    """
+    failures = list(source.failures)
+    made: list[Made] = []
+    for shape, outcome in zip(source.shapes, _outcomes(source, given, line), strict=True):
+        hierarchy, error = outcome.result, outcome.error
+        if error is not None:
+            if not isinstance(error, NestedCagesError):
+                raise error
+            failures.append(f"{shape.name}: {error}" if len(source.shapes) > 1 else str(error))
+            hierarchy = error.partial
+        if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
+            cages = [Cage(level.cage, level.report) for level in hierarchy.levels]
+            made.append(Made(shape, hierarchy.fine, cages))
+    if given.borders is None:
+        return Result(source, made, failures)
+    return Result(source, *_at_borders(made, failures, given.clearance, given.borders or None))
 
 
 def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
@@ -74,65 +98,27 @@ def _wanted(mesh: Mesh, given: argparse.Namespace) -> list[int | Mesh | Within]:
     return [kind(level) if isinstance(level, int) else level for level in levels]
 
 
-def make(source: Source, given: argparse.Namespace, line: ProgressLine) -> Result:
-    """The cages of a file. If a shape fails, its finished levels and all other shapes are kept.
-
-    Counts that are too small for a shape are raised to the least that does, and a note says so, unless `strict`.
-    """
-    settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
-    outcomes = _outcomes(source, given, settings, line)
-    several = len(source.shapes) > 1
-    failures = list(source.failures)
-    made: list[Made] = []
-    for shape, outcome in zip(source.shapes, outcomes, strict=True):
-        error = outcome.error
-        if error is not None and not isinstance(error, NestedCagesError):
-            raise error
-        hierarchy = outcome.result if error is None else error.partial
-        if error is not None:
-            failures.append(f"{shape.name}: {error}" if several else str(error))
-        if isinstance(hierarchy, Hierarchy) and hierarchy.levels:
-            made.append(_made(shape, hierarchy))
-    if given.borders is None:
-        return Result(source, made, failures)
-    made, borders = _at_borders(made, given.clearance, given.borders or None)
-    return Result(source, made, failures, borders)
-
-
-def _made(shape: Shape, hierarchy: Hierarchy) -> Made:
-    cages = [Cage(level.cage, level.report) for level in hierarchy.levels]
-    notes = [
-        f"Level {number}: {note}"
-        for number, cage in enumerate(cages, 1)
-        for note in cage.report.notes
-        if note.data.get("on") == LEAST
-    ]
-    return Made(shape, hierarchy.fine, cages, notes)
-
-
-def _outcomes(source: Source, given: argparse.Namespace, settings: Settings, line: ProgressLine) -> list[Outcome]:
+def _outcomes(source: Source, given: argparse.Namespace, line: ProgressLine) -> list[Outcome]:
     """The cages of the shapes of a file, or the error of each."""
+    settings = Settings(**{name: getattr(given, name) for name in SETTINGS})
     shapes = [shape.content for shape in source.shapes]
     if all(isinstance(shape, Mesh) for shape in shapes) and not given.inside and len(shapes) > 1:
         levels = {k: _wanted(shape, given) for k, shape in enumerate(shapes) if isinstance(shape, Mesh)}
         executor = partial(_processes, given.jobs) if given.jobs > 1 else None
         return nested_cages_many(shapes, levels, settings, executor=executor, progress=line.of_batch)
+    of_picture = {
+        "padding": given.padding or given.clearance or 0.0,
+        "threshold": given.threshold or 0.0,
+        "holes": given.holes,
+        "limits": replace(Limits(), **given.limits),
+    }
     outcomes = []
     for k, shape in enumerate(shapes):
-        work: Callable[[], Hierarchy]
-        if not isinstance(shape, Mesh):
-            work = partial(
-                picture_cages,
-                shape,
-                partial(_wanted, given=given),
-                padding=given.padding or given.clearance or 0.0,
-                threshold=given.threshold or 0.0,
-                holes=given.holes,
-                settings=settings,
-                limits=replace(Limits(), **given.limits),
-            )
-        else:
+        work: Callable[..., Hierarchy]
+        if isinstance(shape, Mesh):
             work = partial(inner_cages if given.inside else nested_cages, shape, _wanted(shape, given), settings)
+        else:
+            work = partial(picture_cages, shape, partial(_wanted, given=given), settings=settings, **of_picture)
         try:
             outcomes.append(Outcome(k, work(progress=line.of_run)))
         except NestedCagesError as error:
@@ -147,23 +133,21 @@ def _processes(count: int) -> Executor:
 
 
 def _at_borders(
-    made: Sequence[Made], clearance: float | None, width: float | None
-) -> tuple[list[Made], list[dict[str, Any]]]:
+    made: Sequence[Made], failures: list[str], clearance: float | None, width: float | None
+) -> tuple[list[Made], list[str], list[dict[str, Any]]]:
     """The result with all cages cut at the borders between regions, level by level, and what that changed."""
     regions = inner = [each.fine for each in made]
+    land = sum(region.area for region in regions)
     cut_back: list[list[Cage]] = [[] for _ in made]
     borders = []
     for number in range(max((len(each.cages) for each in made), default=0)):
         given = [each.cages[number] if number < len(each.cages) else None for each in made]
         meshes = [mesh if cage is None else cage.mesh for cage, mesh in zip(given, inner, strict=True)]
         cuts = cut_at_borders(meshes, regions, clearance=clearance, inner=inner, width=width)
-        for k, (cage, cut) in enumerate(zip(given, cuts, strict=True)):
+        for cages, mesh, cage, cut in zip(cut_back, inner, given, cuts, strict=True):
             if cage is not None:
-                excess = cut.cage.area / inner[k].area - 1.0
-                notes = (*cage.report.notes, cut.note)
-                report = replace(cage.report, clearance=cut.clearance, excess=excess, notes=notes)
-                cut_back[k].append(Cage(cut.cage, report))
-        land = sum(region.area for region in regions)
+                excess, notes = cut.cage.area / mesh.area - 1.0, (*cage.report.notes, cut.note)
+                cages.append(Cage(cut.cage, replace(cage.report, clearance=cut.clearance, excess=excess, notes=notes)))
         borders.append(
             {
                 "points_read": sum(len(region.vertices) for region in regions),
@@ -174,4 +158,4 @@ def _at_borders(
             }
         )
         inner = [cut.cage for cut in cuts]
-    return [replace(each, cages=cages) for each, cages in zip(made, cut_back, strict=True)], borders
+    return [each._replace(cages=cages) for each, cages in zip(made, cut_back, strict=True)], failures, borders

@@ -1,19 +1,25 @@
-"""The options of the command and what they accept."""
+"""The options of the command: what they accept, which of them go together, and the help."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Callable, Collection
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from math import inf, nan
+from pathlib import Path
 from typing import Any
 
 from ..errors import NestedCagesError
 from ..exchange import DRAWING_LIMITS, Limits
 from ..exchange.decimals import MAX_DECIMALS
+from ..geometry.lattice import Grid
 from ..hierarchy import level_words, parse_level
 from ..needs.symmetry import Found, Mirror, Rotation
-from .outputs import WRITTEN
+from .outputs import STEM, WRITTEN
+from .sources import KINDS, STREAM, kind_of
 
 USAGE = "nested-cages FILE [FILE ...] --levels N [N ...] [-o FILE] [options]"
 
@@ -64,102 +70,43 @@ HELP_WIDTH = 79
 """Columns of the help: no wider than the narrowest usual terminal."""
 
 
-class _Levels(argparse.Action):
-    """Reads the levels, however the shell split them: `--levels 32 8% 2px` as well as `--levels "32, 8 %, 2 px"`."""
+def _number(what: str, holds: Callable[[float], bool], kind: type = float) -> Callable[[str], Any]:
+    """A reader of numbers that hold; what: these in words."""
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
+    def read(text: str) -> Any:
         try:
-            levels = [parse_level(word) for word in level_words(" ".join(values))]
-        except NestedCagesError as error:
-            raise argparse.ArgumentError(self, str(error)) from error
-        if not levels:
-            raise argparse.ArgumentError(self, "at least one level is needed")
-        setattr(namespace, self.dest, levels)
-
-
-class _Help(argparse.Action):
-    """Prints the help on a topic, or that on all that most people need."""
-
-    def __call__(
-        self,
-        options: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        topics = [values] if values else [MAIN]
-        print(parser(list(OPTIONS) if values == "all" else topics, files=values in ("all", "files")).format_help())
-        options.exit()
-
-
-class _Version(argparse.Action):
-    def __call__(self, options: argparse.ArgumentParser, *_: Any) -> None:
-        whole = sys.modules[__name__.rpartition(".command.")[0]]
-        print(f"nested-cages {whole.__version__}")
-        options.exit()
-
-
-def _number(text: str, what: str, holds: Callable[[float], bool]) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not holds(value):
-        raise argparse.ArgumentTypeError(f"{what}, not {text!r}")
-    return value
-
-
-def _whole(least: int) -> Callable[[str], int]:
-    def read(text: str) -> int:
-        what = f"a whole number of at least {least} is needed"
-        return int(_number(text, what, lambda value: value >= least and value % 1 == 0))
+            value = float(text)
+        except ValueError:
+            value = nan
+        if not holds(value):
+            raise argparse.ArgumentTypeError(f"{what} is needed, not {text!r}")
+        return kind(value)
 
     return read
 
 
-def length(text: str) -> float:
-    return _number(text, "a length above 0 is needed", lambda value: 0.0 < value < float("inf"))
+def _whole(least: int) -> Callable[[str], Any]:
+    return _number(f"a whole number of at least {least}", lambda value: value >= least and value % 1 == 0, int)
 
 
-def _seconds(text: str) -> float:
-    return _number(text, "a time above 0 is needed", lambda value: 0.0 < value < float("inf"))
-
-
-def _merge(text: str) -> float:
-    return float("inf") if text == "all" else length(text)
-
-
-def _width(text: str) -> float:
-    return length(text.removesuffix("px"))
+length = _number("a length above 0", lambda value: 0.0 < value < inf)
+decimals = _number(f"a whole number from 0 to {MAX_DECIMALS}", lambda value: value in range(MAX_DECIMALS + 1), int)
+_share = _number("a number from 0 to 1", lambda value: 0.0 <= value <= 1.0)
+_order = _number("x, y, found or a whole number of at least 2", lambda value: value >= 2 and value % 1 == 0, int)
 
 
 def symmetry(text: str) -> Mirror | Rotation | Found:
     if text == "found":
         return Found()
-    if text in AXES:
-        return Mirror(None, AXES[text])
-    order = _number(text, "x, y, found or a whole number of at least 2 is needed", lambda n: n >= 2 and n % 1 == 0)
-    return Rotation(None, int(order))
+    return Mirror(None, AXES[text]) if text in AXES else Rotation(None, _order(text))
 
 
-def _angle(text: str) -> float:
-    return _number(text, "an angle above 0 and below 60 degrees is needed", lambda value: 0.0 < value < 60.0)
+def _merge(text: str) -> float:
+    return inf if text == "all" else float(length(text))
 
 
-def decimals(text: str) -> int:
-    what = f"a whole number from 0 to {MAX_DECIMALS} is needed"
-    return int(_number(text, what, lambda value: 0 <= value <= MAX_DECIMALS and value % 1 == 0))
-
-
-def _listed(limits: Limits) -> str:
-    """All limits in the form of the option."""
-    return ", ".join(f"{name}={value}" for name, value in vars(limits).items())
+def _width(text: str) -> float:
+    return float(length(text.removesuffix("px")))
 
 
 def _limit(text: str) -> tuple[str, int]:
@@ -167,25 +114,24 @@ def _limit(text: str) -> tuple[str, int]:
     if name not in vars(Limits()):
         known = ", ".join(vars(Limits()))
         raise argparse.ArgumentTypeError(f"{known} can be limited, as in pixels=1000000, not {text!r}")
-    return name, _whole(1)(number)
+    return name, int(_whole(1)(number))
 
 
-def _share(text: str) -> float:
-    return _number(text, "a number from 0 to 1 is needed", lambda value: 0.0 <= value <= 1.0)
+def _listed(limits: Limits) -> str:
+    """All limits in the form of the option."""
+    return ", ".join(f"{name}={value}" for name, value in vars(limits).items())
 
 
 def _option(*names: str, metavar: str | None = None, **how: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     """An option with a value of this name, or one that is on or off."""
-    if metavar is None and "action" not in how:
-        how["action"] = "store_true"
-    return names, {**how, **({"metavar": metavar} if metavar else {})}
+    return names, {**how, "metavar": metavar} if metavar else {"action": "store_true", **how}
 
 
 MAIN = "options"
 
 OPTIONS = {
     MAIN: (
-        _option("--levels", action=_Levels, nargs="+", metavar="N", required=True, help="what each cage may take, "
+        _option("--levels", nargs="+", metavar="N", required=True, help="what each cage may take, "
                 "innermost first: a number of vertices, 32; a share of the shape's own, 8%%; or the fewest within a "
                 "distance, 2px, or an excess of area, +25%%"),
         _option("-o", "--output", action="append", default=[], metavar="FILE", help=".svg, .geojson or .json to write, "
@@ -193,10 +139,10 @@ OPTIONS = {
         _option("--clearance", type=length, metavar="LENGTH", help="least distance of a cage from what it encloses"),
         _option("--inside", help="make cages inside the shapes instead"),
         _option("--strict", help="fail if a count is too small for a shape, instead of raising it"),
-        _option("--seconds", type=_seconds, metavar="S", help="time for each shape; the levels made by then are kept"),
+        _option("--seconds", type=_number("a time above 0", lambda value: 0.0 < value < inf), metavar="S",
+                help="time for each shape; the levels made by then are kept"),
         _option("--report", metavar="FILE", help="write all measures and messages as JSON"),
         _option("--quiet", help="no progress"),
-        _option("--version", action=_Version, nargs=0, help="print the version"),
     ),
     "shape": (
         _option("--convex", help="convex cages: this many vertices around each part, holes filled"),
@@ -206,8 +152,9 @@ OPTIONS = {
                 "both about the middle of the drawing, a number (rotations of that order about its centroid), or found "
                 "(the drawing's own)"),
         _option("--min-edge", type=length, metavar="LENGTH", help="no cage edge is shorter, where there is room"),
-        _option("--min-angle", type=_angle, metavar="DEGREES", help="no angle between cage edges is sharper than this, "
-                "where there is room; below 60"),
+        _option("--min-angle", type=_number("an angle above 0 and below 60 degrees", lambda value: 0.0 < value < 60.0),
+                metavar="DEGREES", help="no angle between cage edges is sharper than this, where there is room; below "
+                "60"),
         _option("--grid", type=length, metavar="LENGTH", help="cage vertices are multiples of this length"),
         _option("--decimals", type=decimals, metavar="N", help="the same by decimals: 6 or 7 for maps in degrees, 0 "
                 "for whole pixels"),
@@ -251,6 +198,26 @@ OPTIONS = {
 }  # fmt: skip
 """The options by topic of the help."""
 
+ALSO_FOR = {"tolerance": {"map"}, "inside": {"drawing", "map"}}
+"""Kinds of files besides those of the topic that an option is for."""
+
+APART = (
+    *(("padding", "clearance"), ("grid", "decimals"), ("inside", "jobs"), ("inside", "borders")),
+    *(("borders", "grid"), ("borders", "decimals"), ("borders", "symmetry"), ("convex", "inside")),
+    *(("convex", other) for other in ("borders", "min_edge", "min_angle")),
+    *(("merge", other) for other in ("inside", "convex", "borders", "symmetry", "min_edge", "min_angle")),
+)
+"""Options that exclude each other."""
+
+
+class _Help(argparse.Action):
+    """Prints the help on a topic, or that on all that most people need."""
+
+    def __call__(self, options: argparse.ArgumentParser, _: Any, values: Any, __: str | None = None) -> None:
+        topics = list(OPTIONS) if values == "all" else [values or MAIN]
+        print(parser(topics, files=values in ("all", "files")).format_help())
+        options.exit()
+
 
 def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> argparse.ArgumentParser:
     """The parser; shown: topics, for the help on these. files: whether the help tells of formats and exit statuses."""
@@ -267,6 +234,11 @@ def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> ar
         group = options.add_argument_group(topic)
         for names, how in OPTIONS[topic]:
             group.add_argument(*names, **how)
+        if topic == MAIN:
+            whole = sys.modules[__name__.rpartition(".command.")[0]]
+            group.add_argument(
+                "--version", action="version", version=f"nested-cages {whole.__version__}", help="print the version"
+            )
     topics = [*list(OPTIONS)[1:], "all"]
     options.add_argument("-h", "--help", action=_Help, nargs="?", choices=topics, help=argparse.SUPPRESS)
     return options
@@ -275,12 +247,82 @@ def parser(shown: Collection[str] = tuple(OPTIONS), *, files: bool = True) -> ar
 def of_drawings(given: argparse.Namespace) -> dict[str, Any]:
     """The options of drawings as `SvgOptions`."""
     return {
-        "tolerance": given.tolerance,
-        "element": given.element,
+        **{name: getattr(given, name) for name in ("tolerance", "element")},
+        **{name: not getattr(given, f"no_{name}") for name in ("strokes", "background", "crop")},
         "layers": tuple(given.layers or ()),
-        "strokes": not given.no_strokes,
-        "background": not given.no_background,
-        "crop": not given.no_crop,
         "opacity": given.opacity or 0.0,
         "limits": replace(DRAWING_LIMITS, **given.limits),
     }
+
+
+def check_use(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
+    """Exit with a message if the options contradict each other or do not apply to the files; fill in defaults."""
+
+    def is_given(name: str) -> bool:
+        value = getattr(given, name)
+        return value is not None and value is not False
+
+    for path in paths:
+        if kind_of(path) is None:
+            options.error(f"{Path(path).name}: a file is read if it ends in {', '.join(KINDS)}")
+    try:
+        given.levels = [parse_level(word) for word in level_words(" ".join(given.levels))]
+    except NestedCagesError as error:
+        options.error(f"argument --levels: {error}")
+    if not given.levels:
+        options.error("argument --levels: at least one level is needed")
+    kinds = {kind_of(path) for path in paths}
+    named = [(topic[:-1], names[0]) for topic in ("drawings", "maps", "pictures") for names, _ in OPTIONS[topic]]
+    for owner, name in [*named, ("drawing", "--inside")]:
+        word = _word(name)
+        if is_given(word) and not kinds & {owner, "stream", *ALSO_FOR.get(word, ())}:
+            options.error(f"{name} is for a {owner}, and there is none among the input")
+    for one, other in APART:
+        if is_given(one) and is_given(other):
+            both = f"--{one} and --{other}".replace("_", "-")
+            options.error(f"{both} do not go together; give only one of them")
+    if given.format and STREAM not in given.output:
+        options.error("--format is for the standard output (-o -); files are written by their extension")
+    if [*given.output, given.report].count(STREAM) > 1:
+        options.error("the standard output takes one of the outputs and the report")
+    if STREAM in given.output and len(paths) > 1:
+        options.error("the standard output takes the cages of one file")
+    outlines = any(Path(path).suffix.lower() == ".json" or path == STREAM for path in given.output)
+    for names, _ in OPTIONS["outlines"]:
+        if is_given(_word(names[0])) and not outlines:
+            options.error(f"{names[0]} is for collision outlines; write one with -o FILE.json")
+    _check_files(options, given, paths)
+    if given.decimals is not None:
+        given.grid = Grid.of_decimals(given.decimals).spacing
+    given.jobs = given.jobs or 1
+    given.limits = dict(given.limits)
+
+
+def _word(name: str) -> str:
+    """The attribute of an option."""
+    return name.lstrip("-").replace("-", "_")
+
+
+def _check_files(options: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[str]) -> None:
+    """Exit with a message if an output cannot be written, is written twice, or is read; links are followed."""
+    stems = Counter(Path(path).stem.casefold() for path in paths)  # Windows and macOS take both cases for one file
+    doubled = next((Path(path).stem for path in paths if stems[Path(path).stem.casefold()] > 1), None)
+    if given.output and doubled is not None:
+        options.error(f"two input files are called {doubled}; run them one by one")
+    taken = {os.path.realpath(path): f"is the input {path}; write to another file" for path in paths if path != STREAM}
+    for path in [*given.output, given.report]:
+        if path in (None, STREAM):
+            continue
+        suffix = Path(path).suffix.lower()
+        if path != given.report and suffix not in WRITTEN:
+            options.error(f"{Path(path).name}: a file is written if it ends in {', '.join(WRITTEN)}")
+        animation = suffix == ".json" and all(kind_of(each) == "picture" for each in paths)
+        if path != given.report and len(paths) > 1 and STEM not in path and not animation:
+            options.error(f"{path}: each of several input files needs its own; put {STEM} into the name")
+        if not Path(path).parent.is_dir():
+            options.error(f"{path}: there is no folder {Path(path).parent}")
+        for stem in {Path(each).stem for each in paths} if STEM in path else {""}:
+            place = os.path.realpath(path.replace(STEM, stem))
+            if place in taken:
+                options.error(f"{path} {taken[place]}")
+            taken[place] = f"is written twice, as {path} too; give each its own name"

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import NestedCagesError
 from ..exchange import Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
+from ..exchange.limits import invalid
 from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
 from .making import Cage, Made, Result
@@ -25,27 +25,21 @@ REPORT_FORMAT, REPORT_VERSION = "nested-cages report", 1
 """Identifies the reports."""
 
 
-def format_of(path: str, source: Source, chosen: str | None) -> str:
-    """The format of an output: by extension; for the standard output as chosen, or like the input."""
-    if path != STREAM:
-        return WRITTEN[Path(path).suffix.lower()]
-    return chosen or {"map": "geojson", "outline": "json"}.get(source.kind, "svg")
+def targets(paths: Sequence[str], source: Source, chosen: str | None) -> list[tuple[str, str]]:
+    """The files to write for a source and their formats: by extension; for the standard output as chosen.
 
-
-def target(path: str, source: Source) -> str:
-    """The file to write for a source."""
-    return path.replace(STEM, "stdin" if source.path == STREAM else Path(source.path).stem)
-
-
-def check(path: str, source: Source, kind: str) -> None:
-    """Raise NestedCagesError if a source cannot be written in a format; called before any cage is made."""
+    Raises NestedCagesError, before any cage is made, for a format that the source cannot be written in.
+    """
+    stem = "stdin" if source.path == STREAM else Path(source.path).stem
+    own = {"map": "geojson", "outline": "json"}.get(source.kind, "svg")
+    kinds = [chosen or own if path == STREAM else WRITTEN[Path(path).suffix.lower()] for path in paths]
     several = len(source.shapes) + len(source.failures)
-    if kind == "json" and several > 1:
-        raise NestedCagesError(
+    if "json" in kinds and several > 1:
+        raise invalid(
             f"A collision outline is made of one feature, but {Path(source.path).name} has {several}; write "
-            ".geojson or .svg instead.",
-            code="file.invalid",
+            ".geojson or .svg instead."
         )
+    return [(path.replace(STEM, stem), kind) for path, kind in zip(paths, kinds, strict=True)]
 
 
 def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces: int | None) -> str:
@@ -53,7 +47,7 @@ def text_of(result: Result, kind: str, *, flip_y: bool, triangles: bool, pieces:
     if kind == "svg":
         return _svg(result)
     if kind == "geojson":
-        features = [_feature(each, k, cage) for each in result.made for k, cage in enumerate(each.cages)]
+        features = [_feature(each, k, cage) for each in result.made for k, cage in enumerate(each.cages, 1)]
         return to_geojson(features, indent=1, crs=result.source.crs)
     flip = result.source.height if flip_y else None
     return to_engine_json(result.made[0].cages[-1].mesh, flip_y=flip, triangles=triangles, pieces=pieces, indent=1)
@@ -66,12 +60,10 @@ def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
     """
     missing = [Path(result.source.path).name for result in results if not result.made]
     if missing:
-        raise NestedCagesError(f"not written, since {', '.join(missing)} has no outline.", code="file.invalid")
+        raise invalid(f"not written, since {', '.join(missing)} has no outline.")
     heights = {result.source.height for result in results}
     if flip_y and len(heights) > 1:
-        raise NestedCagesError(
-            "the pictures differ in height, so their frames cannot be flipped together.", code="file.invalid"
-        )
+        raise invalid("the pictures differ in height, so their frames cannot be flipped together.")
     outlines = corresponding([result.made[0].cages[-1].mesh for result in results])
     return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
 
@@ -82,24 +74,24 @@ def put(path: str, text: str) -> None:
         write_whole(path, text)
         return
     if sys.stdout is None or sys.stdout.closed:
-        raise NestedCagesError("The standard output is closed; name a file.", code="file.invalid")
+        raise invalid("The standard output is closed; name a file.")
     sys.stdout.buffer.write(text.encode("utf-8"))
     sys.stdout.buffer.flush()
 
 
-def report(results: Sequence[Mapping[str, Any]]) -> str:
+def report(entries: Sequence[Mapping[str, Any]]) -> str:
     """The report on all files as JSON."""
-    return json.dumps({"format": REPORT_FORMAT, "version": REPORT_VERSION, "inputs": list(results)}, indent=1)
+    return json.dumps({"format": REPORT_FORMAT, "version": REPORT_VERSION, "inputs": list(entries)}, indent=1)
 
 
-def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:
+def entry(result: Result, written: Sequence[str], errors: Sequence[str]) -> dict[str, Any]:
     """The report's entry for a file."""
     source = result.source
     return {
         "file": source.path,
         "kind": source.kind,
         "notes": list(source.notes),
-        "errors": list(result.failures),
+        "errors": list(errors),
         "shapes": [
             {
                 "name": each.shape.name,
@@ -115,22 +107,22 @@ def entry(result: Result, written: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def table(results: Sequence[tuple[str, Result, Sequence[str]]]) -> str:
-    """One line per file and its failures: shapes, vertices, those of the levels, excess at most, seconds."""
+def table(entries: Sequence[Mapping[str, Any]]) -> str:
+    """One line per file of the report: shapes, vertices, those of the levels, excess at most, seconds, failures."""
     rows = [("file", "shapes", "vertices", "cages", "excess", "seconds", "")]
-    for path, result, failures in results:
-        levels = range(max((len(each.cages) for each in result.made), default=0))
-        cages = [[each.cages[k] for each in result.made if k < len(each.cages)] for k in levels]
-        seconds = sum(sum(cage.report.seconds.values()) for level in cages for cage in level)
+    for said in entries:
+        shapes, failed = said["shapes"], len(said["errors"])
+        count = max((len(shape["levels"]) for shape in shapes), default=0)
+        levels = [[shape["levels"][k] for shape in shapes if k < len(shape["levels"])] for k in range(count)]
         rows.append(
             (
-                path,
-                str(len(result.made)),
-                str(sum(len(each.fine.vertices) for each in result.made)),
-                ", ".join(str(sum(len(cage.mesh.vertices) for cage in level)) for level in cages),
-                ", ".join(f"{100.0 * max(cage.report.excess for cage in level):.3g} %" for level in cages),
-                f"{seconds:.1f}",
-                f"{len(failures)} failed" if failures else "",
+                said["file"],
+                str(len(shapes)),
+                str(sum(shape["vertices"] for shape in shapes)),
+                ", ".join(str(sum(cage["vertices"] for cage in level)) for level in levels),
+                ", ".join(f"{100.0 * max(cage['excess'] for cage in level):.3g} %" for level in levels),
+                f"{sum(cage['seconds'] for level in levels for cage in level):.1f}",
+                f"{failed} failed" if failed else "",
             )
         )
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -142,11 +134,8 @@ def _measures(cage: Cage) -> dict[str, Any]:
     said = cage.report
     return {
         "vertices": len(cage.mesh.vertices),
-        "strict": bool(said.strict),
-        "simple": bool(said.simple),
-        "clearance": float(said.clearance),
-        "wanted_clearance": float(said.wanted_clearance),
-        "excess": float(said.excess),
+        **{name: bool(getattr(said, name)) for name in ("strict", "simple")},
+        **{name: float(getattr(said, name)) for name in ("clearance", "wanted_clearance", "excess")},
         "grid": said.grid,
         "start": said.start,
         "iterations": dict(said.iterations),
@@ -157,22 +146,17 @@ def _measures(cage: Cage) -> dict[str, Any]:
 
 def _svg(result: Result) -> str:
     """The shapes and their cages in the frame of the input: the page, the pixels, or a map with north up."""
-    several = len(result.made) > 1
     meshes: dict[str, Mesh] = {}
     levels: list[int] = []
     for number, each in enumerate(result.made):
-        prefix = f"{number}-" if several else ""
+        prefix = f"{number}-" if len(result.made) > 1 else ""
         meshes[f"{prefix}drawing"] = each.fine
-        meshes.update({f"{prefix}cage-{k + 1}": cage.mesh for k, cage in enumerate(each.cages)})
+        meshes.update({f"{prefix}cage-{k}": cage.mesh for k, cage in enumerate(each.cages, 1)})
         levels += range(1 + len(each.cages))
     return to_svg(meshes, frame=result.source.frame, levels=levels, y_up=result.source.kind == "map")
 
 
-def _feature(made: Made, number: int, cage: Cage) -> Feature:
-    known = {
-        "level": number + 1,
-        "vertices": len(cage.mesh.vertices),
-        "excess": cage.report.excess,
-        "clearance": cage.report.clearance,
-    }
-    return Feature(cage.mesh, {**made.shape.properties, **known}, made.shape.id if len(made.cages) == 1 else None)
+def _feature(made: Made, level: int, cage: Cage) -> Feature:
+    said = {"excess": cage.report.excess, "clearance": cage.report.clearance}
+    properties = {**made.shape.properties, "level": level, "vertices": len(cage.mesh.vertices), **said}
+    return Feature(cage.mesh, properties, made.shape.id if len(made.cages) == 1 else None)

@@ -18,16 +18,12 @@ LEAST_PASSED = 1.0
 """Seconds after which the time left is told."""
 
 
-def tell(text: str, stream: TextIO | None) -> None:
+def tell(text: str, stream: TextIO | None, *, end: str = "\n") -> None:
     """Print a line; a closed stream, or a closed pipe as behind `head`, is ignored."""
-    _write(f"{text}\n", stream)
-
-
-def _write(text: str, stream: TextIO | None) -> None:
     if stream is None or stream.closed:
         return
     try:
-        stream.write(text)
+        stream.write(f"{text}{end}")
         stream.flush()
     except OSError as error:
         if not isinstance(error, BrokenPipeError) and not (sys.platform == "win32" and error.errno == EINVAL):
@@ -39,9 +35,8 @@ class ProgressLine:
     """A progress bar with the time left on a terminal, one line per stage elsewhere."""
 
     def __init__(self, stream: TextIO | None, *, silent: bool, files: int = 1) -> None:
-        self.stream = stream
-        self.silent = silent or stream is None or stream.closed
-        self.moving = not self.silent and stream is not None and stream.isatty()
+        self.stream = None if silent or stream is None or stream.closed else stream
+        self.moving = self.stream is not None and self.stream.isatty()
         self.files = files
         self.began = perf_counter()
         self.file = 0
@@ -61,29 +56,20 @@ class ProgressLine:
         self._show(progress.fraction, f"{progress.finished} of {progress.total} features")
 
     def _show(self, fraction: float, text: str) -> None:
-        if self.silent:
-            return
         if self.moving:
-            whole = (self.file + fraction) / self.files
-            full = round(BAR * whole)
+            done, passed = (self.file + fraction) / self.files, perf_counter() - self.began
+            seconds = round(passed * (1.0 - done) / done) if passed >= LEAST_PASSED and done > 0.0 else None
+            left = "" if seconds is None else f"{seconds // 60}:{seconds % 60:02} left, "
             where = f"file {self.file + 1} of {self.files}, " if self.files > 1 else ""
-            shown = f"[{'#' * full}{'.' * (BAR - full)}] {100 * whole:3.0f} % {self._left(whole)}{where}{text}"
-            _write("\r" + shown.ljust(len(self.last)), self.stream)
+            shown = f"[{'#' * round(BAR * done):.<{BAR}}] {100 * done:3.0f} % {left}{where}{text}"
+            tell("\r" + shown.ljust(len(self.last)), self.stream, end="")
             self.last = shown
         elif text not in self.seen:
-            _write(f"{100 * fraction:3.0f} % {text}\n", self.stream)
+            tell(f"{100 * fraction:3.0f} % {text}", self.stream)
             self.seen.add(text)
-
-    def _left(self, done: float) -> str:
-        """The time left in words, once it can be told."""
-        passed = perf_counter() - self.began
-        if passed < LEAST_PASSED or done <= 0.0:
-            return ""
-        seconds = round(passed * (1.0 - done) / done)
-        return f"{seconds // 60}:{seconds % 60:02} left, "
 
     def end(self) -> None:
         """End the line of the bar."""
-        if self.moving and self.last:
-            _write("\n", self.stream)
+        if self.last:
+            tell("", self.stream)
         self.last = ""

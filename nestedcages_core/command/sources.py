@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import NestedCagesError
 from ..exchange import Frame, Limits, from_engine_json, is_engine_json, read_map, read_whole, svg_drawing
+from ..exchange.limits import invalid
 from ..exchange.pictures import decode_png
 from ..geometry.arrays import AnyArray
 from ..geometry.mesh import Mesh
@@ -20,6 +20,9 @@ STREAM = "-"
 
 KINDS = {".svg": "drawing", ".geojson": "map", ".json": "map", ".png": "picture"}
 """The content of a file by its extension."""
+
+BEGINNINGS = {b"\x89PNG": "picture", b"<": "drawing", b"{": "map"}
+"""The content of a stream by its first bytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +63,7 @@ def expanded(patterns: Sequence[str]) -> list[str]:
             continue
         matches = sorted(path for path in glob.glob(pattern, recursive=True) if kind_of(path))
         if not matches:
-            raise NestedCagesError(f"{pattern}: no file that can be read has such a name.", code="file.invalid")
+            raise invalid(f"{pattern}: no file that can be read has such a name.")
         found.extend(matches)
     return list(dict.fromkeys(found))
 
@@ -72,10 +75,7 @@ def kind_of(path: str) -> str | None:
 
 def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     """The shapes of a file; options: those of drawings. Raises NestedCagesError or OSError."""
-    data = _streamed(limits) if path == STREAM else read_whole(path, limits)
-    kind = kind_of(path)
-    if kind == "stream":
-        kind = _guessed(data)
+    data, kind = _streamed(limits) if path == STREAM else (read_whole(path, limits), kind_of(path))
     if kind == "picture":
         picture = decode_png(data, limits=limits)
         opaque = ("No pixel is fully transparent, so the whole picture may count as opaque.",)
@@ -90,9 +90,7 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
         return Source(path, "outline", [Shape("drawing", from_engine_json(data, limits=limits))])
     found = read_map(data, limits, options["tolerance"], clean=True)
     if not found.features and not found.refused:
-        raise NestedCagesError(
-            "There are no polygons; give a map with Polygon or MultiPolygon features.", code="file.invalid"
-        )
+        raise invalid("There are no polygons; give a map with Polygon or MultiPolygon features.")
     notes = [f"{note[0].upper()}{note[1:]}" for note in found.notes]
     if found.without_polygons:
         notes.append(f"Features without polygons, left out: {found.without_polygons}.")
@@ -105,23 +103,13 @@ def read(path: str, limits: Limits, options: Mapping[str, Any]) -> Source:
     return Source(path, "map", shapes, notes, found.refused, found.crs)
 
 
-def _streamed(limits: Limits) -> bytes:
+def _streamed(limits: Limits) -> tuple[bytes, str]:
+    """The standard input and its kind by the first bytes. Raises NestedCagesError."""
     if sys.stdin is None or sys.stdin.closed:
-        raise NestedCagesError("The standard input is closed; name a file.", code="file.invalid")
+        raise invalid("The standard input is closed; name a file.")
     data = sys.stdin.buffer.read(limits.bytes + 1)
     limits.check("bytes", len(data))
-    return data
-
-
-def _guessed(data: bytes) -> str:
-    """The kind of a stream by its first bytes. Raises NestedCagesError."""
-    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    if start.startswith(b"\x89PNG"):
-        return "picture"
-    if start.startswith(b"<"):
-        return "drawing"
-    if start.startswith(b"{"):
-        return "map"
-    raise NestedCagesError(
-        "The standard input is neither SVG, GeoJSON, a collision outline nor PNG.", code="file.invalid"
-    )
+    for start, kind in BEGINNINGS.items():
+        if data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(start):
+            return data, kind
+    raise invalid("The standard input is neither SVG, GeoJSON, a collision outline nor PNG.")

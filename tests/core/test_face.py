@@ -23,6 +23,7 @@ from nestedcages_core import (
     from_svg,
     inner_cages,
     nested_cages,
+    nested_cages_many,
     to_engine_json,
     to_geojson,
     to_svg,
@@ -95,6 +96,8 @@ def test_every_writer_takes_every_result(hierarchy: Hierarchy) -> None:
     assert from_svg(to_svg(level.cage)) == level.cage
     assert len(json.loads(to_geojson(hierarchy))["features"]) == 3
     assert from_geojson(to_geojson(level.cage)).has_loops_like(level.cage)
+    assert from_svg(to_svg(OUTER)) == from_geojson(to_geojson(OUTER)) == Mesh.of(OUTER)
+    assert to_engine_json([OUTER, HOLE]) == to_engine_json(hierarchy.fine)
     assert to_engine_json(hierarchy) == to_engine_json(hierarchy[-1].cage) == to_engine_json(hierarchy[-1])
 
 
@@ -140,6 +143,8 @@ def test_progress_may_be_a_bar_or_a_function(
     with_bar = nested_cages(OUTER, 12, progress=True)
     pytest.importorskip("tqdm")
     assert "100%" in capsys.readouterr().err
+    nested_cages_many([OUTER], [12], progress=True)
+    assert "1 of 1 shapes: 100%" in capsys.readouterr().err
     monkeypatch.setattr(builtins, "__import__", _without("tqdm"))
     assert nested_cages(OUTER, 12, progress=True)[0].cage == with_bar[0].cage
 

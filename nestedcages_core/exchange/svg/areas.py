@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..libraries import load_shapely
-from ..limits import Budget
+from ..limits import Budget, invalid
 from .curves import flattened
 from .filters import Filter, Layer, filtered
 from .gradients import visible
@@ -109,9 +108,7 @@ class Areas:
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
         points = moved(path.points, matrix)
         if not np.abs(points).max() < MAX_COORDINATE:
-            raise NestedCagesError(
-                "The drawing has coordinates that are not finite, or too large; correct them.", code="file.invalid"
-            )
+            raise invalid("The drawing has coordinates that are not finite, or too large; correct them.")
         points = flattened(points, path.degrees, tolerance)
         self.budget.spend("points", len(points))
         return points
@@ -184,10 +181,8 @@ class Areas:
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
         """The areas of a group after a filter."""
         shapely = load_shapely("filters")
-        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
-        region = union_of(shapely, areas, self.budget)
-        fades = all(paint.fades(self.options.faintest) for paint in paints)
-        source = Layer(region, max(paint.opacity for paint in paints), fades=fades)
+        opacity = max(paint.opacity for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint)
+        source = Layer(union_of(shapely, areas, self.budget), opacity)
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:

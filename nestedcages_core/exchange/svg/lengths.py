@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import math
 import re
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
@@ -41,9 +43,12 @@ VIEW_SIDES = {"vw": "width", "vh": "height"}
 FONT_SIZE = 16.0
 """Size of the font where none is given, in user units, as in browsers."""
 
-CALCULATED = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?(?:[a-z]+|%)?|\S")
-"""Terms and signs; in sums these have spaces around them, so that a sign before a digit belongs to it."""
-OPERATORS = {"+": float.__add__, "-": float.__sub__, "*": float.__mul__, "/": float.__truediv__}
+OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: float.__add__,
+    ast.Sub: float.__sub__,
+    ast.Mult: float.__mul__,
+    ast.Div: float.__truediv__,
+}
 
 MAX_CALCULATED = 200
 """Longest `calc()` that is read, in characters."""
@@ -99,8 +104,10 @@ class Viewport:
         text = text.strip().lower()
         found = LENGTH.fullmatch(text)
         value = self._scaled(found, key) if found else None
-        if text.startswith("calc("):
-            value = self._calculated(text, key)
+        if text.startswith("calc(") and len(text) <= MAX_CALCULATED:
+            lengths = LENGTH.sub(lambda found: repr(self._scaled(found, key)), text.replace("calc(", "("))
+            with suppress(KeyError, TypeError, ValueError, SyntaxError, ArithmeticError):
+                value = _calculated(ast.parse(lengths, mode="eval").body)
         return value if value is not None and math.isfinite(value) else None
 
     def _scaled(self, found: re.Match[str], key: str) -> float | None:
@@ -114,46 +121,14 @@ class Viewport:
             scale = reference / 100.0 if reference is not None else None
         return float(found[1]) * scale if scale is not None else None
 
-    def _calculated(self, text: str, key: str) -> float | None:
-        """The value of an expression of lengths, + - * / and parentheses."""
-        if len(text) > MAX_CALCULATED:
-            return None
-        words = CALCULATED.findall(text.replace("calc(", "("))
-        place = 0
 
-        def factor() -> float:
-            nonlocal place
-            word = words[place]
-            place += 1
-            if word == "(":
-                value = total()
-                if words[place] != ")":
-                    raise ValueError
-                place += 1
-                return value
-            found = LENGTH.fullmatch(word)
-            scaled = self._scaled(found, key) if found else None
-            if scaled is None:
-                raise ValueError
-            return scaled
-
-        def chain(operators: str, operand: Callable[[], float]) -> float:
-            nonlocal place
-            value = operand()
-            while place < len(words) and words[place] in operators:
-                operator = words[place]
-                place += 1
-                value = OPERATORS[operator](value, operand())
-            return value
-
-        def total() -> float:
-            return chain("+-", lambda: chain("*/", factor))
-
-        try:
-            value = total()
-        except (ValueError, IndexError, ZeroDivisionError):
-            return None
-        return value if place == len(words) else None
+def _calculated(term: ast.expr) -> float:
+    """The value of numbers, + - * / and parentheses. Raises an error for anything else."""
+    if isinstance(term, ast.BinOp):
+        return OPERATORS[type(term.op)](_calculated(term.left), _calculated(term.right))
+    if isinstance(term, ast.UnaryOp):
+        return -_calculated(term.operand) if isinstance(term.op, ast.USub) else _calculated(term.operand)
+    return float(ast.literal_eval(term))
 
 
 def quoted(text: str) -> str:
@@ -179,6 +154,15 @@ def measure(text: str, key: str, what: str, viewport: Viewport, missing: float =
 def attribute(item: ET.Element, key: str, viewport: Viewport, missing: float = 0.0) -> float:
     """A length in user units, `missing` if the attribute is not there or cannot be read."""
     return measure(item.get(key, ""), key, f"{key} of the {name_of(item)}", viewport, missing)
+
+
+def measured_box(item: ET.Element, viewport: Viewport, what: str) -> FloatArray:
+    """(2, 2) corners of the region of a filter or a mask, by default a tenth wider than what it belongs to."""
+    defaults = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
+    x, y, width, height = (
+        measure(item.get(key) or default, key, f"{key} of the {what}", viewport) for key, default in defaults.items()
+    )
+    return np.array([(x, y), (x + width, y + height)])
 
 
 def share(text: str | None, missing: float = 1.0) -> float:

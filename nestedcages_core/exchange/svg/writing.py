@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.drawable import Drawable
-from ...geometry.mesh import Mesh
+from ...geometry.mesh import Mesh, MeshLike
 from ...geometry.picture import CAGE_OPACITY, COLOURS, DRAWING_OPACITY, path_data
 from ..decimals import check_decimals
 from ..files import write_whole
+from ..limits import invalid
+from ..rings import meshes_of
 from .document import DECORATION, OUTLINES, Frame
 
 PAGE_MARGIN = 0.02
@@ -29,7 +30,7 @@ STROKE = 0.004
 NOT_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 """Characters that XML does not allow."""
 
-Shapes = Drawable | Sequence[Mesh] | Mapping[str, Mesh]
+Shapes = Drawable | MeshLike | Sequence[Mesh] | Mapping[str, Mesh]
 
 
 def to_svg(
@@ -44,7 +45,7 @@ def to_svg(
 ) -> str:
     """An SVG document with one path per mesh, with holes and exact coordinates.
 
-    shapes: a mesh, a level, a hierarchy, several meshes, or meshes by the id that each path gets.
+    shapes: a mesh or an array, a level, a hierarchy, several meshes, or meshes by the id that each path gets.
     view_box: x, y, width and height of the view; default: all shapes.
     frame: of a document that was read, so that the output coincides with it.
     levels: of each shape, 0 for a drawing, 1 for its innermost cage, -1 for the first one inside; default: in order.
@@ -56,12 +57,10 @@ def to_svg(
     """
     named = _named(shapes)
     if not named:
-        raise NestedCagesError("There is nothing to write; give at least one mesh.", code="file.invalid")
+        raise invalid("There is nothing to write; give at least one mesh.")
     level_of = list(range(len(named)) if levels is None else levels)
     if len(level_of) != len(named):
-        raise NestedCagesError(
-            f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.", code="file.invalid"
-        )
+        raise invalid(f"There are {len(level_of)} levels for {len(named)} shapes; give one for each.")
     cages = [mesh for level, mesh in zip(level_of, named.values(), strict=True) if level != 0]
     check_decimals(cages or named.values(), decimals)
     points = np.concatenate([mesh.vertices for mesh in named.values()]) * (1.0, -1.0 if y_up else 1.0)
@@ -105,9 +104,6 @@ def _page(view_box: Sequence[float] | None, frame: Frame | None, size: tuple[flo
 
 
 def _named(shapes: Shapes) -> dict[str, Mesh]:
-    if isinstance(shapes, Mesh):
-        return {"shape": shapes}
     if isinstance(shapes, Mapping):
         return dict(shapes)
-    shapes = shapes.meshes if isinstance(shapes, Drawable) else shapes
-    return {"shape" if k == 0 else f"cage-{k}": mesh for k, mesh in enumerate(shapes)}
+    return {"shape" if k == 0 else f"cage-{k}": mesh for k, mesh in enumerate(meshes_of(shapes))}
