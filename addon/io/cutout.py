@@ -13,7 +13,7 @@ from mathutils import Matrix, Vector
 from mathutils.geometry import delaunay_2d_cdt
 from numpy.typing import NDArray
 
-from ..core import core, predicates
+from ..core import core, distance, predicates
 from ..errors import UserError
 from ..scene import filling, nodes, ownership
 from ..scene.plane import PLANARITY, Frame, world_matrix
@@ -152,7 +152,9 @@ def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     starts, ends = border[outline.edges[:, 0]], border[outline.edges[:, 1]]
     inside = predicates.winding_number(grid, starts, ends) == 1
-    inner = grid[inside & (_distances(grid, starts, ends) > OUTLINE_DISTANCE * cell)]
+    inner = grid[
+        inside & (distance.point_edge(grid[:, None], starts, ends).distance.min(axis=1) > OUTLINE_DISTANCE * cell)
+    ]
     inner = inner.astype(np.float32).astype(np.float64)
     points = np.concatenate([border, inner])
     found = delaunay_2d_cdt([Vector(point) for point in points], outline.edges.tolist(), [], 0, 0.0)
@@ -161,15 +163,6 @@ def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
     middles = points[triangles].mean(axis=1)
     kept = (triangles >= 0).all(axis=1) & (predicates.winding_number(middles, starts, ends) == 1)
     return points, triangles[kept]
-
-
-def _distances(points: Points, starts: Points, ends: Points) -> Points:
-    """Distance (n,) of points to the nearest of the segments from starts to ends, (m, 2) each."""
-    along = ends - starts
-    offset = points[:, None] - starts
-    part = np.clip((offset * along).sum(axis=2) / (along * along).sum(axis=1), 0.0, 1.0)
-    gaps: Points = np.linalg.norm(offset - part[..., None] * along, axis=2).min(axis=1)
-    return gaps
 
 
 def material_of(image: bpy.types.Image) -> bpy.types.Material:

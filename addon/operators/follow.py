@@ -16,7 +16,7 @@ from ..properties import conversion, groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
-from ..scene.selection import collection_of_active, scene_of
+from ..scene.selection import collection_of_active, scene_again, scene_of
 from .base import DialogJobOperator
 from .generate import sources, why_nothing
 
@@ -104,10 +104,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
             work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
             result = yield from part(work, number, len(read), READING_PART)
             results.append(result)
-        after = bpy.data.scenes.get(name)
-        if after is None:
-            raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        for sentence in writing.write(after, results, self.thickness, conversion.used(self)):
+        for sentence in writing.write(scene_again(name), results, self.thickness, conversion.used(self)):
             self.report({"WARNING"}, sentence)
         self._tell(results)
 
