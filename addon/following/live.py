@@ -29,7 +29,7 @@ from ..scene import filling, ownership
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.plane import scale_of
 from . import writing
-from .editing import drawing_now
+from .poses import drawing_now
 
 # Seconds between checks for something to do, and of work per check while cages are made again.
 LOOK_INTERVAL, REMAKE_SLICE = 0.02, 0.03
