@@ -8,7 +8,7 @@ from ..following import live as following_live
 from ..generation.job import running
 from . import bake, bind, exporters, follow, generate, importers, levels, parts, pictures, verify
 
-_ROOMS = (generate, verify, bake, bind, parts, follow, importers, exporters, levels, pictures)
+_ROOMS = (generate, verify, bake, bind, parts, follow, importers, exporters, pictures, levels)
 CLASSES = [
     found
     for room in _ROOMS

@@ -136,6 +136,7 @@ def test_appended_nodes_are_those_of_their_script(addon) -> None:
     assert nodes.group(nodes.FILL) == bpy.data.node_groups[nodes.FILL] and len(bpy.data.node_groups) == len(
         script.GROUPS
     )
+    assert not bpy.data.libraries
     nodes.remove_unused()
     assert {tree.name for tree in bpy.data.node_groups} == {nodes.FILL, nodes.THICKNESS}
 
