@@ -169,7 +169,9 @@ def united(
 
 def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
     """The mesh of a valid region, joined by thin necks where it touches itself; width: of hairlines that are gone."""
-    rings = [without_short_edges(ring, width) for ring in rings_of(shapely, region)]
+    rings = rings_of(shapely, region)
+    wide = [without_short_edges(ring, width) for ring in rings if np.ptp(ring, axis=0).max() >= width]
+    rings = wide or rings  # without what closing gaps has left of them
     if not rings:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     with suppress(InvalidMeshError):
