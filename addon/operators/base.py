@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
-from bpy.props import BoolProperty
 
 from .. import record
 from ..binding.adoption import adopt, waiting
 from ..errors import Fault, UserError, counted
 from ..generation.job import TICK, Job, Work, completed, part, running
+from ..properties.kinds import flag
 from ..scene import ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of
 
@@ -254,9 +254,7 @@ class DialogJobOperator(JobOperator):
     slices, so the operator is invoked again without a dialog.
     """
 
-    answered: BoolProperty(
-        name="Answered", description="Start without asking for options", default=False, options={"HIDDEN", "SKIP_SAVE"}
-    )
+    answered: flag("Answered", "Start without asking for options", options={"HIDDEN", "SKIP_SAVE"})
     _asked = False
 
     def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:

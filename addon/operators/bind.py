@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import EnumProperty
 
 from ..binding import binding
 from ..binding.adoption import adopt, waiting
 from ..binding.field import HARMONIC, LINEAR, NAMES
 from ..errors import UserError, counted
 from ..generation.job import Work
+from ..properties.kinds import choice
 from ..scene import ownership
 from ..scene.selection import chosen, scene_of, select
 from .base import Operator, OutputOperator
@@ -44,12 +44,7 @@ class BindingOperator(OutputOperator):
 class LinkOperator(BindingOperator):
     """Base of Bind and Rebind."""
 
-    method: EnumProperty(
-        name="Method",
-        description="How each level follows the next coarser one",
-        items=METHOD_ITEMS,
-        default="AUTO",
-    )
+    method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Hides edges between coplanar triangles in the 3D view, unless the user has changed that setting."""

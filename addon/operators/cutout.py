@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
+from bpy.props import CollectionProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..animation import bake
@@ -24,6 +24,7 @@ from ..io.cutout import Canvas
 from ..io.image_outline import Picture
 from ..keys import found_object
 from ..properties import conversion, picture
+from ..properties.kinds import flag, text, whole
 from ..properties.picture import PictureProperties
 from ..properties.settings import settings_of
 from ..scene import ownership, units
@@ -50,33 +51,24 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
     bl_label = "Cutout"
     exclusive = True
 
-    filepath: StringProperty(
-        name="File Path",
-        description="Picture with an alpha channel; empty takes the selected image planes and image empties",
+    filepath: text(
+        "File Path",
+        "Picture with an alpha channel; empty takes the selected image planes and image empties",
         subtype="FILE_PATH",
         options={"SKIP_PRESET", "SKIP_SAVE"},
-        default="",
     )
-    directory: StringProperty(
-        name="Folder", description="Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
-    )
+    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(
         name="Files",
         description="Pictures, if there are several",
         type=bpy.types.OperatorFileListElement,
         options={"HIDDEN", "SKIP_SAVE"},
     )
-    filter_image: BoolProperty(name="Images", description="Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
-    vertices: IntProperty(
-        name="Vertices", description="Vertex count of the mesh's outline", default=64, min=3, soft_max=256
-    )
-    levels: StringProperty(
-        name="Cages", description="Vertices of each cage, innermost first, such as 16 or 32, 12", default="16"
-    )
-    bind: BoolProperty(name="Bind", description="Make the pictures follow their cages", default=True)
-    handles: BoolProperty(
-        name="Handles", description="Add a bone per corner of each bound cage to move that corner", default=True
-    )
+    filter_image: flag("Images", "Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
+    vertices: whole("Vertices", "Vertex count of the mesh's outline", default=64, min=3, soft_max=256)
+    levels: text("Cages", "Vertices of each cage, innermost first, such as 16 or 32, 12", default="16")
+    bind: flag("Bind", "Make the pictures follow their cages", default=True)
+    handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
 
     def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:
         if _shown(context):

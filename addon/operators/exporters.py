@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..characters import engine
 from ..errors import UserError, counted
 from ..io import exporters
+from ..properties.kinds import choice, flag, length, number, text, whole
 from ..scene import convert, ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
 from .base import Operator, Outcome
@@ -49,15 +49,8 @@ class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
 
     bl_label = "Cages to Objects"
 
-    shape: EnumProperty(name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED")
-    height: FloatProperty(
-        name="Height",
-        description="Height of the prisms; 0 uses a fifth of the outline's size",
-        default=0.0,
-        min=0.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
+    shape: choice("Shape", "Object type to create", SHAPE_ITEMS, default="FILLED")
+    height: length("Height", "Height of the prisms; 0 uses a fifth of the outline's size", soft_max=10.0)
 
     def run(self, context: bpy.types.Context) -> None:
         objects = outlines(context)
@@ -75,55 +68,34 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
     bl_options = {"REGISTER", "PRESET"}
     modes = ("OBJECT", "POSE")
 
-    filepath: StringProperty(
-        name="File Path", description="File to write", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
-    )
-    filter_glob: StringProperty(
-        name="Filter",
-        description="Files that are shown",
+    filepath: text("File Path", "File to write", subtype="FILE_PATH", options={"SKIP_PRESET"})
+    filter_glob: text(
+        "Filter",
+        "Files that are shown",
         default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
         options={"HIDDEN"},
     )
-    kind: EnumProperty(name="Format", description="File format", items=FILE_ITEMS, default="SVG")
-    flip_y: BoolProperty(
-        name="Y Down", description="Let the y axis point down, as in images, SVG and most 2D engines", default=True
-    )
-    world: BoolProperty(
-        name="World",
-        description="Write world coordinates, seen from the top, front or right, instead of the first object's",
-        default=False,
-    )
-    scale: FloatProperty(
-        name="Scale",
-        description=(
-            "Units in the file per unit of the scene, such as pixels per metre; 1 writes an SVG at its size in the "
-            "scene's unit of length"
-        ),
+    kind: choice("Format", "File format", FILE_ITEMS, default="SVG")
+    flip_y: flag("Y Down", "Let the y axis point down, as in images, SVG and most 2D engines", default=True)
+    world: flag("World", "Write world coordinates, seen from the top, front or right, instead of the first object's")
+    scale: number(
+        "Scale",
+        "Units in the file per unit of the scene, such as pixels per metre; 1 writes an SVG at its size in the "
+        "scene's unit of length",
         default=1.0,
         min=1e-9,
         soft_max=1000.0,
     )
-    triangles: BoolProperty(
-        name="Triangles",
-        description="Add triangles to a collision outline, for engines that need them",
-        default=False,
-    )
-    pieces: IntProperty(
-        name="Convex Pieces",
-        description=(
-            "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
-            "as Box2D, which takes 8; 0 adds none"
-        ),
-        default=0,
+    triangles: flag("Triangles", "Add triangles to a collision outline, for engines that need them")
+    pieces: whole(
+        "Convex Pieces",
+        "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
+        "as Box2D, which takes 8; 0 adds none",
         min=0,
         soft_max=16,
     )
 
-    frames: BoolProperty(
-        name="All Frames",
-        description="Add the outlines of a character on all frames of the scene",
-        default=False,
-    )
+    frames: flag("All Frames", "Add the outlines of a character on all frames of the scene")
 
     @property
     def filename_ext(self) -> str:

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, IntProperty
 
 from .. import record
 from ..errors import UserError, counted
@@ -14,6 +13,7 @@ from ..following import moving, poses, writing
 from ..generation.job import Work, part
 from ..generation.levels import OWN, are_counts, parse_levels
 from ..properties import conversion, groups
+from ..properties.kinds import flag, whole
 from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
 from ..scene.selection import collection_of_active, scene_of
@@ -30,18 +30,13 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
     bl_label = "Follow Animation"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    frame_start: IntProperty(name="Start", description="First frame; the scene's if it is not set", default=1)
-    frame_end: IntProperty(name="End", description="Last frame; the scene's if it is not set", default=250)
-    frame_step: IntProperty(name="Step", description="Frames from one pose to the next", default=1, min=1, soft_max=12)
-    cyclic: BoolProperty(
-        name="Cyclic",
-        description="End with the first cage; if the last pose differs from the first, a frame is added",
-        default=False,
-    )
-    still: BoolProperty(
-        name="One Cage for All Frames",
-        description="Make still cages around the whole area that the drawing sweeps from the first to the last frame",
-        default=False,
+    frame_start: whole("Start", "First frame; the scene's if it is not set", default=1)
+    frame_end: whole("End", "Last frame; the scene's if it is not set", default=250)
+    frame_step: whole("Step", "Frames from one pose to the next", default=1, min=1, soft_max=12)
+    cyclic: flag("Cyclic", "End with the first cage; if the last pose differs from the first, a frame is added")
+    still: flag(
+        "One Cage for All Frames",
+        "Make still cages around the whole area that the drawing sweeps from the first to the last frame",
     )
 
     @classmethod

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import EnumProperty
 
 from ..binding import handles
 from ..errors import counted
 from ..generation.job import Work
+from ..properties.kinds import choice
 from ..scene import filling, ownership
 from ..scene.selection import select
 from .base import OutputOperator
@@ -26,7 +26,7 @@ class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
     bl_label = "Add Handles"
     purpose = "move it: select cages around it"
 
-    kind: EnumProperty(name="Handles", description="What moves a corner", items=KIND_ITEMS, default=handles.BONES)
+    kind: choice("Handles", "What moves a corner", KIND_ITEMS, default=handles.BONES)
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:

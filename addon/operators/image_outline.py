@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.props import IntProperty, StringProperty
 
 from ..errors import UserError
 from ..generation.job import Work
 from ..io import image_outline
 from ..keys import found_object
 from ..properties import picture
+from ..properties.kinds import text, whole
 from ..properties.picture import PictureProperties
 from ..scene.selection import select
 from .base import DialogJobOperator
@@ -22,12 +22,8 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
 
     bl_label = "Outline of Image"
 
-    image: StringProperty(
-        name="Image",
-        description="Image with an alpha channel; empty takes that of the active image empty",
-        default="",
-    )
-    vertices: IntProperty(name="Vertices", description="Vertex count of the outline", default=16, min=3, soft_max=256)
+    image: text("Image", "Image with an alpha channel; empty takes that of the active image empty")
+    vertices: whole("Vertices", "Vertex count of the outline", default=16, min=3, soft_max=256)
 
     @classmethod
     def unavailable(cls, _context: bpy.types.Context) -> str:

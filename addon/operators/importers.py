@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import CollectionProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import importers, layered
+from ..properties.kinds import choice, number, text
 from ..scene.filling import mesh_of
 from ..scene.selection import select
 from .base import DialogJobOperator
@@ -39,36 +40,26 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
     bl_label = "Import Outlines"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    filepath: StringProperty(
-        name="File Path", description="File to read", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
-    )
-    directory: StringProperty(
-        name="Folder", description="Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
-    )
+    filepath: text("File Path", "File to read", subtype="FILE_PATH", options={"SKIP_PRESET"})
+    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(
         name="Files",
         description="Files to read, if there are several",
         type=bpy.types.OperatorFileListElement,
         options={"HIDDEN", "SKIP_SAVE"},
     )
-    filter_glob: StringProperty(
-        name="Filter",
-        description="Files that are shown",
-        default=";".join(f"*{ending}" for ending in EXTENSIONS),
-        options={"HIDDEN"},
+    filter_glob: text(
+        "Filter", "Files that are shown", default=";".join(f"*{ending}" for ending in EXTENSIONS), options={"HIDDEN"}
     )
-    y: EnumProperty(name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO")
-    scale: FloatProperty(
-        name="Scale",
-        description="Length in Blender of one unit of the file; 0 keeps the size of exported cages, and scales "
+    y: choice("Y Axis", "Direction of the y axis in the file", Y_ITEMS, default="AUTO")
+    scale: number(
+        "Scale",
+        "Length in Blender of one unit of the file; 0 keeps the size of exported cages, and scales "
         "other SVG to a hundredth",
-        default=0.0,
         min=0.0,
         soft_max=100.0,
     )
-    outlines: EnumProperty(
-        name="SVG As", description="Number of outlines to make from an SVG", items=OUTLINE_ITEMS, default="AUTO"
-    )
+    outlines: choice("SVG As", "Number of outlines to make from an SVG", OUTLINE_ITEMS, default="AUTO")
 
     def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
         return self.invoke_popup(context)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import IntProperty
 
 from ..properties import level_list
+from ..properties.kinds import whole
 from ..properties.settings import settings_of
 from .base import Operator
 
@@ -56,7 +56,7 @@ class SCENE_OT_nested_cages_level_move(LevelOperator, bpy.types.Operator):
 
     bl_label = "Move Level"
 
-    step: IntProperty(name="Step", description="Lines to move it down; up if negative", default=1, min=-1, max=1)
+    step: whole("Step", "Lines to move it down; up if negative", default=1, min=-1, max=1)
 
     def run(self, context: bpy.types.Context) -> None:
         level_list.move(settings_of(context), self.step)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..errors import counted
 from ..io import pieces
+from ..properties.kinds import choice, length, whole
 from ..scene.selection import select
 from .exporters import OnOutlines, coarsest
 
@@ -24,22 +24,13 @@ class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
 
     bl_label = "Convex Pieces"
 
-    most: IntProperty(
-        name="Vertices",
-        description="Maximum number of vertices of a piece; Box2D takes 8",
-        default=8,
-        min=3,
-        soft_max=32,
+    most: whole("Vertices", "Maximum number of vertices of a piece; Box2D takes 8", default=8, min=3, soft_max=32)
+    height: length(
+        "Height",
+        "Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
+        soft_max=10.0,
     )
-    height: FloatProperty(
-        name="Height",
-        description="Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
-        default=0.0,
-        min=0.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
-    body: EnumProperty(name="Rigid Body", description="What the pieces do in a simulation", items=BODY_ITEMS)
+    body: choice("Rigid Body", "What the pieces do in a simulation", BODY_ITEMS)
 
     def run(self, context: bpy.types.Context) -> None:
         objects = coarsest(context)

@@ -11,6 +11,7 @@ from bl_ui.utils import PresetPanel
 
 from ..errors import UserError
 from ..properties import groups
+from ..properties.kinds import text
 from ..properties.settings import NAMES, settings_of
 from .base import Named, Operator
 
@@ -101,7 +102,7 @@ class SCENE_OT_nested_cages_use_preset(Operator, bpy.types.Operator):
     modes = ()
     during_jobs = True
 
-    name: bpy.props.StringProperty(name="Name", description="Name of the preset", options={"SKIP_SAVE"})
+    name: text("Name", "Name of the preset", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, _context: bpy.types.Context, properties: Any) -> str:

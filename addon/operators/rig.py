@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import FloatProperty, IntProperty
 
 from ..binding import field
 from ..characters import bones, drawing, rig
@@ -13,7 +12,7 @@ from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..keys import found_object
-from ..properties.settings import length
+from ..properties.kinds import length, number, whole
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
@@ -43,9 +42,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     bl_label = "Rig with Armature"
 
-    vertices: IntProperty(
-        name="Vertices", description="Vertices of the cage; 0: as many as parts and joints need", default=0, min=0
-    )
+    vertices: whole("Vertices", "Vertices of the cage besides those at joints; 0: as many as its loops need", min=0)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -79,23 +76,23 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
 
     bl_label = "Suggest Bones"
 
-    protrudes: FloatProperty(
-        name="Limbs Protrude",
-        description="How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
+    protrudes: number(
+        "Limbs Protrude",
+        "How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
         default=1.0,
         min=0.05,
         soft_max=5.0,
     )
-    bends: FloatProperty(
-        name="Limbs Bend",
-        description="How far a bone may be from the middle of its limb, in radii; larger: fewer joints",
+    bends: number(
+        "Limbs Bend",
+        "How far a bone may be from the middle of its limb, in radii; larger: fewer joints",
         default=0.35,
         min=0.02,
         soft_max=2.0,
     )
-    longest: FloatProperty(
-        name="Longest Bone",
-        description="Straight bones longer than this get a joint in the middle, in radii of the limb",
+    longest: number(
+        "Longest Bone",
+        "Straight bones longer than this get a joint in the middle, in radii of the limb",
         default=7.0,
         min=1.0,
         soft_max=30.0,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
 
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..io import silhouette
 from ..keys import found_object
-from ..properties.settings import length
+from ..properties.kinds import choice, flag, length
 from ..scene.areas import paints
 from ..scene.selection import select
 from .base import JobOperator
@@ -30,14 +29,13 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
 
     bl_label = "Silhouette"
 
-    plane: EnumProperty(name="Plane", description="Plane to project onto", items=PLANE_ITEMS, default="ACTIVE")
-    strokes: BoolProperty(
-        name="Stroke Width",
-        description="Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are "
-        "left out",
+    plane: choice("Plane", "Plane to project onto", PLANE_ITEMS, default="ACTIVE")
+    strokes: flag(
+        "Stroke Width",
+        "Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are left out",
         default=True,
     )
-    fill_holes: BoolProperty(name="Fill Holes", description="Leave holes out", default=False)
+    fill_holes: flag("Fill Holes", "Leave holes out")
     gap: length("Join Gaps", "Join parts that are closer than this")
 
     @classmethod

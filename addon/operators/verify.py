@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty
 
 from .. import record
 from ..animation import bake
@@ -15,6 +14,7 @@ from ..errors import UserError
 from ..following import claims
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
+from ..properties.kinds import flag
 from ..scene import convert, ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
 from .base import JobOperator
@@ -27,12 +27,7 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
 
     bl_label = "Verify Cages"
 
-    whole: BoolProperty(
-        name="Whole Animation",
-        description="Check all frames of the scene, up to the first with a fault",
-        default=False,
-        options={"SKIP_SAVE"},
-    )
+    whole: flag("Whole Animation", "Check all frames of the scene, up to the first with a fault", options={"SKIP_SAVE"})
 
     exclusive = True
     modes = ("OBJECT", "POSE")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import BoolProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import PointerProperty
 
 from ..operators.base import Operator, remember_fault
 from ..properties import groups
+from ..properties.kinds import flag, number, text
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
 
@@ -25,28 +26,24 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
 
     bl_idname = groups.PACKAGE
 
-    category: StringProperty(
-        name="Sidebar Tab",
-        description="Tab in the sidebar of the 3D view that holds the panels",
+    category: text(
+        "Sidebar Tab",
+        "Tab in the sidebar of the 3D view that holds the panels",
         default=panels.CATEGORY,
         update=_move_panels,
     )
-    research: BoolProperty(
-        name="Research Settings",
-        description="Show the panel Advanced with the parts of the method, for comparisons and teaching",
-        default=False,
+    research: flag(
+        "Research Settings", "Show the panel Advanced with the parts of the method, for comparisons and teaching"
     )
-    line_width: FloatProperty(
-        name="Cage Width",
-        description="Width of cages in the 3D view; 0 leaves them as Blender's own wires",
+    line_width: number(
+        "Cage Width",
+        "Width of cages in the 3D view; 0 leaves them as Blender's own wires",
         default=2.5,
         min=0.0,
         max=20.0,
         subtype="PIXEL",
     )
-    has_defaults: BoolProperty(
-        name="Own Defaults", description="Start new files with the settings below", default=False
-    )
+    has_defaults: flag("Own Defaults", "Start new files with the settings below")
     defaults: PointerProperty(name="Defaults", description="Settings of new files", type=NestedCagesDefaults)
 
     def draw(self, _context: bpy.types.Context) -> None:

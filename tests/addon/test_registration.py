@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import runpy
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -122,6 +124,20 @@ def test_a_missing_scipy_is_a_sentence(extension, addon, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy", None)
     with pytest.raises(RuntimeError, match="Nested Cages needs scipy"):
         bpy.ops.object.nested_cages_generate(levels="12")
+
+
+def test_appended_nodes_are_those_of_their_script(addon) -> None:
+    """Nobody changes packaging/node_groups.py without `make nodes`; what is appended is there once, and local."""
+    script = SimpleNamespace(**runpy.run_path(str(ROOT / "packaging" / "node_groups.py")))
+    nodes = addon.scene.nodes
+    found = [nodes.group(name) for name in script.GROUPS] + [nodes.material(name, "Own") for name in script.MATERIALS]
+    for block in found:
+        assert block.library is None and block[script.DIGEST] == script.digest(), block.name
+    assert nodes.group(nodes.FILL) == bpy.data.node_groups[nodes.FILL] and len(bpy.data.node_groups) == len(
+        script.GROUPS
+    )
+    nodes.remove_unused()
+    assert {tree.name for tree in bpy.data.node_groups} == {nodes.FILL, nodes.THICKNESS}
 
 
 REGISTER = """
