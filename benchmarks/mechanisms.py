@@ -121,14 +121,6 @@ MECHANISMS: dict[str, Mechanism] = {
     "flow: steps with samples at vertices (6 to 1)": Mechanism(
         "flow", partial(Settings, flow=TwoSidedFlow(vertex_limit=1))
     ),
-    "flow: erosion": Mechanism(
-        "flow",
-        patches={"flow.two_sided:_Run.erosion": no_stage},
-    ),
-    "flow: geodesic": Mechanism(
-        "flow",
-        patches={"flow.two_sided:_Run.geodesic": no_stage},
-    ),
     # contact
     "sequential QPs first (IPC first)": Mechanism(
         "contact", with_contacts(IPC(max_pairs=MAX_IPC_PAIRS), SequentialQP())

@@ -64,7 +64,6 @@ ADDON_ROOMS = (
     "following",
     "characters",
     "properties",
-    "presets",
     "operators",
     "ui",
     "api",

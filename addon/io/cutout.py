@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..core import core, predicates
 from ..errors import UserError
-from ..scene import display, filling, ownership
+from ..scene import filling, nodes, ownership
 from ..scene.plane import PLANARITY, Frame, world_matrix
 from ..scene.selection import scene_of
 
@@ -178,35 +178,9 @@ def material_of(image: bpy.types.Image) -> bpy.types.Material:
     material = bpy.data.materials.get(name)
     if material is not None and _shows(material, image):
         return material
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # always there since Blender 5.0
-        material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    picture, glow, clear, mix, end = (
-        display.new_node(tree, kind)
-        for kind in (
-            "ShaderNodeTexImage",
-            "ShaderNodeEmission",
-            "ShaderNodeBsdfTransparent",
-            "ShaderNodeMixShader",
-            "ShaderNodeOutputMaterial",
-        )
-    )
-    picture.image, picture.extension = image, "CLIP"
-    tree.nodes.active = picture  # the texture of solid views
-    for source, target in (
-        (picture.outputs["Color"], glow.inputs["Color"]),
-        (picture.outputs["Alpha"], mix.inputs[0]),
-        (clear.outputs[0], mix.inputs[1]),
-        (glow.outputs[0], mix.inputs[2]),
-        (mix.outputs[0], end.inputs["Surface"]),
-    ):
-        tree.links.new(source, target)
-    for place, node in enumerate((picture, glow, clear, mix, end)):
-        node.location = (220.0 * place, -150.0 * (node == clear))
-    if hasattr(material, "surface_render_method"):
-        material.surface_render_method = "BLENDED"
+    material = nodes.material(nodes.CUTOUT, name)
+    picture: Any = material.node_tree.nodes["Image Texture"]
+    picture.image = image
     return material
 
 

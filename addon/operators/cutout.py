@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
+from bpy.props import CollectionProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..animation import bake
@@ -24,13 +24,14 @@ from ..io.cutout import Canvas
 from ..io.image_outline import Picture
 from ..keys import found_object
 from ..properties import conversion, picture
+from ..properties.kinds import flag, text, whole
 from ..properties.picture import PictureProperties
 from ..properties.settings import settings_of
 from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import scene_of, select
-from .base import DialogJobOperator, Outcome
+from .base import DialogJobOperator
 
 
 @dataclass(frozen=True)
@@ -43,57 +44,43 @@ class Part:
 
 
 class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Cuts pictures out and binds them."""
+    """Cut out image files, or the selected image planes and image empties, along their opaque pixels, as textured
+    meshes that follow a cage
+    """
 
-    bl_idname = "object.nested_cages_cutout"
     bl_label = "Cutout"
-    bl_description = (
-        "Cut out image files, or the selected image planes and image empties, along their opaque pixels, as textured "
-        "meshes that follow a cage"
-    )
-    bl_options = {"REGISTER", "UNDO"}
     exclusive = True
 
-    filepath: StringProperty(
-        name="File Path",
-        description="Picture with an alpha channel; empty takes the selected image planes and image empties",
+    filepath: text(
+        "File Path",
+        "Picture with an alpha channel; empty takes the selected image planes and image empties",
         subtype="FILE_PATH",
         options={"SKIP_PRESET", "SKIP_SAVE"},
-        default="",
     )
-    directory: StringProperty(
-        name="Folder", description="Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
-    )
+    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(
         name="Files",
         description="Pictures, if there are several",
         type=bpy.types.OperatorFileListElement,
         options={"HIDDEN", "SKIP_SAVE"},
     )
-    filter_image: BoolProperty(name="Images", description="Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
-    vertices: IntProperty(
-        name="Vertices", description="Vertex count of the mesh's outline", default=64, min=3, soft_max=256
-    )
-    levels: StringProperty(
-        name="Cages", description="Vertices of each cage, innermost first, such as 16 or 32, 12", default="16"
-    )
-    bind: BoolProperty(name="Bind", description="Make the pictures follow their cages", default=True)
-    handles: BoolProperty(
-        name="Handles", description="Add a bone per corner of each bound cage to move that corner", default=True
-    )
+    filter_image: flag("Images", "Show images", default=True, options={"HIDDEN", "SKIP_SAVE"})
+    vertices: whole("Vertices", "Vertex count of the mesh's outline", default=64, min=3, soft_max=256)
+    levels: text("Cages", "Vertices of each cage, innermost first, such as 16 or 32, 12", default="16")
+    bind: flag("Bind", "Make the pictures follow their cages", default=True)
+    handles: flag("Handles", "Add a bone per corner of each bound cage to move that corner", default=True)
 
-    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:
         if _shown(context):
             return context.window_manager.invoke_props_dialog(self)
-        asked: Any = ImportHelper.invoke(self, context, event)  # type: ignore[func-returns-value]
-        return {*asked}
+        return ImportHelper.invoke(self, context, event)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         for name in ("vertices", *picture.NAMES, "levels", "bind", "handles"):
             self.layout.prop(self, name)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         parts, settings = self._parts(context), settings_of(context)
         levels = parse_levels(self.levels, units.lengths(scene_of(context)))
         drawings: list[tuple[Part, Drawing]] = []
@@ -147,7 +134,6 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
                 f"'{name}' has no transparent pixels, so its outline is a rectangle: erase its background, or raise "
                 "the threshold",
             )
-        return {"FINISHED"}
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows textures in solid views, unless the user has changed their colour."""
@@ -216,6 +202,3 @@ def _size(image: bpy.types.Image) -> tuple[int, int]:
 def _stem(image: bpy.types.Image) -> str:
     """The name of an image without file extension."""
     return Path(image.name).stem or image.name
-
-
-CLASSES = (OBJECT_OT_nested_cages_cutout,)

@@ -10,16 +10,14 @@ from ..errors import Fault
 from ..keys import found_object
 from ..scene.plane import nearest
 from ..scene.selection import select
-from .base import Outcome, Reporting, last_fault
+from .base import Operator, last_fault
 
 
-class OBJECT_OT_nested_cages_select_fault(Reporting, bpy.types.Operator):
-    """Goes to the place of the last fault."""
+class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
+    """Enter Edit Mode with the points selected that the last message is about, and zoom to them"""
 
-    bl_idname = "object.nested_cages_select_fault"
     bl_label = "Select Fault"
-    bl_description = "Enter Edit Mode with the points selected that the last message is about, and zoom to them"
-    bl_options = {"REGISTER", "UNDO"}
+    modes = ()
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -31,7 +29,7 @@ class OBJECT_OT_nested_cages_select_fault(Reporting, bpy.types.Operator):
             return "The object of the last message is gone"
         return "" if obj.is_editable else f"'{obj.name}' cannot be edited because it is linked from another file"
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
+    def run(self, context: bpy.types.Context) -> None:
         fault = last_fault()
         obj = found_object(fault.identity) if fault is not None else None
         assert fault is not None and obj is not None
@@ -60,7 +58,6 @@ class OBJECT_OT_nested_cages_select_fault(Reporting, bpy.types.Operator):
                 bpy.ops.view3d.view_center_cursor()
         names = ", ".join(f"{x:.4g}" for x in (middle.x, middle.y, middle.z))
         self.report({"INFO"}, f"'{obj.name}' at ({names}), where the 3D cursor is now")
-        return {"FINISHED"}
 
 
 def _select_points(obj: bpy.types.Object, fault: Fault) -> None:
@@ -78,6 +75,3 @@ def _select_points(obj: bpy.types.Object, fault: Fault) -> None:
             chosen.select_control_point = True
         else:
             chosen.select = True
-
-
-CLASSES = (OBJECT_OT_nested_cages_select_fault,)

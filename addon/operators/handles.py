@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import EnumProperty
 
 from ..binding import handles
 from ..errors import counted
 from ..generation.job import Work
+from ..properties.kinds import choice
 from ..scene import filling, ownership
 from ..scene.selection import select
 from .base import OutputOperator
@@ -21,15 +21,12 @@ KIND_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
-    """Adds handles."""
+    """Add a bone or an empty per corner of the coarsest cage to move that corner and the drawing"""
 
-    bl_idname = "object.nested_cages_add_handles"
     bl_label = "Add Handles"
-    bl_description = "Add a bone or an empty per corner of the coarsest cage to move that corner and the drawing"
-    bl_options = {"REGISTER", "UNDO"}
     purpose = "move it: select cages around it"
 
-    kind: EnumProperty(name="Handles", description="What moves a corner", items=KIND_ITEMS, default=handles.BONES)
+    kind: choice("Handles", "What moves a corner", KIND_ITEMS, default=handles.BONES)
 
     @classmethod
     def unsuitable(cls, collection: bpy.types.Collection) -> str:
@@ -51,6 +48,3 @@ class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
             bpy.ops.object.mode_set(mode="POSE")
         number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
         self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")
-
-
-CLASSES = (OBJECT_OT_nested_cages_add_handles,)

@@ -2,41 +2,34 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
-from bpy.props import IntProperty, StringProperty
 
 from ..errors import UserError
 from ..generation.job import Work
 from ..io import image_outline
 from ..keys import found_object
 from ..properties import picture
+from ..properties.kinds import text, whole
 from ..properties.picture import PictureProperties
 from ..scene.selection import select
-from .base import DialogJobOperator, Outcome
+from .base import DialogJobOperator
 
 
 class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):
-    """Makes an outline around the opaque pixels of an image."""
+    """Make a collision outline of few vertices around all opaque pixels of an image"""
 
-    bl_idname = "object.nested_cages_from_image"
     bl_label = "Outline of Image"
-    bl_description = "Make a collision outline of few vertices around all opaque pixels of an image"
-    bl_options = {"REGISTER", "UNDO"}
 
-    image: StringProperty(
-        name="Image",
-        description="Image with an alpha channel; empty takes that of the active image empty",
-        default="",
-    )
-    vertices: IntProperty(name="Vertices", description="Vertex count of the outline", default=16, min=3, soft_max=256)
+    image: text("Image", "Image with an alpha channel; empty takes that of the active image empty")
+    vertices: whole("Vertices", "Vertex count of the outline", default=16, min=3, soft_max=256)
 
     @classmethod
-    def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and not bpy.data.images:
-            return "Load an image with an alpha channel, or drag one into the 3D view"
-        return super().unavailable(context)
+    def unavailable(cls, _context: bpy.types.Context) -> str:
+        return "" if bpy.data.images else "Load an image with an alpha channel, or drag one into the 3D view"
 
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
         found = image_outline.image_of(context)
         if not self.image and found is not None:
             self.image = found.name
@@ -48,7 +41,7 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
         for name in ("vertices", *picture.NAMES):
             self.layout.prop(self, name)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         image = bpy.data.images.get(self.image) if self.image else image_outline.image_of(context)
         if image is None:
             raise UserError("Choose an image: none is named, and the active object is no image empty")
@@ -59,7 +52,3 @@ class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bp
         obj = image_outline.place(context, shown, mesh, found_object(target))
         select(context, obj)
         self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{shown.name}'")
-        return {"FINISHED"}
-
-
-CLASSES = (OBJECT_OT_nested_cages_from_image,)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty
 
-from ..errors import UserError, counted
+from ..errors import counted
 from ..io import pieces
+from ..properties.kinds import choice, length, whole
 from ..scene.selection import select
-from .base import Outcome
 from .exporters import OnOutlines, coarsest
 
 BODY_ITEMS = (
@@ -19,46 +18,26 @@ BODY_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
-    """Makes convex pieces from cages."""
+    """Make objects that tile the selected cages, or the coarsest cage of a drawing, with convex polygons of few
+    vertices, for collisions
+    """
 
-    bl_idname = "object.nested_cages_pieces"
     bl_label = "Convex Pieces"
-    bl_description = (
-        "Make objects that tile the selected cages, or the coarsest cage of a drawing, with convex polygons of few "
-        "vertices, for collisions"
-    )
-    bl_options = {"REGISTER", "UNDO"}
 
-    most: IntProperty(
-        name="Vertices",
-        description="Maximum number of vertices of a piece; Box2D takes 8",
-        default=8,
-        min=3,
-        soft_max=32,
+    most: whole("Vertices", "Maximum number of vertices of a piece; Box2D takes 8", default=8, min=3, soft_max=32)
+    height: length(
+        "Height",
+        "Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
+        soft_max=10.0,
     )
-    height: FloatProperty(
-        name="Height",
-        description="Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
-        default=0.0,
-        min=0.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
-    body: EnumProperty(name="Rigid Body", description="What the pieces do in a simulation", items=BODY_ITEMS)
+    body: choice("Rigid Body", "What the pieces do in a simulation", BODY_ITEMS)
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
+    def run(self, context: bpy.types.Context) -> None:
         objects = coarsest(context)
-        try:
-            made = pieces.make(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
-        except UserError as error:
-            return self.fail(error)
+        made = pieces.make(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
         if self.body == pieces.ACTIVE:
             select(context, *(group[0] for group in made))
         else:
             select(context, *(obj for group in made for obj in group))
         number = sum(len(group) - (self.body == pieces.ACTIVE) for group in made)
         self.report({"INFO"}, f"{counted(number, 'convex piece')} of at most {self.most} vertices")
-        return {"FINISHED"}
-
-
-CLASSES = (OBJECT_OT_nested_cages_pieces,)

@@ -16,12 +16,9 @@ FRAMES = ("first frame", "growing back from frame", "tightening from frame", "re
 
 
 class OBJECT_OT_nested_cages_report(OutputOperator, bpy.types.Operator):
-    """Writes a report."""
+    """Write a text with all facts about these cages: certificates, binding errors, times, notes"""
 
-    bl_idname = "object.nested_cages_report"
     bl_label = "Write Report"
-    bl_description = "Write a text with all facts about these cages: certificates, binding errors, times, notes"
-    bl_options = {"REGISTER", "UNDO"}
     modes = ("OBJECT", "POSE")
     both = True
 
@@ -56,6 +53,3 @@ def lines(collection: bpy.types.Collection) -> Iterator[str]:
         said = (found.start, certificate, follows, *record.sentences(found, checks=True))
         for sentence in filter(None, said):
             yield f"    {sentence}"
-
-
-CLASSES = (OBJECT_OT_nested_cages_report,)

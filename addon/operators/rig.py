@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import FloatProperty, IntProperty
 
 from ..binding import field
 from ..characters import bones, drawing, rig
@@ -13,26 +12,22 @@ from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..keys import found_object
-from ..properties.settings import length
+from ..properties.kinds import length, number, whole
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.selection import select
-from .base import JobOperator, Outcome
+from .base import JobOperator
 
 
 class OnParts(JobOperator):
     """Works on all that the selected drawings paint."""
 
-    bl_options = {"REGISTER", "UNDO"}
-
     gap: length("Join Gaps", "Join parts that are closer than this, so that one skeleton can move both")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and not _drawings(context):
-            return "Select the drawings: meshes, curves, texts or Grease Pencil"
-        return super().unavailable(context)
+        return "" if _drawings(context) else "Select the drawings: meshes, curves, texts or Grease Pencil"
 
     def united(self, context: bpy.types.Context, parts: Sequence[bpy.types.Object]) -> tuple[Drawing, list[UserError]]:
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
@@ -41,26 +36,21 @@ class OnParts(JobOperator):
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
-    """Binds drawings to an armature by a cage."""
+    """Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, and
+    let its bones move them all
+    """
 
-    bl_idname = "object.nested_cages_rig"
     bl_label = "Rig with Armature"
-    bl_description = (
-        "Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, "
-        "and let its bones move them all"
-    )
 
-    vertices: IntProperty(
-        name="Vertices", description="Vertices of the cage; 0: as many as parts and joints need", default=0, min=0
-    )
+    vertices: whole("Vertices", "Vertices of the cage; 0: as many as parts and joints need", min=0)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and _armature(context) is None:
+        if _armature(context) is None:
             return "Select an armature too, or press Suggest Bones"
         return super().unavailable(context)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
         assert armature is not None
         identity, parts = armature.session_uid, _drawings(context)
@@ -79,39 +69,36 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
             f"{counted(len(parts), 'drawing')} in a cage of {len(cage.data.vertices)} vertices: "
             f"pose '{armature.name}', and they follow",
         )
-        return {"FINISHED"}
 
 
 class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
-    """Draws a skeleton."""
+    """Draw an armature along the limbs of the selected drawings, to edit or to use as it is"""
 
-    bl_idname = "object.nested_cages_suggest_bones"
     bl_label = "Suggest Bones"
-    bl_description = "Draw an armature along the limbs of the selected drawings, to edit or to use as it is"
 
-    protrudes: FloatProperty(
-        name="Limbs Protrude",
-        description="How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
+    protrudes: number(
+        "Limbs Protrude",
+        "How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
         default=1.0,
         min=0.05,
         soft_max=5.0,
     )
-    bends: FloatProperty(
-        name="Limbs Bend",
-        description="How far a bone may be from the middle of its limb, in radii; larger: fewer joints",
+    bends: number(
+        "Limbs Bend",
+        "How far a bone may be from the middle of its limb, in radii; larger: fewer joints",
         default=0.35,
         min=0.02,
         soft_max=2.0,
     )
-    longest: FloatProperty(
-        name="Longest Bone",
-        description="Straight bones longer than this get a joint in the middle, in radii of the limb",
+    longest: number(
+        "Longest Bone",
+        "Straight bones longer than this get a joint in the middle, in radii of the limb",
         default=7.0,
         min=1.0,
         soft_max=30.0,
     )
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         parts = [part.session_uid for part in _drawings(context)]
         whole, problems = self.united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
@@ -123,7 +110,6 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(len(found), 'bone')}: edit them, then press Rig with Armature")
-        return {"FINISHED"}
 
 
 def _drawings(context: bpy.types.Context) -> Sequence[bpy.types.Object]:
@@ -136,6 +122,3 @@ def _armature(context: bpy.types.Context) -> bpy.types.Object | None:
     active = context.view_layer.objects.active
     found = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
     return active if active in found else next(iter(found), None)
-
-
-CLASSES = (OBJECT_OT_nested_cages_suggest_bones, OBJECT_OT_nested_cages_rig)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
 
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..io import silhouette
 from ..keys import found_object
-from ..properties.settings import length
+from ..properties.kinds import choice, flag, length
 from ..scene.areas import paints
 from ..scene.selection import select
-from .base import JobOperator, Outcome
+from .base import JobOperator
 
 PLANE_ITEMS = (
     ("ACTIVE", "Active Object", "The plane that the active object lies in"),
@@ -24,33 +23,28 @@ PLANE_ITEMS = (
 
 
 class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
-    """Unites the areas of the selected objects."""
+    """Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at different
+    depths
+    """
 
-    bl_idname = "object.nested_cages_silhouette"
     bl_label = "Silhouette"
-    bl_description = (
-        "Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at "
-        "different depths"
-    )
-    bl_options = {"REGISTER", "UNDO"}
 
-    plane: EnumProperty(name="Plane", description="Plane to project onto", items=PLANE_ITEMS, default="ACTIVE")
-    strokes: BoolProperty(
-        name="Stroke Width",
-        description="Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are "
-        "left out",
+    plane: choice("Plane", "Plane to project onto", PLANE_ITEMS, default="ACTIVE")
+    strokes: flag(
+        "Stroke Width",
+        "Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are left out",
         default=True,
     )
-    fill_holes: BoolProperty(name="Fill Holes", description="Leave holes out", default=False)
+    fill_holes: flag("Fill Holes", "Leave holes out")
     gap: length("Join Gaps", "Join parts that are closer than this")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and not any(map(paints, context.selected_objects)):
-            return "Select meshes, curves, texts or Grease Pencil drawings"
-        return super().unavailable(context)
+        if any(map(paints, context.selected_objects)):
+            return ""
+        return "Select meshes, curves, texts or Grease Pencil drawings"
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         chosen = [obj for obj in context.selected_objects if paints(obj)]
         active = context.view_layer.objects.active
         objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
@@ -65,7 +59,3 @@ class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
         select(context, made)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {counted(len(loops), 'loop')}")
-        return {"FINISHED"}
-
-
-CLASSES = (OBJECT_OT_nested_cages_silhouette,)

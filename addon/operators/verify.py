@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty
 
 from .. import record
 from ..animation import bake
@@ -15,40 +14,31 @@ from ..errors import UserError
 from ..following import claims
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
+from ..properties.kinds import flag
 from ..scene import convert, ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
-from .base import JobOperator, Outcome
+from .base import JobOperator
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
-    """Checks cages that may have been edited."""
+    """Check whether cages are simple and strictly enclose their contents on this frame, and select the vertices at
+    fault
+    """
 
-    bl_idname = "object.nested_cages_verify"
     bl_label = "Verify Cages"
-    bl_description = (
-        "Check whether cages are simple and strictly enclose their contents on this frame, and select the vertices "
-        "at fault"
-    )
-    bl_options = {"REGISTER", "UNDO"}
 
-    whole: BoolProperty(
-        name="Whole Animation",
-        description="Check all frames of the scene, up to the first with a fault",
-        default=False,
-        options={"SKIP_SAVE"},
-    )
+    whole: flag("Whole Animation", "Check all frames of the scene, up to the first with a fault", options={"SKIP_SAVE"})
 
     exclusive = True
+    modes = ("OBJECT", "POSE")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode not in {"OBJECT", "POSE"}:
-            return "Switch to Object Mode"
         if not _nested(context) and not waiting(chosen(context)):
             return "Select a drawing with its cages, or at least two objects of which one encloses the other"
         return ""
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         scene = scene_of(context)
         adopt(scene, chosen(context))
         chains = [claims.chain_of(context, objects) for objects in _nested(context, self.whole)]
@@ -72,7 +62,6 @@ class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
             self.report({"INFO"} if holds else {"WARNING"}, sentence)
         if at_fault and context.mode == "OBJECT":
             select(context, *reversed(at_fault))
-        return {"FINISHED"}
 
 
 def _check_not_stepping(scene: bpy.types.Scene, objects: Sequence[bpy.types.Object]) -> None:

@@ -4,28 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.props import BoolProperty, FloatProperty
+from .kinds import flag, number
 
 
 class PictureProperties:
     """The properties, as a mixin for Blender's classes."""
 
-    padding: FloatProperty(
-        name="Padding",
-        description="Distance in pixels between the outline and opaque pixels; none, unless set, around an opaque tile",
+    padding: number(
+        "Padding",
+        "Distance in pixels between the outline and opaque pixels; none, unless set, around an opaque tile",
         default=1.0,
         min=0.0,
         soft_max=32.0,
     )
-    threshold: FloatProperty(
-        name="Threshold",
-        description="Opacity above which a pixel counts as opaque",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    holes: BoolProperty(name="Holes", description="Keep holes open instead of filling them", default=False)
+    threshold: number("Threshold", "Opacity above which a pixel counts as opaque", min=0.0, max=1.0, subtype="FACTOR")
+    holes: flag("Holes", "Keep holes open instead of filling them")
 
 
 # Their names, which are those of the core's options.

@@ -7,9 +7,8 @@ from typing import Any
 import bpy
 
 from .. import record
-from .display import add_nodes_modifier, add_socket, new_node, set_input
-
-FILL = "Nested Cages Fill"
+from . import nodes
+from .display import add_nodes_modifier
 
 
 def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.types.Object | None) -> bpy.types.Object:
@@ -25,9 +24,8 @@ def make(collection: bpy.types.Collection, fine: bpy.types.Object, source: bpy.t
         copy.color = source.color
     for home in (source.users_collection if source is not None else ()) or (collection,):
         home.objects.link(copy)
-    modifier = add_nodes_modifier(copy, FILL, _nodes())
-    set_input(modifier, "Object", fine)
-    set_input(modifier, "Material", main_material(source) if source is not None else None)
+    material = main_material(source) if source is not None else None
+    add_nodes_modifier(copy, nodes.FILL, nodes.group(nodes.FILL), {"Object": fine, "Material": material})
     return copy
 
 
@@ -62,39 +60,3 @@ def _of_strokes(material: bpy.types.Material) -> bpy.types.Material:
         if shader is not None:
             shader.inputs["Base Color"].default_value = found.diffuse_color
     return found
-
-
-def _nodes() -> bpy.types.NodeTree:
-    """The node group that fills the outline of an object; one per file."""
-    tree = bpy.data.node_groups.get(FILL)
-    if tree is not None:
-        return tree
-    tree = bpy.data.node_groups.new(FILL, "GeometryNodeTree")
-    add_socket(tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
-    add_socket(tree, "INPUT", "NodeSocketGeometry", "Geometry")
-    add_socket(tree, "INPUT", "NodeSocketObject", "Object")
-    add_socket(tree, "INPUT", "NodeSocketMaterial", "Material")
-    start, source, lines, fill, paint, end = (
-        new_node(tree, kind)
-        for kind in (
-            "NodeGroupInput",
-            "GeometryNodeObjectInfo",
-            "GeometryNodeMeshToCurve",
-            "GeometryNodeFillCurve",
-            "GeometryNodeSetMaterial",
-            "NodeGroupOutput",
-        )
-    )
-    source.transform_space = "RELATIVE"
-    for output, target in (
-        (start.outputs["Object"], source.inputs["Object"]),
-        (source.outputs["Geometry"], lines.inputs["Mesh"]),
-        (lines.outputs["Curve"], fill.inputs[0]),
-        (fill.outputs[0], paint.inputs["Geometry"]),
-        (start.outputs["Material"], paint.inputs["Material"]),
-        (paint.outputs["Geometry"], end.inputs["Geometry"]),
-    ):
-        tree.links.new(output, target)
-    for place, node in enumerate((start, source, lines, fill, paint, end)):
-        node.location = (200.0 * place, 0.0)
-    return tree

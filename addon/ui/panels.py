@@ -13,7 +13,7 @@ from ..generation import output
 from ..generation.job import running
 from ..generation.levels import meanings, parse_levels
 from ..operators.base import last_fault
-from ..presets import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
+from ..operators.presets import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
 from ..properties import conversion, groups
 from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of

@@ -106,7 +106,7 @@ def without_short_edges(ring: FloatArray, width: float) -> FloatArray:
     """A ring (k, 2) without the second of two points that the mouth of a closed gap leaves next to each other."""
     step = np.roll(ring, -1, axis=0) - ring
     kept = np.roll(np.hypot(*step.T) > MARGIN * width, 1)
-    return ring[kept] if kept.sum() > 2 else ring
+    return ring[kept] if width > 0.0 and kept.sum() > 2 else ring
 
 
 def _perimeters(mesh: Mesh) -> list[float]:

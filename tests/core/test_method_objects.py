@@ -16,7 +16,6 @@ from nestedcages_core import (
     OwnDecimation,
     SequentialQP,
     Tightening,
-    TwoSidedFlow,
 )
 from nestedcages_core.geometry.triangulation import Sampling
 from nestedcages_core.published.gurditta_jacobson_2022 import PaperContact, SignedDistanceFlow
@@ -53,7 +52,6 @@ PARTS = [
     (SignedDistanceFlow, "quadrature"),
     (LevelSet, "simplification"),
     (Tightening, "solver"),
-    (TwoSidedFlow, "detours"),
 ]
 
 

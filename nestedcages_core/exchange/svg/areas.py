@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..libraries import load_shapely
-from ..limits import Budget
+from ..limits import Budget, invalid
 from .curves import flattened
 from .filters import Filter, Layer, filtered
 from .gradients import visible
@@ -109,9 +108,7 @@ class Areas:
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
         points = moved(path.points, matrix)
         if not np.abs(points).max() < MAX_COORDINATE:
-            raise NestedCagesError(
-                "The drawing has coordinates that are not finite, or too large; correct them.", code="file.invalid"
-            )
+            raise invalid("The drawing has coordinates that are not finite, or too large; correct them.")
         points = flattened(points, path.degrees, tolerance)
         self.budget.spend("points", len(points))
         return points

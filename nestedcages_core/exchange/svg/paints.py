@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..libraries import load_colours
+from ..libraries import load_css
 from .document import Document
 from .lengths import attribute, link_of, name_of, share
 from .style import Style, Styles
@@ -99,7 +99,7 @@ def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
         return Colour(1.0, light, (light, light, light))
     if not bright and (lower.isalpha() or OPAQUE.fullmatch(text)):
         return Colour()
-    parsed = load_colours().parse_color(text)
+    parsed = load_css()[0].color4.parse_color(text)
     if parsed is None or parsed == "currentcolor":
         return Colour()
     red, green, blue = (min(max(float(part), 0.0), 1.0) for part in parsed.to("srgb").coordinates)

@@ -9,8 +9,11 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
-from .properties import groups
-from .properties.settings import NAMES, settings_of
+from ..errors import UserError
+from ..properties import groups
+from ..properties.kinds import text
+from ..properties.settings import NAMES, settings_of
+from .base import Named, Operator
 
 TASKS = "nested_cages"
 METHODS = "nested_cages_methods"
@@ -91,33 +94,31 @@ class NESTEDCAGES_PT_method_presets(_Presets, bpy.types.Panel):
     preset_add_operator = "scene.nested_cages_method_preset_add"
 
 
-class SCENE_OT_nested_cages_use_preset(bpy.types.Operator):
-    """Applies a preset of the table."""
+class SCENE_OT_nested_cages_use_preset(Operator, bpy.types.Operator):
+    """Set everything that makes a cage as the preset has it"""
 
-    bl_idname = "scene.nested_cages_use_preset"
     bl_label = "Use Preset"
-    bl_description = "Set everything that makes a cage as the preset has it"
     bl_options = {"INTERNAL", "UNDO"}
+    modes = ()
+    during_jobs = True
 
-    name: bpy.props.StringProperty(name="Name", description="Name of the preset", options={"SKIP_SAVE"})
+    name: text("Name", "Name of the preset", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, _context: bpy.types.Context, properties: Any) -> str:
         found = _preset(properties.name)
         return found[0] if found is not None else cls.bl_description
 
-    def execute(self, context: bpy.types.Context) -> set[Any]:
+    def run(self, context: bpy.types.Context) -> None:
         settings, found = settings_of(context), _preset(self.name)
         if found is None:
             known = ", ".join(name for kind in PRESETS.values() for name in kind)
-            self.report({"ERROR"}, f"There is no preset '{self.name}': choose one of {known}")
-            return {"CANCELLED"}
+            raise UserError(f"There is no preset '{self.name}': choose one of {known}")
         for name in NAMES:
             if name not in KEPT:
                 settings.property_unset(name)
         for name, value in found[1].items():
             setattr(settings, name, value)
-        return {"FINISHED"}
 
 
 def _preset(name: str) -> tuple[str, Mapping[str, Any]] | None:
@@ -125,44 +126,21 @@ def _preset(name: str) -> tuple[str, Mapping[str, Any]] | None:
     return next((kind[name] for kind in PRESETS.values() if name in kind), None)
 
 
-class SCENE_OT_nested_cages_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
-    """Adds or removes a preset."""
+class SCENE_OT_nested_cages_preset_add(Named, AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
+    """Store the settings under a name, or remove a stored preset"""
 
-    bl_idname = "scene.nested_cages_preset_add"
     bl_label = "Add Nested Cages Preset"
-    bl_description = "Store the settings under a name, or remove a stored preset"
     preset_menu = "NESTEDCAGES_PT_presets"
     preset_subdir = TASKS
     preset_defines = ("settings = bpy.context.scene.nested_cages",)
     preset_values = tuple(f"settings.{name}" for name in NAMES)
 
 
-class SCENE_OT_nested_cages_method_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
-    """Adds or removes a preset of a method."""
+class SCENE_OT_nested_cages_method_preset_add(Named, AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
+    """Store the settings as a method under a name, or remove a stored one"""
 
-    bl_idname = "scene.nested_cages_method_preset_add"
     bl_label = "Add Method Preset"
-    bl_description = "Store the settings as a method under a name, or remove a stored one"
     preset_menu = "NESTEDCAGES_PT_method_presets"
     preset_subdir = METHODS
     preset_defines = SCENE_OT_nested_cages_preset_add.preset_defines
     preset_values = SCENE_OT_nested_cages_preset_add.preset_values
-
-
-CLASSES = (
-    NESTEDCAGES_PT_presets,
-    NESTEDCAGES_PT_method_presets,
-    SCENE_OT_nested_cages_use_preset,
-    SCENE_OT_nested_cages_preset_add,
-    SCENE_OT_nested_cages_method_preset_add,
-)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
