@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from .character import Character as Character
     from .character import Skeleton as Skeleton
     from .character import bone_weights as bone_weights
-    from .character import joints_of as joints_of
     from .character import suggest_bones as suggest_bones
+    from .character import with_joints as with_joints
     from .checker import Verdict as Verdict
     from .checker import check
     from .contact.ipc import IPC as IPC
@@ -232,7 +232,7 @@ _LATER = {
     ),
     "solver.newton": ("ProjectedNewton",),
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
-    "character": ("Bone", "Character", "Skeleton", "bone_weights", "joints_of", "suggest_bones"),
+    "character": ("Bone", "Character", "Skeleton", "bone_weights", "suggest_bones", "with_joints"),
     "checker": ("Verdict", "check"),
     "coordinates": ("Grids", "Harmonic", "MeanValue", "PiecewiseLinear", "cage_coordinates", "deform", "grids"),
     "exchange": (

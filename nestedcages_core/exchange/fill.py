@@ -141,46 +141,52 @@ def united(
     if not size > 0.0:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     unit = 2.0 ** np.ceil(np.log2(size))
+    clean = without_hairlines(shapely, shapely.union_all(parts), gap=seam, spike=spike)
+    note = clean.note(max(seam, spike)) if clean.gaps or clean.spikes else ""
     failed: InvalidMeshError | None = None
-    found: tuple[Mesh, str] | None = None
+    found: Mesh | None = None
     for grid in GRIDS:
-        clean = without_hairlines(
-            shapely, shapely.union_all(parts, grid_size=grid * unit if grid else None), gap=seam, spike=spike
-        )
         region = shapely.set_precision(clean.region, grid * unit) if grid else clean.region
-        note = clean.note(max(seam, spike)) if clean.gaps or clean.spikes else ""
         try:
             mesh = _mesh(shapely, region, max(seam, spike) if note else 0.0)
         except InvalidMeshError as error:
             failed = failed or error
             continue
         apart = not _nearly_touches(mesh)
-        if apart or found is None:
-            found = mesh, note
+        found = mesh if apart or found is None else found
         if apart:
             break
     if found is None:
         assert failed is not None
         raise failed
-    if notes is not None and found[1]:
-        notes.append(found[1])
-    return found[0]
+    if notes is not None and note:
+        notes.append(note)
+    return found
 
 
 def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
     """The mesh of a valid region, joined by thin necks where it touches itself; width: of hairlines that are gone."""
-    rings = [without_short_edges(ring, width) for ring in rings_of(shapely, region)]
+    rings = rings_of(shapely, region)
     if not rings:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     with suppress(InvalidMeshError):
-        return Mesh.from_loops(rings)
+        return _without_remnants(rings, width)
     starts, ends = _edges_of(rings)
     edges = shapely.linestrings(np.stack((starts, ends), axis=1))
     vertex, _ = shapely.STRtree(edges).query(shapely.points(starts), predicate="intersects")
     touching = np.unique(starts[np.bincount(vertex, minlength=len(starts)) > 2], axis=0)
     reach = max(NECK_PER_SIZE * np.sqrt(region.area), LEAST_NECK * np.abs(region.bounds).max())
     necks = shapely.buffer(shapely.points(touching), reach, quad_segs=1)
-    return Mesh.from_loops(rings_of(shapely, shapely.union_all([region, *necks])))
+    rings = rings_of(shapely, shapely.union_all([region, *necks]))
+    with suppress(InvalidMeshError):
+        return _without_remnants(rings, width)
+    return Mesh.from_loops(rings)
+
+
+def _without_remnants(rings: list[FloatArray], width: float) -> Mesh:
+    """The mesh of rings without the short edges and specks that closed gaps leave. Raises InvalidMeshError."""
+    wide = [without_short_edges(ring, width) for ring in rings if np.ptp(ring, axis=0).max() >= width]
+    return Mesh.from_loops(wide or rings)
 
 
 def _nearly_touches(mesh: Mesh) -> bool:

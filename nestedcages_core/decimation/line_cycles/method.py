@@ -43,6 +43,10 @@ MOST_LINES = 128
 """Vertices of the largest loop's cage up to which cycles are sought: time grows with their square, and the hull
 is looser by about a twentieth there."""
 
+MOST_LOOPS = 64
+"""Number of loops up to which cycles are sought, some 8 ms each; for more the hull takes an eighth of the time, and its
+excess is larger by a twentieth."""
+
 BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept (docs/ablation.md: line cycles: ways to
 clear crossings)."""
@@ -126,7 +130,7 @@ class LineCycles:
         """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
         plain = self.symmetry is None and self.importance is None
         largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
-        if plain and largest > MOST_LINES:
+        if plain and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
             return (yield from OuterHull().hull(request, clearance)), HULL
         mesh, rounds = yield from cycles_around(self, request, clearance)
         if rounds and plain:
