@@ -1,4 +1,4 @@
-"""Several objects as one drawing: their painted areas united, with edges short enough for vertices at joints."""
+"""Several objects as one drawing: their painted areas united, with edges short enough to bend."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..scene.convert import Drawing
 from ..scene.plane import size
 from ..scene.uniting import stored
 
-# Longest edge of the outline as a fraction of its size: a cage can have a vertex wherever a joint needs one.
+# Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
 
 

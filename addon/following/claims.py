@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys, record
+from .. import record
 from ..animation import shape_keys
 from ..binding import field
 from ..core import core
@@ -122,7 +122,9 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         theirs = [part.object for part in found.sources if part.object is not None]
         if not theirs:
             continue
-        ids = [id.session_uid for obj in (*theirs, *_shown(theirs[0])) for id in (obj, obj.data) if id is not None]
+        ids = [
+            id.session_uid for obj in (*theirs, *record.shown_in(theirs[0])) for id in (obj, obj.data) if id is not None
+        ]
         if theirs[0].session_uid in _stood and touched.keys().isdisjoint(ids):
             continue  # most of many sets, at each move of the mouse
         cages = {cage.session_uid for cage in ownership.members(collection)[1:]}
@@ -135,12 +137,6 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _changed[collection.name] = time.perf_counter()
             if not bpy.app.timers.is_registered(_on_timer):
                 bpy.app.timers.register(_on_timer, first_interval=live.REST)
-
-
-def _shown(source: bpy.types.Object) -> list[bpy.types.Object]:
-    """What a silhouette shows."""
-    found = source.get(keys.OTHERS)
-    return [obj for obj in found.values() if isinstance(obj, bpy.types.Object)] if hasattr(found, "values") else []
 
 
 def _carried(collection: bpy.types.Collection) -> list[bpy.types.Object]:

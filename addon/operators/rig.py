@@ -42,7 +42,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     bl_label = "Rig with Armature"
 
-    vertices: whole("Vertices", "Vertices of the cage; 0: as many as parts and joints need", min=0)
+    vertices: whole("Vertices", "Vertices of the cage besides those at joints; 0: as many as its loops need", min=0)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:

@@ -39,4 +39,5 @@ def _appended(kind: str, name: str) -> Any:
     with libraries.load(str(FILE), link=False) as (_, here):
         getattr(here, kind).append(name)
     (found,) = getattr(here, kind)
+    found.use_fake_user = False
     return found

@@ -160,3 +160,8 @@ def _near_pairs_by_cells(
 def position_in_group(counts: IntArray) -> IntArray:
     """0, 1, …, counts[0]-1, 0, 1, …, counts[1]-1, …: the position of every member in its group."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def split_by(group: IntArray, count: int) -> list[IntArray]:
+    """The indices of each of some groups, ascending; group: (K,) that of each index."""
+    return np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group, minlength=count))[:-1])
