@@ -22,7 +22,7 @@ export OMP_NUM_THREADS ?= 1
 LIMIT := $(shell command -v timeout >/dev/null 2>&1 && echo timeout -k 10)
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-fast mutants coverage lint docs pictures paper bench extension release test-blender clean
+.PHONY: help demo test test-fast mutants coverage lint docs pictures paper bench extension nodes release test-blender clean
 
 help:
 	@echo "make demo    draws cages around examples/letter_a.svg in Blender: build/demo/letter_a.blend and .png"
@@ -37,6 +37,7 @@ help:
 	@echo "make bench   measures time, tightness and growth: renews docs/performance.md"
 	@echo "make release   puts the extension, its listing, wheel, sdist, site and checksums into dist/"
 	@echo "make extension     builds the extension's zips in dist/, installs the Linux one in a clean Blender and tries it"
+	@echo "make nodes   builds the node groups and materials that the extension appends: addon/scene/nodes.blend"
 	@echo "make test-blender  runs the add-on's tests on every Blender supported"
 	@echo "make clean   removes the environments and everything built"
 
@@ -95,6 +96,11 @@ extension: $(TEST_ENV)/ready
 	@$(TEST_ENV)/bin/python examples/check_bpy.py
 	$(TEST_ENV)/bin/python packaging/build_extension.py
 	$(TEST_ENV)/bin/python packaging/try_extension.py
+
+# In the oldest Blender supported, so that all read the file.
+nodes:
+	@test -e .venv-bpy-4.2.23/ready || $(MAKE) test-blender-3.11-4.2.23
+	.venv-bpy-4.2.23/bin/python packaging/node_groups.py
 
 release: $(TEST_ENV)/ready docs
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[packaging,examples]"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from . import operators, presets
+from . import operators
 from .following import claims
 from .properties import schema, settings
 from .ui import manual, menus, overlay, panels, preferences
 
 # In the order of registration; each knows only those before it.
-_ROOMS = (settings, schema, operators, claims, presets, panels, preferences, menus, overlay, manual)
+_ROOMS = (settings, schema, operators, claims, panels, preferences, menus, overlay, manual)
 
 
 def register() -> None:

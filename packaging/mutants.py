@@ -37,9 +37,8 @@ ROOT = Path(__file__).resolve().parents[1]
 CORE = "nestedcages_core/"
 SURVIVORS = Path(__file__).with_name("survivors.json")
 TESTS = {
-    "geometry/predicates/": "test_predicates.py",
+    "geometry/predicates/": "test_predicates.py test_nesting.py test_deliberate_faults.py",
     "geometry/mesh/nesting.py": "test_nesting.py test_verification.py",
-    "geometry/grid.py": "test_grid.py",
     "verification/certificate.py": "test_verification.py",
     "verification/motion.py": "test_motion.py test_deliberate_faults.py",
     "verification/linear_motion.py": "test_motion.py",

@@ -23,11 +23,11 @@ from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
 from ..rigging.rig import Rig
-from ..scene import display, filling, ownership
+from ..scene import display, filling, nodes, ownership
 from ..scene.areas import paints
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
 from ..scene.selection import scene_of
-from . import field, legacy, node_groups
+from . import field, legacy
 
 # Relative change of a clearance that is more than round-off.
 CHANGED = 1e-3
@@ -69,7 +69,7 @@ def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: s
         return (yield from _connect(context, collection, levels, method))
     except BaseException:
         unbind(collection)
-        node_groups.remove_unused()
+        nodes.remove_unused()
         raise
 
 
@@ -348,6 +348,6 @@ def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> 
     helper.hide_viewport = helper.hide_select = True
     helper.parent = obj
     collection.objects.link(helper)
-    node_groups.add(helper, node_groups.EDGES, Object=obj)
+    display.add_nodes_modifier(helper, nodes.EDGES, nodes.group(nodes.EDGES), {"Object": obj})
     helper.color = obj.color
     display.set_thickness(helper, thickness)

@@ -14,10 +14,9 @@ from .. import keys, record
 from ..core import core
 from ..errors import UserError
 from ..generation.memory import remembered
-from ..scene import display, filling, placement
+from ..scene import display, filling, nodes, placement
 from ..scene.areas import instances_collection
 from ..scene.plane import size, space_to_space, transform
-from . import node_groups
 
 HARMONIC: Final = "HARMONIC"
 LINEAR: Final = "LINEAR"
@@ -48,10 +47,10 @@ def make(cage: bpy.types.Object, space: bpy.types.Object, method: str) -> bpy.ty
         "field", outline.vertices, outline.edges, sampling,
     )  # fmt: skip
     if field.weights.size > MAX_WEIGHTS:
-        data, shows = filling.filled(name, _in(space, cage, corners), outline), node_groups.SAME
+        data, shows = filling.filled(name, _in(space, cage, corners), outline), nodes.SAME
     else:
         height = np.full(len(field.vertices), corners[0, 2])
-        data, shows = bpy.data.meshes.new(name), node_groups.WEIGHTED
+        data, shows = bpy.data.meshes.new(name), nodes.WEIGHTED
         places = _in(space, cage, np.column_stack([field.vertices, height]))
         data.from_pydata(places.tolist(), [], field.triangles.tolist())
         for number, weights in enumerate(field.weights.T.astype(np.float32)):
@@ -63,7 +62,7 @@ def make(cage: bpy.types.Object, space: bpy.types.Object, method: str) -> bpy.ty
     for collection in cage.users_collection:
         collection.objects.link(made)
     placement.carry(made, space)
-    node_groups.add(made, shows, Object=cage)
+    display.add_nodes_modifier(made, shows, nodes.group(shows), {"Object": cage})
     return made
 
 
@@ -76,15 +75,11 @@ def follow(obj: bpy.types.Object, field: bpy.types.Object, *, in_place: bool) ->
         raise UserError(problem)
     if instances_collection(obj):
         obj = _proxy(obj)
-    modifier = obj.modifiers.new(FOLLOW, "NODES")
-    assert isinstance(modifier, bpy.types.NodesModifier)
-    modifier.node_group = node_groups.group(node_groups.FOLLOW)
-    display.set_input(modifier, "Object", field)
-    display.set_input(modifier, "In Place", in_place)
-    display.set_input(modifier, "Subdivide", _halvings(obj))
+    inputs = {"Object": field, "In Place": in_place, "Subdivide": _halvings(obj)}
     empty = record.shown(obj, record.PROXY)
     if empty is not None:
-        display.set_input(modifier, "Collection", empty.instance_collection)
+        inputs["Collection"] = empty.instance_collection
+    display.add_nodes_modifier(obj, FOLLOW, nodes.group(nodes.FOLLOW), inputs)
 
 
 def leave_place(obj: bpy.types.Object) -> None:
@@ -117,7 +112,7 @@ def field_of(cage: bpy.types.Object) -> bpy.types.Object | None:
 def followed(obj: bpy.types.Object) -> bpy.types.Object | None:
     """The field that an object follows, or the object that shows what it instances."""
     modifier = display.nodes_modifier(shown_by(obj), FOLLOW)
-    if modifier is None or modifier.node_group != bpy.data.node_groups.get(node_groups.FOLLOW):
+    if modifier is None or modifier.node_group != bpy.data.node_groups.get(nodes.FOLLOW):
         return None
     found: bpy.types.Object | None = display.get_input(modifier, "Object")
     return found

@@ -6,48 +6,16 @@ import bpy
 
 from ..following import live as following_live
 from ..generation.job import running
-from . import (
-    adopt,
-    bake,
-    bind,
-    cutout,
-    exporters,
-    fault,
-    follow,
-    handles,
-    image_outline,
-    importers,
-    levels,
-    live,
-    pieces,
-    report,
-    rig,
-    silhouette,
-)
-from .generate import OBJECT_OT_nested_cages_cancel, OBJECT_OT_nested_cages_generate
-from .verify import OBJECT_OT_nested_cages_verify
+from . import bake, bind, exporters, follow, generate, importers, levels, parts, pictures, verify
 
-CLASSES = (
-    OBJECT_OT_nested_cages_generate,
-    OBJECT_OT_nested_cages_cancel,
-    OBJECT_OT_nested_cages_verify,
-    *adopt.CLASSES,
-    *fault.CLASSES,
-    *bake.CLASSES,
-    *bind.CLASSES,
-    *handles.CLASSES,
-    *rig.CLASSES,
-    *report.CLASSES,
-    *follow.CLASSES,
-    *live.CLASSES,
-    *importers.CLASSES,
-    *exporters.CLASSES,
-    *pieces.CLASSES,
-    *levels.CLASSES,
-    *image_outline.CLASSES,
-    *cutout.CLASSES,
-    *silhouette.CLASSES,
-)
+_ROOMS = (generate, verify, bake, bind, parts, follow, importers, exporters, pictures, levels)
+CLASSES = [
+    found
+    for room in _ROOMS
+    for found in vars(room).values()
+    if isinstance(found, type) and issubclass(found, (bpy.types.Operator, bpy.types.FileHandler, bpy.types.Panel))
+    if found.__module__ == room.__name__
+]
 
 
 def register() -> None:

@@ -22,12 +22,9 @@ class OnAnimation(OutputOperator):
 
 
 class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
-    """Bakes the animation into one action."""
+    """Put the animation of the drawing and all of its cages into one action with a slot for each"""
 
-    bl_idname = "object.nested_cages_bake_action"
     bl_label = "Bake to One Action"
-    bl_description = "Put the animation of the drawing and all of its cages into one action with a slot for each"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -40,16 +37,10 @@ class OBJECT_OT_nested_cages_bake_action(OnAnimation, bpy.types.Operator):
 
 
 class OBJECT_OT_nested_cages_remove_animation(OnAnimation, bpy.types.Operator):
-    """Removes the animation and keeps the result."""
+    """Remove the steps, their keyframes and markers, and keep the finished cages"""
 
-    bl_idname = "object.nested_cages_remove_animation"
     bl_label = "Remove Animation, Keep Cages"
-    bl_description = "Remove the steps, their keyframes and markers, and keep the finished cages"
-    bl_options = {"REGISTER", "UNDO"}
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
         bake.remove(scene_of(context), collection)
         yield from ()
-
-
-CLASSES = (OBJECT_OT_nested_cages_bake_action, OBJECT_OT_nested_cages_remove_animation)

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import bpy
-from bpy.props import BoolProperty
 
 from .. import record
 from ..binding.adoption import adopt, waiting
 from ..errors import Fault, UserError, counted
 from ..generation.job import TICK, Job, Work, completed, part, running
+from ..properties.kinds import flag
 from ..scene import ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of
 
@@ -40,12 +40,35 @@ else:
     Mixin = object
 
 
-class Reporting(Mixin):
-    """Says why it is not available, and reports user errors."""
+class Named(Mixin):
+    """The name of an operator's class is its identifier, and its docstring what the user reads about it."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        room, is_operator, name = cls.__name__.partition("_OT_")
+        if is_operator:
+            cls.bl_idname, cls.bl_description = f"{room.lower()}.{name}", " ".join((cls.__doc__ or "").split())
+
+
+class Operator(Named):
+    """The pattern of all operators: a poll with a reason, options, and `run`, whose errors the user sees.
+
+    `modes`: where it works; anywhere if there are none. `during_jobs`: whether it works while a job is running.
+    """
+
+    bl_options = {"REGISTER", "UNDO"}
+    modes: tuple[str, ...] = ("OBJECT",)
+    wrong_mode = "Switch to Object Mode"
+    during_jobs = False
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        problem = "Wait for the job that is running, or press Escape" if running() else cls.unavailable(context)
+        if running() and not cls.during_jobs:
+            problem = "Wait for the job that is running, or press Escape"
+        elif cls.modes and context.mode not in cls.modes:
+            problem = cls.wrong_mode
+        else:
+            problem = cls.unavailable(context)
         if problem:
             cls.poll_message_set(problem)
         return not problem
@@ -53,7 +76,18 @@ class Reporting(Mixin):
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
         """Why the operator cannot be used now; empty if it can."""
-        return "" if context.mode == "OBJECT" else "Switch to Object Mode"
+        return ""
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Does what the operator is for. Raises: UserError, with nothing changed."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> Outcome:
+        try:
+            self.run(context)
+        except UserError as error:
+            return self.fail(error)
+        return {"FINISHED"}
 
     def fail(self, error: UserError) -> Outcome:
         """Reports the error and stores its place; the operator has changed nothing."""
@@ -70,7 +104,7 @@ class Reporting(Mixin):
             self.report({"WARNING"}, f"{counted(len(problems), noun)} skipped, see the Info editor")
 
 
-class JobOperator(Reporting):
+class JobOperator(Operator):
     """An operator whose work is a generator: run at once when executed, in slices with progress when invoked.
 
     Scripts, redo and Blender in the background execute it at once.
@@ -80,18 +114,15 @@ class JobOperator(Reporting):
     exclusive = False
 
     # Blender evaluates annotations of classes; with generic ones, version 4.2 crashes on exit.
-    _job = None  # type: Job[Outcome] | None
+    _job = None  # type: Job[None] | None
     _timer: Any = None
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         """Reads the scene before its first progress, computes, and writes at the end. Raises: UserError."""
         raise NotImplementedError
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        try:
-            return completed(self.work(context))
-        except UserError as error:
-            return self.fail(error)
+    def run(self, context: bpy.types.Context) -> None:
+        completed(self.work(context))
 
     def prepare(self, context: bpy.types.Context) -> None:
         """Sets what was not given when a user invokes the operator, not a script."""
@@ -105,7 +136,7 @@ class JobOperator(Reporting):
         job = Job(self.work(context))
         try:
             if job.advance(0.0):
-                return job.result
+                return {"FINISHED"}
         except UserError as error:
             return self.fail(error)
         self._job = job
@@ -138,7 +169,7 @@ class JobOperator(Reporting):
             raise
         self.cancel(context)
         self.show_result_in(context)
-        return job.result
+        return {"FINISHED"}
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Changes the views of the window in which the work has ended."""
@@ -165,17 +196,14 @@ class JobOperator(Reporting):
 
 class OutputOperator(JobOperator):
     """Works on the outputs of all selected drawings, one after the other. `purpose`: what inner cages cannot be used
-    for, if they cannot. `modes`: where it works. `both`: on cages around a drawing and on those inside.
+    for, if they cannot. `both`: on cages around a drawing and on those inside.
     """
 
     purpose = ""
     both = False
-    modes: tuple[str, ...] = ("OBJECT",)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode not in cls.modes:
-            return "Switch to Object Mode"
         found = outputs_of_chosen(context, both=cls.both)
         if not found:
             return "" if waiting(chosen(context)) else NOTHING
@@ -193,7 +221,7 @@ class OutputOperator(JobOperator):
         """Why the operator cannot be used on this output; empty if it can."""
         return ""
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         adopt(scene_of(context), chosen(context))
         found = outputs_of_chosen(context, both=self.both)
         suitable = [collection for collection in found if not self._why_not(collection)]
@@ -212,7 +240,6 @@ class OutputOperator(JobOperator):
             record.keep(collection)
         self.finish(context, done)
         self.tell_skipped(problems)
-        return {"FINISHED"}
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[Any]:
         """The work on one output. Raises: UserError, with nothing changed."""
@@ -227,12 +254,10 @@ class DialogJobOperator(JobOperator):
     slices, so the operator is invoked again without a dialog.
     """
 
-    answered: BoolProperty(
-        name="Answered", description="Start without asking for options", default=False, options={"HIDDEN", "SKIP_SAVE"}
-    )
+    answered: flag("Answered", "Start without asking for options", options={"HIDDEN", "SKIP_SAVE"})
     _asked = False
 
-    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Outcome:
+    def ask(self, context: bpy.types.Context, event: bpy.types.Event) -> Any:
         """Opens the dialog."""
         raise NotImplementedError
 
@@ -240,7 +265,8 @@ class DialogJobOperator(JobOperator):
         if self.answered or bpy.app.background or context.window is None:
             return super().invoke(context, event)
         self._asked = True
-        return self.ask(context, event)
+        asked: Outcome = self.ask(context, event)
+        return asked
 
     def execute(self, context: bpy.types.Context) -> Outcome:
         if not self._asked:

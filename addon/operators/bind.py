@@ -1,19 +1,20 @@
-"""Bind to Cages: move, key, sculpt or rig a cage, and its contents follow."""
+"""Bind, Rebind, Unbind, handles at the corners of a bound cage, and Adopt."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import EnumProperty
 
-from ..binding import binding
+from ..binding import binding, handles
+from ..binding.adoption import adopt, waiting
 from ..binding.field import HARMONIC, LINEAR, NAMES
-from ..errors import UserError
+from ..errors import UserError, counted
 from ..generation.job import Work
-from ..scene import ownership
-from ..scene.selection import select
-from .base import OutputOperator
+from ..properties.kinds import choice
+from ..scene import filling, ownership
+from ..scene.selection import chosen, scene_of, select
+from .base import Operator, OutputOperator
 
 METHOD_ITEMS = (
     ("AUTO", "Automatic", "Harmonic; linear where that would take too many weights to play"),
@@ -28,7 +29,6 @@ ALL_EDGES, OUTLINES = 1.0, 0.5
 class BindingOperator(OutputOperator):
     """Works on outputs that are bound, or are not bound yet."""
 
-    bl_options = {"REGISTER", "UNDO"}
     needs_bound = True
     purpose = "move it: select cages around it"
     exclusive = True
@@ -44,12 +44,7 @@ class BindingOperator(OutputOperator):
 class LinkOperator(BindingOperator):
     """Base of Bind and Rebind."""
 
-    method: EnumProperty(
-        name="Method",
-        description="How each level follows the next coarser one",
-        items=METHOD_ITEMS,
-        default="AUTO",
-    )
+    method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Hides edges between coplanar triangles in the 3D view, unless the user has changed that setting."""
@@ -75,31 +70,24 @@ class LinkOperator(BindingOperator):
 
 
 class OBJECT_OT_nested_cages_bind(LinkOperator, bpy.types.Operator):
-    """Binds every level to the next one."""
+    """Make the drawing follow its cages: move, key, sculpt or rig the coarsest one, and edit finer ones for detail. The
+    file works without the add-on
+    """
 
-    bl_idname = "object.nested_cages_bind"
     bl_label = "Bind to Cages"
-    bl_description = (
-        "Make the drawing follow its cages: move, key, sculpt or rig the coarsest one, and edit finer ones for detail. "
-        "The file works without the add-on"
-    )
     needs_bound = False
 
 
 class OBJECT_OT_nested_cages_rebind(LinkOperator, bpy.types.Operator):
-    """Binds again to edited cages."""
+    """Bind the drawing in its original shape to the cages as they are now"""
 
-    bl_idname = "object.nested_cages_rebind"
     bl_label = "Rebind"
-    bl_description = "Bind the drawing in its original shape to the cages as they are now"
 
 
 class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
-    """Restores cages and drawing."""
+    """Restore cages and drawing as they were before binding, with their animation"""
 
-    bl_idname = "object.nested_cages_unbind"
     bl_label = "Unbind"
-    bl_description = "Restore cages and drawing as they were before binding, with their animation"
 
     def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[None]:
         problem = next(filter(None, map(ownership.why_locked, ownership.members(collection))), "")
@@ -110,4 +98,56 @@ class OBJECT_OT_nested_cages_unbind(BindingOperator, bpy.types.Operator):
         yield from ()
 
 
-CLASSES = (OBJECT_OT_nested_cages_bind, OBJECT_OT_nested_cages_rebind, OBJECT_OT_nested_cages_unbind)
+class OBJECT_OT_nested_cages_adopt(Operator, bpy.types.Operator):
+    """Give copied, appended or instanced cages, or cages without their collection, to the selected drawing as its own.
+    All other operators do so too
+    """
+
+    bl_label = "Adopt Cages"
+    modes = ()
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if waiting(chosen(context)):
+            return ""
+        return "Select a drawing whose cages were copied with it, or have lost their collection"
+
+    def run(self, context: bpy.types.Context) -> None:
+        made = adopt(scene_of(context), chosen(context))
+        self.report({"INFO"}, f"{counted(len(made), 'set')} of cages adopted")
+
+
+KIND_ITEMS = (
+    (handles.BONES, "Bones", "One armature with a bone per corner"),
+    (handles.EMPTIES, "Empties", "An empty with a hook per corner"),
+)
+
+
+class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
+    """Add a bone or an empty per corner of the coarsest cage to move that corner and the drawing"""
+
+    bl_label = "Add Handles"
+    purpose = "move it: select cages around it"
+
+    kind: choice("Handles", "What moves a corner", KIND_ITEMS, default=handles.BONES)
+
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        if not ownership.is_bound(collection):
+            return "Bind the drawing to its cages first"
+        cage = ownership.members(collection)[-1]
+        if handles.handles_of(cage):
+            return f"'{cage.name}' has handles already"
+        return "" if cage.is_editable else f"'{cage.name}' cannot be changed because it is linked from another file"
+
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[bpy.types.Object]:
+        yield from ()
+        return ownership.members(collection)[-1]
+
+    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, bpy.types.Object]]) -> None:
+        cages = [cage for _, cage in done]
+        select(context, *handles.add(context, cages, self.kind))
+        if self.kind == handles.BONES:
+            bpy.ops.object.mode_set(mode="POSE")
+        number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
+        self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")

@@ -1,4 +1,4 @@
-"""Cages as other objects and as files."""
+"""Cages as other objects, as convex pieces and as files."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..characters import engine
 from ..errors import UserError, counted
-from ..io import exporters
+from ..io import exporters, pieces
+from ..properties.kinds import choice, flag, length, number, text, whole
 from ..scene import convert, ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
-from .base import Outcome, Reporting
+from .base import Operator, Outcome
 
 SHAPE_ITEMS = (
     ("CURVE", "Curves", "Filled 2D curves"),
@@ -36,109 +36,66 @@ FILE_ITEMS = (
 SUFFIXES = {"SVG": ".svg", "GEOJSON": ".geojson", "ENGINE": ".json", "CHARACTER": ".json"}
 
 
-class OnOutlines(Reporting):
-    """Works on the selected outlines, as they are on this frame. `modes`: where it works."""
-
-    modes: tuple[str, ...] = ("OBJECT",)
+class OnOutlines(Operator):
+    """Works on the selected outlines, as they are on this frame."""
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode not in cls.modes:
-            return "Switch to Object Mode"
         return "" if outlines(context) else "Select cages, or other objects with a closed outline"
 
 
 class OBJECT_OT_nested_cages_to_objects(OnOutlines, bpy.types.Operator):
-    """Makes curves, faces or prisms from cages."""
+    """Make new objects from the selected cages: as on this frame, or as faces that play the animation"""
 
-    bl_idname = "object.nested_cages_to_objects"
     bl_label = "Cages to Objects"
-    bl_description = "Make new objects from the selected cages: as on this frame, or as faces that play the animation"
-    bl_options = {"REGISTER", "UNDO"}
 
-    shape: EnumProperty(name="Shape", description="Object type to create", items=SHAPE_ITEMS, default="FILLED")
-    height: FloatProperty(
-        name="Height",
-        description="Height of the prisms; 0 uses a fifth of the outline's size",
-        default=0.0,
-        min=0.0,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
+    shape: choice("Shape", "Object type to create", SHAPE_ITEMS, default="FILLED")
+    height: length("Height", "Height of the prisms; 0 uses a fifth of the outline's size", soft_max=10.0)
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        try:
-            objects = outlines(context)
-            if self.shape == "ANIMATED":
-                made = exporters.make_animated(objects)
-            else:
-                made = exporters.make(context, objects, self.shape, self.height)
-        except UserError as error:
-            return self.fail(error)
+    def run(self, context: bpy.types.Context) -> None:
+        objects = outlines(context)
+        if self.shape == "ANIMATED":
+            made = exporters.make_animated(objects)
+        else:
+            made = exporters.make(context, objects, self.shape, self.height)
         select(context, *made)
-        return {"FINISHED"}
 
 
 class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Writes outlines to a file."""
+    """Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file"""
 
-    bl_idname = "object.nested_cages_export"
     bl_label = "Export Cages"
-    bl_description = (
-        "Write the selected outlines, or a drawing with all of its cages, as they are on this frame, to a file"
-    )
     bl_options = {"REGISTER", "PRESET"}
     modes = ("OBJECT", "POSE")
 
-    filepath: StringProperty(
-        name="File Path", description="File to write", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
-    )
-    filter_glob: StringProperty(
-        name="Filter",
-        description="Files that are shown",
+    filepath: text("File Path", "File to write", subtype="FILE_PATH", options={"SKIP_PRESET"})
+    filter_glob: text(
+        "Filter",
+        "Files that are shown",
         default=";".join(f"*{ending}" for ending in SUFFIXES.values()),
         options={"HIDDEN"},
     )
-    kind: EnumProperty(name="Format", description="File format", items=FILE_ITEMS, default="SVG")
-    flip_y: BoolProperty(
-        name="Y Down", description="Let the y axis point down, as in images, SVG and most 2D engines", default=True
-    )
-    world: BoolProperty(
-        name="World",
-        description="Write world coordinates, seen from the top, front or right, instead of the first object's",
-        default=False,
-    )
-    scale: FloatProperty(
-        name="Scale",
-        description=(
-            "Units in the file per unit of the scene, such as pixels per metre; 1 writes an SVG at its size in the "
-            "scene's unit of length"
-        ),
+    kind: choice("Format", "File format", FILE_ITEMS, default="SVG")
+    flip_y: flag("Y Down", "Let the y axis point down, as in images, SVG and most 2D engines", default=True)
+    world: flag("World", "Write world coordinates, seen from the top, front or right, instead of the first object's")
+    scale: number(
+        "Scale",
+        "Units in the file per unit of the scene, such as pixels per metre; 1 writes an SVG at its size in the "
+        "scene's unit of length",
         default=1.0,
         min=1e-9,
         soft_max=1000.0,
     )
-    triangles: BoolProperty(
-        name="Triangles",
-        description="Add triangles to a collision outline, for engines that need them",
-        default=False,
-    )
-    pieces: IntProperty(
-        name="Convex Pieces",
-        description=(
-            "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
-            "as Box2D, which takes 8; 0 adds none"
-        ),
-        default=0,
+    triangles: flag("Triangles", "Add triangles to a collision outline, for engines that need them")
+    pieces: whole(
+        "Convex Pieces",
+        "Add convex pieces of at most this many vertices to a collision outline, for engines that need these, such "
+        "as Box2D, which takes 8; 0 adds none",
         min=0,
         soft_max=16,
     )
 
-    frames: BoolProperty(
-        name="All Frames",
-        description="Add the outlines of a character on all frames of the scene",
-        default=False,
-    )
+    frames: flag("All Frames", "Add the outlines of a character on all frames of the scene")
 
     @property
     def filename_ext(self) -> str:
@@ -152,35 +109,31 @@ class OBJECT_OT_nested_cages_export(OnOutlines, ExportHelper, bpy.types.Operator
         asked: Any = super().invoke(context, event)
         return {*asked}
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
-        try:
-            if not self.filepath:
-                raise UserError("Choose a file to write")
-            path = Path(bpy.path.abspath(self.filepath))
-            if self.kind == "CHARACTER":
-                return self._character(context, path)
-            objects = coarsest(context) if self.kind == "ENGINE" else outlines(context)
-            shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
-            extras = exporters.Extras(
-                self.triangles,
-                max(3, self.pieces) if self.pieces else 0,
-                [ownership.depth_of(obj) for obj in objects] if any(map(ownership.level_of, objects)) else None,
-                exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
-            )
-            count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, extras=extras)
-        except UserError as error:
-            return self.fail(error)
+    def run(self, context: bpy.types.Context) -> None:
+        if not self.filepath:
+            raise UserError("Choose a file to write")
+        path = Path(bpy.path.abspath(self.filepath))
+        if self.kind == "CHARACTER":
+            self._character(context, path)
+            return
+        objects = coarsest(context) if self.kind == "ENGINE" else outlines(context)
+        shapes = exporters.meshes(context, objects, world=self.world, scale=self.scale)
+        extras = exporters.Extras(
+            self.triangles,
+            max(3, self.pieces) if self.pieces else 0,
+            [ownership.depth_of(obj) for obj in objects] if any(map(ownership.level_of, objects)) else None,
+            exporters.paper(context, objects[0], world=self.world) if self.scale == 1.0 else None,
+        )
+        count = exporters.write(path, self.kind, shapes, flip_y=self.flip_y, extras=extras)
         self.report({"INFO"}, f"{counted(count, 'outline')} written to {path.name}")
-        return {"FINISHED"}
 
-    def _character(self, context: bpy.types.Context, path: Path) -> Outcome:
+    def _character(self, context: bpy.types.Context, path: Path) -> None:
         """Writes the rigged drawing of the selection. Raises: UserError."""
         found = outputs_of_chosen(context)
         if len(found) != 1:
             raise UserError("Select one rigged drawing, or its cage: a file has one character")
         exporters.write_file(path, engine.json_of(context, found[0], flip_y=self.flip_y, frames=self.frames))
         self.report({"INFO"}, f"'{found[0].name}' written to {path.name}")
-        return {"FINISHED"}
 
 
 def outlines(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -208,4 +161,34 @@ def coarsest(context: bpy.types.Context) -> list[bpy.types.Object]:
     return [obj for obj in found if obj not in finer]
 
 
-CLASSES = (OBJECT_OT_nested_cages_to_objects, OBJECT_OT_nested_cages_export)
+BODY_ITEMS = (
+    ("NONE", "None", "Objects alone"),
+    (pieces.PASSIVE, "Passive", "Each piece is a static rigid body with the shape of its convex hull"),
+    (pieces.ACTIVE, "Active", "One dynamic rigid body per cage, compounded of its pieces"),
+)
+
+
+class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
+    """Make objects that tile the selected cages, or the coarsest cage of a drawing, with convex polygons of few
+    vertices, for collisions
+    """
+
+    bl_label = "Convex Pieces"
+
+    most: whole("Vertices", "Maximum number of vertices of a piece; Box2D takes 8", default=8, min=3, soft_max=32)
+    height: length(
+        "Height",
+        "Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
+        soft_max=10.0,
+    )
+    body: choice("Rigid Body", "What the pieces do in a simulation", BODY_ITEMS)
+
+    def run(self, context: bpy.types.Context) -> None:
+        objects = coarsest(context)
+        made = pieces.make(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
+        if self.body == pieces.ACTIVE:
+            select(context, *(group[0] for group in made))
+        else:
+            select(context, *(obj for group in made for obj in group))
+        number = sum(len(group) - (self.body == pieces.ACTIVE) for group in made)
+        self.report({"INFO"}, f"{counted(number, 'convex piece')} of at most {self.most} vertices")

@@ -1,4 +1,4 @@
-"""Follow Animation: cages around a drawing that moves."""
+"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits."""
 
 from __future__ import annotations
 
@@ -6,18 +6,20 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, IntProperty
 
 from .. import record
+from ..animation import bake
+from ..binding.adoption import adopt
 from ..errors import UserError, counted
-from ..following import moving, poses, writing
+from ..following import live, moving, poses, writing
 from ..generation.job import Work, part
 from ..generation.levels import OWN, are_counts, parse_levels
 from ..properties import conversion, groups
+from ..properties.kinds import flag, whole
 from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
-from ..scene.selection import collection_of_active, scene_of
-from .base import DialogJobOperator, Outcome
+from ..scene.selection import chosen, collection_of_active, scene_again, scene_of
+from .base import DialogJobOperator, Operator, redraw
 from .generate import sources, why_nothing
 
 # Approximate fraction of the work for reading the frames.
@@ -25,39 +27,27 @@ READING_PART = 0.2
 
 
 class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.types.Operator):
-    """Makes cages that follow the animation of the selected drawings."""
+    """Wrap the selected animated drawings in cages that move with them and strictly enclose them at every instant"""
 
-    bl_idname = "object.nested_cages_follow"
     bl_label = "Follow Animation"
-    bl_description = (
-        "Wrap the selected animated drawings in cages that move with them and strictly enclose them at every instant"
-    )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    frame_start: IntProperty(name="Start", description="First frame; the scene's if it is not set", default=1)
-    frame_end: IntProperty(name="End", description="Last frame; the scene's if it is not set", default=250)
-    frame_step: IntProperty(name="Step", description="Frames from one pose to the next", default=1, min=1, soft_max=12)
-    cyclic: BoolProperty(
-        name="Cyclic",
-        description="End with the first cage; if the last pose differs from the first, a frame is added",
-        default=False,
-    )
-    still: BoolProperty(
-        name="One Cage for All Frames",
-        description="Make still cages around the whole area that the drawing sweeps from the first to the last frame",
-        default=False,
+    frame_start: whole("Start", "First frame; the scene's if it is not set", default=1)
+    frame_end: whole("End", "Last frame; the scene's if it is not set", default=250)
+    frame_step: whole("Step", "Frames from one pose to the next", default=1, min=1, soft_max=12)
+    cyclic: flag("Cyclic", "End with the first cage; if the last pose differs from the first, a frame is added")
+    still: flag(
+        "One Cage for All Frames",
+        "Make still cages around the whole area that the drawing sweeps from the first to the last frame",
     )
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode != "OBJECT":
-            return "Switch to Object Mode"
         return "" if sources(context) else why_nothing(context)
 
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
         self.prepare(context)
-        asked: Any = context.window_manager.invoke_props_dialog(self)
-        return {*asked}
+        return context.window_manager.invoke_props_dialog(self)
 
     def prepare(self, context: bpy.types.Context) -> None:
         """Takes what is not given from the cages that the active drawing has, or else from the panel."""
@@ -87,7 +77,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
         following.prop(self, "cyclic")
         groups.draw(layout.column(), self, groups.READING)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         scene, reading = scene_of(context), conversion.reading_options(self)
         options = conversion.options(self, scene)
         if options.inside:
@@ -116,13 +106,9 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
             work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
             result = yield from part(work, number, len(read), READING_PART)
             results.append(result)
-        after = bpy.data.scenes.get(name)
-        if after is None:
-            raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        for sentence in writing.write(after, results, self.thickness, conversion.used(self)):
+        for sentence in writing.write(scene_again(name), results, self.thickness, conversion.used(self)):
             self.report({"WARNING"}, sentence)
         self._tell(results)
-        return {"FINISHED"}
 
     def _set_range(self, scene: bpy.types.Scene) -> None:
         """Takes the frames that are not set from the scene."""
@@ -146,4 +132,39 @@ def _has_counts(levels: str, scene: bpy.types.Scene) -> bool:
     return OWN not in found and are_counts(found)
 
 
-CLASSES = (OBJECT_OT_nested_cages_follow,)
+class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
+    """Let the cages of the active object follow the edits of its drawing, in any mode, until it is switched off or
+    another file is opened. Removes the animation of how the cages form
+    """
+
+    bl_label = "Live"
+    modes = ()
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if live.current() is not None:
+            return ""
+        collection = collection_of_active(context)
+        if collection is None:
+            return "Select a drawing that has cages, or one of its cages"
+        if ownership.source_of(collection) is None:
+            return "The drawing of these cages is gone"
+        return live.why_not(collection)
+
+    def run(self, context: bpy.types.Context) -> None:
+        if live.current() is not None:
+            live.stop()
+            return
+        scene = scene_of(context)
+        adopt(scene, chosen(context)[:1])
+        collection = collection_of_active(context)
+        source = ownership.source_of(collection) if collection is not None else None
+        assert collection is not None and source is not None
+        settings = record.written(collection).settings
+        options = conversion.options(settings, scene)
+        if bake.is_animated(collection):
+            bake.remove(scene, collection)
+            self.report({"INFO"}, "The animation was removed: Generate makes it again")
+        reading = conversion.reading_options(settings)
+        used = conversion.used(settings)
+        live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))

@@ -25,27 +25,24 @@ from ..properties.settings import GenerationProperties, OperatorProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
 from ..scene.reading import Lines, lines_of_all
-from ..scene.selection import scene_of
-from .base import JobOperator, Outcome
+from ..scene.selection import scene_again, scene_of
+from .base import JobOperator, Operator
 
 # Weight in a vertex group from which on a vertex is pinned.
 PINNED = 0.5
 
 
 class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types.Operator):
-    """Makes cages around the selected drawings."""
+    """Wrap the selected drawings in coarse outlines that strictly enclose them, and animate how the outlines grow"""
 
-    bl_idname = "object.nested_cages_generate"
     bl_label = "Generate Nested Cages"
-    bl_description = (
-        "Wrap the selected drawings in coarse outlines that strictly enclose them, and animate how the outlines grow"
-    )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
+
+    modes = ("OBJECT", "EDIT_MESH")
+    wrong_mode = "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode not in {"OBJECT", "EDIT_MESH"}:
-            return "Switch to Object Mode, or select edge loops of a mesh in Edit Mode"
         return "" if sources(context) else why_nothing(context)
 
     def prepare(self, context: bpy.types.Context) -> None:
@@ -64,20 +61,17 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
             if body is not None:
                 groups.draw(body.column(), self, names)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         options, name = conversion.options(self, scene_of(context)), context.scene.name
         with field.unposed(sources(context)):
             asked, problems = requests(context, self)
             generation = Generation(asked, options)
         yield from generation
         problems += generation.problems
-        scene = bpy.data.scenes.get(name)
-        if scene is None:
-            raise UserError("The scene of the drawing is gone, so its cages were discarded")
+        scene = scene_again(name)
         used = conversion.used(self)
-        done = self._write(scene, [replace(result, used=used) for result in generation.results])
+        self._write(scene, [replace(result, used=used) for result in generation.results])
         self.tell_skipped(problems)
-        return done
 
     def show_result_in(self, context: bpy.types.Context) -> None:
         """Shows wires in object colours in the 3D view, unless the user has changed that setting."""
@@ -85,7 +79,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
         if isinstance(space, bpy.types.SpaceView3D) and space.shading.wireframe_color_type == "THEME":
             space.shading.wireframe_color_type = "OBJECT"
 
-    def _write(self, scene: bpy.types.Scene, results: Sequence[Result]) -> Outcome:
+    def _write(self, scene: bpy.types.Scene, results: Sequence[Result]) -> None:
         """Puts the results into the scene. Raises: UserError."""
         gone = next((result.drawing.name for result in results if result.drawing.source is None), None)
         if gone is not None:
@@ -119,7 +113,6 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
             shown = f"{part(min(sizes))} to {part(max(sizes))}"
         kind, measure = ("certified inner cage", "less area") if results[0].inside else ("certified cage", "excess")
         self.report({"INFO"}, f"{counted(len(cages), kind)}{around}; {measure} {shown}")
-        return {"FINISHED"}
 
     def _bind_again(self, collection: bpy.types.Collection, method: str) -> None:
         """Binds again what was bound before, by the same method; if that fails, the cages stay and the user is told."""
@@ -131,26 +124,22 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
                 self.report({"WARNING"}, f"Not bound again, and poses were lost: {error}")
 
 
-class OBJECT_OT_nested_cages_cancel(bpy.types.Operator):
-    """Stops the job."""
+class OBJECT_OT_nested_cages_cancel(Operator, bpy.types.Operator):
+    """Stop the running job and leave the scene as it was"""
 
-    bl_idname = "object.nested_cages_cancel"
     bl_label = "Cancel"
-    bl_description = "Stop the running job and leave the scene as it was"
     bl_options = {"INTERNAL"}
+    modes = ()
+    during_jobs = True
 
     @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        if running() is None:
-            cls.poll_message_set("No job is running")
-            return False
-        return True
+    def unavailable(cls, _context: bpy.types.Context) -> str:
+        return "" if running() else "No job is running"
 
-    def execute(self, _context: bpy.types.Context) -> Outcome:
+    def run(self, _context: bpy.types.Context) -> None:
         job = running()
         if job is not None:
             job.cancelled = True
-        return {"FINISHED"}
 
 
 def sources(context: bpy.types.Context, *, as_selected: bool = False) -> list[bpy.types.Object]:

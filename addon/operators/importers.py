@@ -6,15 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import CollectionProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work
 from ..io import importers, layered
+from ..properties.kinds import choice, number, text
 from ..scene.filling import mesh_of
 from ..scene.selection import select
-from .base import DialogJobOperator, Outcome
+from .base import DialogJobOperator
 
 Y_ITEMS = (
     ("AUTO", "Automatic", "Down in SVG and collision outlines, up in maps"),
@@ -32,50 +33,36 @@ EXTENSIONS = (*importers.SVG, *importers.MAPS)
 
 
 class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Reads outlines from a file."""
+    """Read drawings to be caged: the filled area of an SVG with overlaps united, each feature of a GeoJSON, or a
+    collision outline
+    """
 
-    bl_idname = "object.nested_cages_import"
     bl_label = "Import Outlines"
-    bl_description = (
-        "Read drawings to be caged: the filled area of an SVG with overlaps united, each feature of a GeoJSON, or a "
-        "collision outline"
-    )
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    filepath: StringProperty(
-        name="File Path", description="File to read", subtype="FILE_PATH", options={"SKIP_PRESET"}, default=""
-    )
-    directory: StringProperty(
-        name="Folder", description="Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
-    )
+    filepath: text("File Path", "File to read", subtype="FILE_PATH", options={"SKIP_PRESET"})
+    directory: text("Folder", "Folder of the files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(
         name="Files",
         description="Files to read, if there are several",
         type=bpy.types.OperatorFileListElement,
         options={"HIDDEN", "SKIP_SAVE"},
     )
-    filter_glob: StringProperty(
-        name="Filter",
-        description="Files that are shown",
-        default=";".join(f"*{ending}" for ending in EXTENSIONS),
-        options={"HIDDEN"},
+    filter_glob: text(
+        "Filter", "Files that are shown", default=";".join(f"*{ending}" for ending in EXTENSIONS), options={"HIDDEN"}
     )
-    y: EnumProperty(name="Y Axis", description="Direction of the y axis in the file", items=Y_ITEMS, default="AUTO")
-    scale: FloatProperty(
-        name="Scale",
-        description="Length in Blender of one unit of the file; 0 keeps the size of exported cages, and scales "
+    y: choice("Y Axis", "Direction of the y axis in the file", Y_ITEMS, default="AUTO")
+    scale: number(
+        "Scale",
+        "Length in Blender of one unit of the file; 0 keeps the size of exported cages, and scales "
         "other SVG to a hundredth",
-        default=0.0,
         min=0.0,
         soft_max=100.0,
     )
-    outlines: EnumProperty(
-        name="SVG As", description="Number of outlines to make from an SVG", items=OUTLINE_ITEMS, default="AUTO"
-    )
+    outlines: choice("SVG As", "Number of outlines to make from an SVG", OUTLINE_ITEMS, default="AUTO")
 
-    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Outcome:
-        asked: Any = self.invoke_popup(context)  # type: ignore[func-returns-value]
-        return {*asked}
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
+        return self.invoke_popup(context)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -83,7 +70,7 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         self.layout.prop(self, "scale")
         self.layout.prop(self, "outlines")
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         names = [file.name for file in self.files if file.name]
         folder = Path(bpy.path.abspath(self.directory)) if self.directory else None
         paths = [folder / name for name in names] if folder is not None else []
@@ -109,7 +96,6 @@ class OBJECT_OT_nested_cages_import(DialogJobOperator, ImportHelper, bpy.types.O
         count = sum(len(mesh_of(obj).vertices) for obj in made)
         word = "part" if layered_files and not shapes else "outline"
         self.report({"INFO"}, f"{counted(len(made), word)}, {count} vertices")
-        return {"FINISHED"}
 
 
 class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
@@ -123,6 +109,3 @@ class NESTEDCAGES_FH_outlines(bpy.types.FileHandler):
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:
         return context.mode == "OBJECT" and context.area is not None and context.area.type == "VIEW_3D"
-
-
-CLASSES = (OBJECT_OT_nested_cages_import, NESTEDCAGES_FH_outlines)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import PointerProperty
 
 from ..core import core
 from ..errors import UserError
 from ..generation.levels import OWN, parse_levels
 from ..scene import units
+from .kinds import choice, length, number, whole
 
 KIND_ITEMS = (
     ("COUNT", "Vertices", "A vertex count"),
@@ -62,33 +63,28 @@ def _has_outline(_self: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
 class NestedCagesLevel(bpy.types.PropertyGroup):
     """One level of the list."""
 
-    kind: EnumProperty(
-        name="Kind", description="How the level is given", items=KIND_ITEMS, default="COUNT", update=_write
-    )
-    count: IntProperty(name="Vertices", description="Vertex count of the cage", default=24, min=3, update=_write)
-    percent: FloatProperty(
-        name="Percent",
-        description="Fraction of the drawing's vertex count",
+    kind: choice("Kind", "How the level is given", KIND_ITEMS, default="COUNT", update=_write)
+    count: whole("Vertices", "Vertex count of the cage", default=24, min=3, update=_write)
+    percent: number(
+        "Percent",
+        "Fraction of the drawing's vertex count",
         default=10.0,
         min=0.01,
         max=100.0,
         precision=1,
         update=_write,
     )
-    distance: FloatProperty(
-        name="Distance",
-        description="Largest distance of the cage from the drawing",
+    distance: length(
+        "Distance",
+        "Largest distance of the cage from the drawing",
         default=0.1,
         min=1e-6,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
+        soft_max=10.0,
         update=_write,
     )
-    excess: FloatProperty(
-        name="More Area",
-        description="Extra area of the cage, in per cent of the drawing's",
+    excess: number(
+        "More Area",
+        "Extra area of the cage, in per cent of the drawing's",
         default=10.0,
         min=0.01,
         soft_max=100.0,

@@ -7,19 +7,9 @@ their copies, those of collections do not. `record` reads and writes both, and t
 from __future__ import annotations
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    BoolVectorProperty,
-    CollectionProperty,
-    EnumProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    IntVectorProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy.props import BoolVectorProperty, CollectionProperty, FloatVectorProperty, IntVectorProperty, PointerProperty
 
+from .kinds import choice, flag, number, text, whole
 from .settings import GenerationProperties
 
 ROLES = [(name, name.title(), "") for name in ("NONE", "FINE", "CAGE", "FIELD", "LINES", "PROXY", "FILL", "HANDLES")]
@@ -30,21 +20,29 @@ PROMISES = [(name, name.title(), "") for name in ("LOOPS", "MOTION")]
 class NestedCagesNote(bpy.types.PropertyGroup):
     """What is to be said: a code and its data as JSON; the sentence is made when it is drawn."""
 
-    code: StringProperty(name="Code", description="What kind of note it is")
-    data: StringProperty(name="Data", description="The values in it, as JSON")
+    code: text("Code", "What kind of note it is")
+    data: text("Data", "The values in it, as JSON")
 
 
 class NestedCagesMarker(bpy.types.PropertyGroup):
     """A marker of the timeline that belongs to the animation; its name is the item's own."""
 
-    frame: IntProperty(name="Frame", description="Frame of the marker")
+    frame: whole("Frame", "Frame of the marker")
 
 
 class NestedCagesPart(bpy.types.PropertyGroup):
     """An object of the set: a drawing, or the object of a level."""
 
     object: PointerProperty(name="Object", description="The object", type=bpy.types.Object)
-    hidden: BoolProperty(name="Hidden", description="Whether the animation hides this drawing meanwhile")
+    hidden: flag("Hidden", "Whether the animation hides this drawing meanwhile")
+
+
+class NestedCagesRange(bpy.types.PropertyGroup):
+    """Of a scene: its first and last frame before the animation, and as the animation set them."""
+
+    known: flag("Known", "Whether the animation set the range")
+    before: IntVectorProperty(name="Before", description="First and last frame before the animation", size=2)
+    ours: IntVectorProperty(name="Ours", description="First and last frame as the animation set them", size=2)
 
 
 class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
@@ -54,20 +52,20 @@ class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
 class NestedCagesRecord(bpy.types.PropertyGroup):
     """Of a collection of cages, and kept on each of its objects too, for copies and for a collection that is gone."""
 
-    version: IntProperty(name="Version", description="Version of the record; 0 for none", default=0)
+    version: whole("Version", "Version of the record; 0 for none")
     sources: CollectionProperty(name="Drawings", description="The drawings in these cages", type=NestedCagesPart)
-    title: StringProperty(name="Title", description="Name of the drawing when the cages were made")
+    title: text("Title", "Name of the drawing when the cages were made")
     levels: CollectionProperty(name="Levels", description="The fine mesh and the cages", type=NestedCagesPart)
-    inside: BoolProperty(name="Inside", description="Whether the cages lie inside the drawing")
-    moving: BoolProperty(name="Moving", description="Whether the cages follow the drawing's own animation")
-    known: BoolProperty(name="Known", description="Whether the settings are those that the cages were made with")
+    inside: flag("Inside", "Whether the cages lie inside the drawing")
+    moving: flag("Moving", "Whether the cages follow the drawing's own animation")
+    known: flag("Known", "Whether the settings are those that the cages were made with")
     settings: PointerProperty(name="Settings", description="As used", type=NestedCagesUsed)
-    kinds: StringProperty(name="Kinds", description="What the cages are by the rules for them")
-    colours: IntProperty(name="Colours", description="Number of its colours", default=-1)
-    bound: StringProperty(name="Bound", description="The method that the drawing is bound by; empty if it is not")
-    playing: BoolProperty(name="Playing", description="Whether a moving copy is shown instead of the drawings")
+    kinds: text("Kinds", "What the cages are by the rules for them")
+    colours: whole("Colours", "Number of its colours", default=-1)
+    bound: text("Bound", "The method that the drawing is bound by; empty if it is not")
+    playing: flag("Playing", "Whether a moving copy is shown instead of the drawings")
     frames: IntVectorProperty(name="Frames", description="Start, result and end of the animation", size=3)
-    animated: BoolProperty(name="Animated", description="Whether the frames are those of an animation")
+    animated: flag("Animated", "Whether the frames are those of an animation")
     markers: CollectionProperty(name="Markers", description="The markers of the animation", type=NestedCagesMarker)
 
 
@@ -83,44 +81,41 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     """Of an object: its place in a set, and what was found when it was made; lengths in scene units."""
 
     shows: PointerProperty(name="Shows", description="What a helper shows, fills or moves", type=bpy.types.Object)
-    thickness: FloatProperty(name="Thickness", description="Of the lines that a helper shows")
+    thickness: number("Thickness", "Of the lines that a helper shows")
     before: PointerProperty(name="Before", description="As it was before it was bound", type=NestedCagesBefore)
-    link: StringProperty(name="Link", description="The method that it follows its cage by")
-    link_error: FloatProperty(name="Error", description="How far it moves at rest, as a fraction of its size")
-    role: EnumProperty(name="Role", description="What the object is", items=ROLES)
-    level: IntProperty(name="Level", description="Its level, 0 for the fine mesh", default=-1)
+    link: text("Link", "The method that it follows its cage by")
+    link_error: number("Error", "How far it moves at rest, as a fraction of its size")
+    role: choice("Role", "What the object is", ROLES)
+    level: whole("Level", "Its level, 0 for the fine mesh", default=-1)
     of: PointerProperty(name="Drawing", description="The drawing that it belongs to", type=bpy.types.Object)
     home: PointerProperty(name="Home", description="The collection with the record", type=bpy.types.Collection)
     kept: PointerProperty(name="Kept", description="The record, for copies", type=NestedCagesRecord)
-    inside: BoolProperty(name="Inside", description="Whether it lies inside the drawing")
-    vertices: IntProperty(name="Vertices", description="Number of vertices", default=-1)
-    certified: EnumProperty(
-        name="Certified",
-        description="What is certified, apart from strict nesting",
-        items=PROMISES,
-        options={"ENUM_FLAG"},
-    )
-    stamp: StringProperty(name="Stamp", description="Digest of the certified coordinates")
-    clearance: FloatProperty(name="Clearance", description="Least distance from what it encloses")
-    asked: FloatProperty(name="Asked", description="The clearance asked for; 0 for the automatic one")
-    excess: FloatProperty(name="Excess", description="Excess area; of a motion, the median")
-    most: FloatProperty(name="Most", description="Largest excess during a motion")
-    start: StringProperty(name="Start", description="What the run began with")
-    seconds: FloatProperty(name="Seconds", description="Time of the computation")
+    inside: flag("Inside", "Whether it lies inside the drawing")
+    vertices: whole("Vertices", "Number of vertices", default=-1)
+    certified: choice("Certified", "What is certified, apart from strict nesting", PROMISES, options={"ENUM_FLAG"})
+    stamp: text("Stamp", "Digest of the certified coordinates")
+    clearance: number("Clearance", "Least distance from what it encloses")
+    asked: number("Asked", "The clearance asked for; 0 for the automatic one")
+    excess: number("Excess", "Excess area; of a motion, the median")
+    most: number("Most", "Largest excess during a motion")
+    start: text("Start", "What the run began with")
+    seconds: number("Seconds", "Time of the computation")
     phases: IntVectorProperty(name="Phases", description="Last steps of its phases", size=3, default=(-1, -1, -1))
     frames: IntVectorProperty(
         name="Frames", description="First frames of its phases, and of the result", size=4, default=(-1, -1, -1, -1)
     )
-    check: EnumProperty(name="Check", description="What Verify Cages found", items=CHECKS)
+    check: choice("Check", "What Verify Cages found", CHECKS)
     checked: IntVectorProperty(name="Checked", description="First and last frame of the check", size=2)
-    judged: StringProperty(name="Judged", description="Digest of the coordinates that Verify Cages judged")
+    judged: text("Judged", "Digest of the coordinates that Verify Cages judged")
     notes: CollectionProperty(name="Notes", description="Notes on the run", type=NestedCagesNote)
+    parts: CollectionProperty(name="Parts", description="What a silhouette shows", type=NestedCagesPart)
 
 
 CLASSES = (
     NestedCagesNote,
     NestedCagesMarker,
     NestedCagesPart,
+    NestedCagesRange,
     NestedCagesUsed,
     NestedCagesRecord,
     NestedCagesBefore,
@@ -137,9 +132,13 @@ def register() -> None:
     bpy.types.Object.nested_cages_member = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
         type=NestedCagesMember, name="Nested Cages Member", description="Its part in a set of cages"
     )
+    bpy.types.Scene.nested_cages_playing = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
+        type=NestedCagesRange, name="Nested Cages Playing", description="Frames before and as the animation set them"
+    )
 
 
 def unregister() -> None:
+    del bpy.types.Scene.nested_cages_playing  # type: ignore[attr-defined]
     del bpy.types.Object.nested_cages_member  # type: ignore[attr-defined]
     del bpy.types.Collection.nested_cages  # type: ignore[attr-defined]
     for cls in reversed(CLASSES):

@@ -6,21 +6,14 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    CollectionProperty,
-    EnumProperty,
-    FloatProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy.props import CollectionProperty, PointerProperty
 
 from ..generation.choices import REPAIRS, SETTINGS
 from ..generation.methods import Methods
 from ..generation.rules import NONE as NO_SYMMETRY
 from ..generation.rules import SYMMETRIES
 from . import level_list
+from .kinds import choice, flag, length, number, text, whole
 
 # Percentages suit every drawing; for a text or an imported icon these are about 60 and 24 vertices.
 DEFAULT_LEVELS = "20%, 8%"
@@ -29,24 +22,7 @@ DEFAULT_LEVELS = "20%, 8%"
 def _choice(name: str) -> Any:
     """The property for a choice of methods."""
     setting = SETTINGS[name]
-    return EnumProperty(
-        name=setting.name, description=setting.description, items=setting.items, default=setting.default
-    )
-
-
-def length(name: str, description: str) -> Any:
-    """The property for a length of the scene, 0 for none."""
-    return FloatProperty(
-        name=name,
-        description=description,
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        step=1,
-        subtype="DISTANCE",
-        unit="LENGTH",
-    )
+    return choice(setting.name, setting.description, setting.items, default=setting.default)
 
 
 def _fill_list(self: object, _context: bpy.types.Context) -> None:
@@ -58,92 +34,52 @@ def _fill_list(self: object, _context: bpy.types.Context) -> None:
 class GenerationProperties:
     """The settings, as a mixin for Blender's classes."""
 
-    levels: StringProperty(
-        name="Levels",
-        description=(
-            "What each cage has, finest first: a number of vertices (64), a share of the drawing's (20%), or the "
-            "fewest within a distance of the drawing (5mm, 0.2ft, 2u for units) or so much more area (+25%). * is an "
-            "own object"
-        ),
+    levels: text(
+        "Levels",
+        "What each cage has, finest first: a number of vertices (64), a share of the drawing's (20%), or the "
+        "fewest within a distance of the drawing (5mm, 0.2ft, 2u for units) or so much more area (+25%). * is an "
+        "own object",
         default=DEFAULT_LEVELS,
         update=_fill_list,
     )
-    level_objects: StringProperty(
-        name="Own Objects",
-        description="Names of the objects that * stands for in the levels, one per line",
-        default="",
-        update=_fill_list,
+    level_objects: text(
+        "Own Objects", "Names of the objects that * stands for in the levels, one per line", update=_fill_list
     )
-    use_selected_as_levels: BoolProperty(
-        name="Selected as Levels",
-        description="Use the active object as the drawing and the other selected objects as its coarse meshes",
-        default=False,
+    use_selected_as_levels: flag(
+        "Selected as Levels", "Use the active object as the drawing and the other selected objects as its coarse meshes"
     )
-    together: BoolProperty(
-        name="All in One",
-        description="Wrap all selected drawings in common cages, in the plane of the active one; united if they cross",
-        default=False,
+    together: flag(
+        "All in One", "Wrap all selected drawings in common cages, in the plane of the active one; united if they cross"
     )
-    inside: BoolProperty(
-        name="Inside",
-        description="Make cages inside the drawing, of locally largest area, each inside the one before",
-        default=False,
-    )
-    convex: BoolProperty(
-        name="Convex",
-        description="Make the smallest convex polygon around each part, with as many vertices as the level says",
-        default=False,
-    )
-    grid: length(
-        "Grid",
-        "Put all vertices of cages at multiples of this length from the object's origin; 0 for none",
-    )
+    inside: flag("Inside", "Make cages inside the drawing, of locally largest area, each inside the one before")
+    convex: flag("Convex", "Make the smallest convex polygon around each part, with as many vertices as the level says")
+    grid: length("Grid", "Put all vertices of cages at multiples of this length from the object's origin; 0 for none")
     merge: length(
         "Merge",
         "Parts closer than this share a loop of the cage, and smaller holes are filled; 0 keeps all loops",
     )
-    symmetry: EnumProperty(
-        name="Symmetry", description="What makes both sides of a cage alike", items=SYMMETRIES, default=NO_SYMMETRY
+    symmetry: choice("Symmetry", "What makes both sides of a cage alike", SYMMETRIES, default=NO_SYMMETRY)
+    symmetry_order: whole("Order", "Number of sectors that are alike", default=2, min=2, soft_max=12)
+    weight_group: text("Weights", "Vertex group: where its weights are high, cages have more vertices and less excess")
+    pin_group: text(
+        "Pins", "Vertex group: cages keep a vertex at each of its vertices with a weight of more than a half"
     )
-    symmetry_order: IntProperty(
-        name="Order", description="Number of sectors that are alike", default=2, min=2, soft_max=12
-    )
-    weight_group: StringProperty(
-        name="Weights",
-        description="Vertex group: where its weights are high, cages have more vertices and less excess",
-        default="",
-    )
-    pin_group: StringProperty(
-        name="Pins",
-        description="Vertex group: cages keep a vertex at each of its vertices with a weight of more than a half",
-        default="",
-    )
-    joint_armature: StringProperty(
-        name="Joints",
-        description="Armature: cages keep a vertex on both sides of the ends of its bones",
-        default="",
-    )
-    min_edge: length(
-        "Shortest Edge",
-        "No edge of a cage is shorter than this, where there is room; 0 for any",
-    )
-    min_angle: FloatProperty(
-        name="Sharpest Angle",
-        description="No angle of a cage is sharper than this, where there is room; 0 for any",
-        default=0.0,
+    joint_armature: text("Joints", "Armature: cages keep a vertex on both sides of the ends of its bones")
+    min_edge: length("Shortest Edge", "No edge of a cage is shorter than this, where there is room; 0 for any")
+    min_angle: number(
+        "Sharpest Angle",
+        "No angle of a cage is sharper than this, where there is room; 0 for any",
         min=0.0,
         max=1.04,
         subtype="ANGLE",
         unit="ROTATION",
     )
     clearance: length(
-        "Clearance",
-        "Smallest distance between a cage and what it encloses; 0 uses the share of the size below",
+        "Clearance", "Smallest distance between a cage and what it encloses; 0 uses the share of the size below"
     )
-    clearance_share: FloatProperty(
-        name="Of the Size",
-        description="Smallest distance in percent of the drawing's diagonal; 0 uses the smallest that is safe, 0.001 %",
-        default=0.0,
+    clearance_share: number(
+        "Of the Size",
+        "Smallest distance in percent of the drawing's diagonal; 0 uses the smallest that is safe, 0.001 %",
         min=0.0,
         max=100.0,
         soft_max=10.0,
@@ -152,62 +88,20 @@ class GenerationProperties:
     )
     decimation: _choice("decimation")
     energy: _choice("energy")
-    start_frame: IntProperty(
-        name="Start Frame",
-        description="First frame of the animation",
-        default=1,
-        soft_min=0,
+    start_frame: whole("Start Frame", "First frame of the animation", default=1, soft_min=0)
+    frames_per_step: whole(
+        "Frames per Step", "Frames from one step of the computation to the next", default=4, min=1, soft_max=24
     )
-    frames_per_step: IntProperty(
-        name="Frames per Step",
-        description="Frames from one step of the computation to the next",
-        default=4,
-        min=1,
-        soft_max=24,
+    fit_length: flag("Fit to Length", "Let the whole animation take the frames below, whatever the number of steps")
+    length: whole("Length", "Frames of the whole animation", default=120, min=2, soft_min=24, soft_max=500)
+    show_flow: flag("Show Flow", "Start with the drawing shrinking into the coarse mesh", default=True)
+    shrink: flag(
+        "Shrink Further", "Let the drawing shrink further than the method needs, so that its return shows", default=True
     )
-    fit_length: BoolProperty(
-        name="Fit to Length",
-        description="Let the whole animation take the frames below, whatever the number of steps",
-        default=False,
-    )
-    length: IntProperty(
-        name="Length",
-        description="Frames of the whole animation",
-        default=120,
-        min=2,
-        soft_min=24,
-        soft_max=500,
-    )
-    show_flow: BoolProperty(
-        name="Show Flow",
-        description="Start with the drawing shrinking into the coarse mesh",
-        default=True,
-    )
-    shrink: BoolProperty(
-        name="Shrink Further",
-        description="Let the drawing shrink further than the method needs, so that its return shows",
-        default=True,
-    )
-    ease: BoolProperty(
-        name="Ease",
-        description="Ease in and out of each phase",
-        default=False,
-    )
-    loop_back: BoolProperty(
-        name="Loop Back",
-        description="Play the animation backwards after the result, so that it ends as it began",
-        default=False,
-    )
-    in_turn: BoolProperty(
-        name="One after Another",
-        description="Play several drawings one after the other instead of together",
-        default=False,
-    )
-    show_result: BoolProperty(
-        name="Jump to Result",
-        description="Go to the frame that shows the finished cages",
-        default=True,
-    )
+    ease: flag("Ease", "Ease in and out of each phase")
+    loop_back: flag("Loop Back", "Play the animation backwards after the result, so that it ends as it began")
+    in_turn: flag("One after Another", "Play several drawings one after the other instead of together")
+    show_result: flag("Jump to Result", "Go to the frame that shows the finished cages", default=True)
     thickness: length(
         "Line Thickness",
         (
@@ -215,31 +109,18 @@ class GenerationProperties:
             "out, disable it in renders"
         ),
     )
-    resolution: IntProperty(
-        name="Resolution",
-        description="Segments between two control points of a curve; 0 uses the curve's own resolution",
-        default=0,
+    resolution: whole(
+        "Resolution",
+        "Segments between two control points of a curve; 0 uses the curve's own resolution",
         min=0,
         soft_max=64,
         max=1024,
     )
-    close_open: BoolProperty(
-        name="Close Open Lines",
-        description="Join the ends of open splines and lines instead of reporting them",
-        default=False,
-    )
-    project: BoolProperty(
-        name="Project Anyway",
-        description="Flatten non-planar drawings onto the plane that fits them best",
-        default=False,
-    )
+    close_open: flag("Close Open Lines", "Join the ends of open splines and lines instead of reporting them")
+    project: flag("Project Anyway", "Flatten non-planar drawings onto the plane that fits them best")
     contact: _choice("contact")
-    repairs: EnumProperty(
-        name="Repairs",
-        description="Fixes applied to the published method",
-        items=REPAIRS,
-        default=set(Methods.repairs),
-        options={"ENUM_FLAG"},
+    repairs: choice(
+        "Repairs", "Fixes applied to the published method", REPAIRS, default=set(Methods.repairs), options={"ENUM_FLAG"}
     )
     expansion_energy: _choice("expansion_energy")
     solver: _choice("solver")
@@ -247,23 +128,19 @@ class GenerationProperties:
     broad_phase: _choice("broad_phase")
     flow: _choice("flow")
     quadrature: _choice("quadrature")
-    starts: IntProperty(
-        name="Starts",
-        description="Maximum number of coarse meshes to start from; the tightest cage is kept",
+    starts: whole(
+        "Starts",
+        "Maximum number of coarse meshes to start from; the tightest cage is kept",
         default=Methods.starts,
         min=1,
         soft_max=12,
     )
-    tighten: BoolProperty(
-        name="Tighten",
-        description="Tighten the cage to a local optimum once the drawing is back, a step that the paper does not have",
+    tighten: flag(
+        "Tighten",
+        "Tighten the cage to a local optimum once the drawing is back, a step that the paper does not have",
         default=Methods.tighten,
     )
-    fall_back: BoolProperty(
-        name="Fall Back to Hull",
-        description="If the flow fails, start from the outer hull",
-        default=Methods.fall_back,
-    )
+    fall_back: flag("Fall Back to Hull", "If the flow fails, start from the outer hull", default=Methods.fall_back)
 
 
 NAMES = tuple(GenerationProperties.__annotations__)
@@ -298,15 +175,13 @@ class NestedCagesSettings(bpy.types.PropertyGroup, GenerationProperties):
     """The scene's settings for the next cages; the levels also as a list, which writes the text and is filled by it."""
 
     # The panel fits the animation to a length; scripts that give frames per step get what they ask for.
-    fit_length: BoolProperty(
-        name="Fit to Length",
-        description="Let the whole animation take the frames below, whatever the number of steps",
-        default=True,
+    fit_length: flag(
+        "Fit to Length", "Let the whole animation take the frames below, whatever the number of steps", default=True
     )
     level_list: CollectionProperty(
         name="Level List", description="The levels, one by one", type=level_list.NestedCagesLevel
     )
-    level_index: IntProperty(name="Level", description="The level that is chosen in the list", default=0, min=0)
+    level_index: whole("Level", "The level that is chosen in the list", min=0)
 
 
 def settings_of(context: bpy.types.Context) -> NestedCagesSettings:

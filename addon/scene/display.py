@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from colorsys import hsv_to_rgb
-from typing import Any, Literal
+from types import MappingProxyType
+from typing import Any
 
 import bpy
+
+from . import nodes
 
 # The fine mesh is nearly white. The cages' hues go once around the colour circle from yellow to red, without the orange
 # of selected objects. Steps between drawings (the golden section, which keeps the first ones apart) and between levels,
@@ -23,13 +26,10 @@ NAMING = ("NodeSocketObject", "NodeSocketMaterial")
 OURS = "Nested Cages "
 # Types of our modifiers; those of other types, such as of handles, belong to the artist.
 OUR_TYPES = ("NODES", "SURFACE_DEFORM", "MESH_DEFORM")
-THICKNESS = "Nested Cages Thickness"
-AUTOMATIC_THICKNESS = "Nested Cages Automatic Thickness"
+THICKNESS, AUTOMATIC_THICKNESS = nodes.THICKNESS, "Nested Cages Automatic Thickness"
 THICKNESSES = (THICKNESS, AUTOMATIC_THICKNESS)
 # Automatic thickness as a fraction of the drawing's size: about five pixels if the drawing fills a picture.
 AUTOMATIC_PART = 0.005
-# Corners of the tube's cross-section.
-TUBE_CORNERS = 8
 
 
 def colour(level: int, drawing: int = 0) -> tuple[float, float, float, float]:
@@ -51,27 +51,21 @@ def apply_display(obj: bpy.types.Object, level: int, drawing: int = 0) -> None:
     obj.color = colour(level, drawing)
 
 
-def new_node(tree: bpy.types.NodeTree | None, kind: str) -> Any:
-    """A new node; its properties depend on its kind."""
-    return tree.nodes.new(kind)
-
-
-def add_socket(tree: bpy.types.NodeTree, way: Literal["INPUT", "OUTPUT"], kind: str, name: str) -> None:
-    """A new input or output of a node group."""
-    tree.interface.new_socket(name, in_out=way, socket_type=kind)
-
-
 def nodes_modifier(obj: bpy.types.Object, name: str) -> bpy.types.NodesModifier | None:
     """The Geometry Nodes modifier of that name."""
     modifier = obj.modifiers.get(name)
     return modifier if isinstance(modifier, bpy.types.NodesModifier) else None
 
 
-def add_nodes_modifier(obj: bpy.types.Object, name: str, tree: bpy.types.NodeTree) -> bpy.types.NodesModifier:
-    """A new Geometry Nodes modifier."""
+def add_nodes_modifier(
+    obj: bpy.types.Object, name: str, tree: bpy.types.NodeTree, inputs: Mapping[str, object] = MappingProxyType({})
+) -> bpy.types.NodesModifier:
+    """A new Geometry Nodes modifier with values for its inputs, by name."""
     modifier = obj.modifiers.new(name, "NODES")
     assert isinstance(modifier, bpy.types.NodesModifier)
     modifier.node_group = tree
+    for key, value in inputs.items():
+        set_input(modifier, key, value)
     return modifier
 
 
@@ -89,7 +83,7 @@ def set_thickness(obj: bpy.types.Object, thickness: float, name: str = THICKNESS
         return
     modifier = nodes_modifier(obj, name)
     if modifier is None:
-        modifier = add_nodes_modifier(obj, name, _thickness_nodes())
+        modifier = add_nodes_modifier(obj, name, nodes.group(nodes.THICKNESS))
         modifier.show_viewport = False
     set_input(modifier, "Radius", 0.5 * thickness)
     set_input(modifier, "Material", _material(obj.color[:]))
@@ -151,43 +145,6 @@ def _identifier(modifier: bpy.types.NodesModifier, name: str) -> str:
     return next(str(socket.identifier) for socket in _inputs(modifier) if socket.name == name)
 
 
-def _thickness_nodes() -> bpy.types.NodeTree:
-    """The node group that turns edges into tubes; one per file."""
-    tree = bpy.data.node_groups.get(THICKNESS)
-    if tree is not None:
-        return tree
-    tree = bpy.data.node_groups.new(THICKNESS, "GeometryNodeTree")
-    add_socket(tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
-    add_socket(tree, "INPUT", "NodeSocketGeometry", "Geometry")
-    add_socket(tree, "INPUT", "NodeSocketFloat", "Radius")
-    add_socket(tree, "INPUT", "NodeSocketMaterial", "Material")
-    start, end, circle, curve, tube, paint = (
-        new_node(tree, kind)
-        for kind in (
-            "NodeGroupInput",
-            "NodeGroupOutput",
-            "GeometryNodeCurvePrimitiveCircle",
-            "GeometryNodeMeshToCurve",
-            "GeometryNodeCurveToMesh",
-            "GeometryNodeSetMaterial",
-        )
-    )
-    circle.inputs["Resolution"].default_value = TUBE_CORNERS
-    for source, target in (
-        (start.outputs["Geometry"], curve.inputs["Mesh"]),
-        (start.outputs["Radius"], circle.inputs["Radius"]),
-        (curve.outputs["Curve"], tube.inputs["Curve"]),
-        (circle.outputs["Curve"], tube.inputs["Profile Curve"]),
-        (tube.outputs["Mesh"], paint.inputs["Geometry"]),
-        (start.outputs["Material"], paint.inputs["Material"]),
-        (paint.outputs["Geometry"], end.inputs["Geometry"]),
-    ):
-        tree.links.new(source, target)
-    for place, node in enumerate((start, circle, curve, tube, paint, end)):
-        node.location = (200.0 * place, 0.0)
-    return tree
-
-
 def _material(shade: Sequence[float]) -> bpy.types.Material:
     """A material that emits a colour, so that lines look the same in any light; one per file."""
     name = "Nested Cages #" + "".join(f"{round(255.0 * part):02X}" for part in shade[:3])
@@ -196,21 +153,9 @@ def _material(shade: Sequence[float]) -> bpy.types.Material:
 
 def flat_material(name: str, shade: Sequence[float]) -> bpy.types.Material:
     """A new material that emits a colour (4,), scene linear, and is as opaque as its last number."""
-    material = bpy.data.materials.new(name)
+    material = nodes.material(nodes.FLAT, name)
     material.diffuse_color = tuple(shade)
-    if material.node_tree is None:  # always there since Blender 5.0
-        material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    glow, end = new_node(tree, "ShaderNodeEmission"), new_node(tree, "ShaderNodeOutputMaterial")
-    glow.inputs["Color"].default_value = tuple(shade)
-    end.location = (400.0, 0.0)
-    if shade[3] < 1.0:
-        clear, mix = new_node(tree, "ShaderNodeBsdfTransparent"), new_node(tree, "ShaderNodeMixShader")
-        clear.location, mix.location = (0.0, -150.0), (200.0, 0.0)
-        mix.inputs[0].default_value = shade[3]
-        tree.links.new(clear.outputs[0], mix.inputs[1])
-        tree.links.new(glow.outputs[0], mix.inputs[2])
-        glow = mix
-    tree.links.new(glow.outputs[0], end.inputs["Surface"])
+    known: Any = material.node_tree.nodes
+    known["Emission"].inputs["Color"].default_value = tuple(shade)
+    known["Mix Shader"].inputs[0].default_value = shade[3]
     return material

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from . import strokes
-from .display import add_nodes_modifier, is_ours, new_node
+from .display import add_nodes_modifier, is_ours
 from .filling import mesh_of
 
 # Removes temporary blocks, now or later.
@@ -136,17 +136,18 @@ def realized(
 ) -> Iterator[bpy.types.Object]:
     """A temporary mesh object with the faces and lines that an object displays, its instances included."""
     tree = bpy.data.node_groups.new(obj.name, "GeometryNodeTree")
+    nodes: Any = tree.nodes
     mesh = bpy.data.meshes.new(obj.name)
     helper = bpy.data.objects.new(obj.name, mesh)
     try:
         tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-        source = new_node(tree, "GeometryNodeObjectInfo")
+        source = nodes.new("GeometryNodeObjectInfo")
         source.transform_space = "ORIGINAL"
         source.inputs["Object"].default_value = obj
 
         def then(geometry: Any, *kinds: str) -> Any:
             for kind in kinds:
-                node = new_node(tree, kind)
+                node = nodes.new(kind)
                 if kind == "GeometryNodeSetSplineResolution":
                     node.inputs["Resolution"].default_value = resolution
                 tree.links.new(geometry, node.inputs[0])
@@ -156,13 +157,13 @@ def realized(
         # The layers of Grease Pencil, with their own transforms, come as instances.
         layers = ["GeometryNodeGreasePencilToCurves"] if obj.type == "GREASEPENCIL" else []
         real = then(source.outputs["Geometry"], *layers, "GeometryNodeRealizeInstances")
-        parts, both = new_node(tree, "GeometryNodeSeparateComponents"), new_node(tree, "GeometryNodeJoinGeometry")
+        parts, both = nodes.new("GeometryNodeSeparateComponents"), nodes.new("GeometryNodeJoinGeometry")
         tree.links.new(real, parts.inputs[0])
         finer = ["GeometryNodeSetSplineResolution"] if resolution else []
         lines = then(parts.outputs["Curve"], *finer, "GeometryNodeCurveToMesh")
         for geometry in (parts.outputs["Mesh"], lines):
             tree.links.new(geometry, both.inputs[0])
-        tree.links.new(both.outputs[0], new_node(tree, "NodeGroupOutput").inputs[0])
+        tree.links.new(both.outputs[0], nodes.new("NodeGroupOutput").inputs[0])
         add_nodes_modifier(helper, "Curves", tree)
         context.scene.collection.objects.link(helper)
         yield helper

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import BoolProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import PointerProperty
 
-from ..operators.base import Outcome, remember_fault
+from ..operators.base import Operator, remember_fault
 from ..properties import groups
+from ..properties.kinds import flag, number, text
 from ..properties.settings import GenerationProperties, copy_values, settings_of
 from . import panels
 
@@ -25,28 +26,24 @@ class NestedCagesPreferences(bpy.types.AddonPreferences):
 
     bl_idname = groups.PACKAGE
 
-    category: StringProperty(
-        name="Sidebar Tab",
-        description="Tab in the sidebar of the 3D view that holds the panels",
+    category: text(
+        "Sidebar Tab",
+        "Tab in the sidebar of the 3D view that holds the panels",
         default=panels.CATEGORY,
         update=_move_panels,
     )
-    research: BoolProperty(
-        name="Research Settings",
-        description="Show the panel Advanced with the parts of the method, for comparisons and teaching",
-        default=False,
+    research: flag(
+        "Research Settings", "Show the panel Advanced with the parts of the method, for comparisons and teaching"
     )
-    line_width: FloatProperty(
-        name="Cage Width",
-        description="Width of cages in the 3D view; 0 leaves them as Blender's own wires",
+    line_width: number(
+        "Cage Width",
+        "Width of cages in the 3D view; 0 leaves them as Blender's own wires",
         default=2.5,
         min=0.0,
         max=20.0,
         subtype="PIXEL",
     )
-    has_defaults: BoolProperty(
-        name="Own Defaults", description="Start new files with the settings below", default=False
-    )
+    has_defaults: flag("Own Defaults", "Start new files with the settings below")
     defaults: PointerProperty(name="Defaults", description="Settings of new files", type=NestedCagesDefaults)
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -80,29 +77,25 @@ DEFAULTS = (
 )
 
 
-class SCENE_OT_nested_cages_store_defaults(bpy.types.Operator):
-    """Stores the scene's settings as defaults."""
+class SCENE_OT_nested_cages_store_defaults(Operator, bpy.types.Operator):
+    """Start new files with the settings of this scene"""
 
-    bl_idname = "scene.nested_cages_store_defaults"
     bl_label = "Use Settings of Scene"
-    bl_description = "Start new files with the settings of this scene"
     bl_options = {"INTERNAL"}
+    modes = ()
+    during_jobs = True
 
     @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        if preferences() is None:
-            cls.poll_message_set("The add-on is not enabled in the preferences")
-            return False
-        return True
+    def unavailable(cls, _context: bpy.types.Context) -> str:
+        return "The add-on is not enabled in the preferences" if preferences() is None else ""
 
-    def execute(self, context: bpy.types.Context) -> Outcome:
+    def run(self, context: bpy.types.Context) -> None:
         found = preferences()
         copy_values(settings_of(context), found.defaults)
         # Objects of this file do not exist in others.
         found.defaults.level_objects = ""
         found.has_defaults = True
         context.preferences.is_dirty = True
-        return {"FINISHED"}
 
 
 def preferences() -> NestedCagesPreferences | None:

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import NestedCagesError
 from ..exchange import Feature, frames_to_engine_json, to_engine_json, to_geojson, to_svg, write_whole
+from ..exchange.limits import invalid
 from ..exchange.pictures import corresponding
 from ..geometry.mesh import Mesh
 from .making import Cage, Made, Result
@@ -35,10 +35,9 @@ def targets(paths: Sequence[str], source: Source, chosen: str | None) -> list[tu
     kinds = [chosen or own if path == STREAM else WRITTEN[Path(path).suffix.lower()] for path in paths]
     several = len(source.shapes) + len(source.failures)
     if "json" in kinds and several > 1:
-        raise NestedCagesError(
+        raise invalid(
             f"A collision outline is made of one feature, but {Path(source.path).name} has {several}; write "
-            ".geojson or .svg instead.",
-            code="file.invalid",
+            ".geojson or .svg instead."
         )
     return [(path.replace(STEM, stem), kind) for path, kind in zip(paths, kinds, strict=True)]
 
@@ -61,12 +60,10 @@ def frames_of(results: Sequence[Result], *, flip_y: bool) -> str:
     """
     missing = [Path(result.source.path).name for result in results if not result.made]
     if missing:
-        raise NestedCagesError(f"not written, since {', '.join(missing)} has no outline.", code="file.invalid")
+        raise invalid(f"not written, since {', '.join(missing)} has no outline.")
     heights = {result.source.height for result in results}
     if flip_y and len(heights) > 1:
-        raise NestedCagesError(
-            "the pictures differ in height, so their frames cannot be flipped together.", code="file.invalid"
-        )
+        raise invalid("the pictures differ in height, so their frames cannot be flipped together.")
     outlines = corresponding([result.made[0].cages[-1].mesh for result in results])
     return frames_to_engine_json(outlines, flip_y=heights.pop() if flip_y else None, indent=1)
 
@@ -77,7 +74,7 @@ def put(path: str, text: str) -> None:
         write_whole(path, text)
         return
     if sys.stdout is None or sys.stdout.closed:
-        raise NestedCagesError("The standard output is closed; name a file.", code="file.invalid")
+        raise invalid("The standard output is closed; name a file.")
     sys.stdout.buffer.write(text.encode("utf-8"))
     sys.stdout.buffer.flush()
 

@@ -27,22 +27,11 @@ from .geojson import (
 from .joining import joined
 from .limits import Limits
 from .neighbours import Cut, cut_at_borders
-from .svg import (
-    DRAWING_LIMITS,
-    Frame,
-    SvgDrawing,
-    SvgOptions,
-    SvgPart,
-    SvgShapes,
-    from_svg,
-    read_svg,
-    read_svg_drawing,
-    svg_drawing,
-    svg_parts,
-    svg_shapes,
-    to_svg,
-    write_svg,
-)
+from .svg.document import Frame
+from .svg.options import DRAWING_LIMITS, SvgOptions
+from .svg.parts import SvgPart, svg_parts
+from .svg.reading import SvgDrawing, SvgShapes, from_svg, read_svg, read_svg_drawing, svg_drawing, svg_shapes
+from .svg.writing import to_svg, write_svg
 from .swept import swept
 
 __all__ = [

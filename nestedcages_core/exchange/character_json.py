@@ -10,11 +10,10 @@ import numpy as np
 
 from ..character import Bone, Character, Pose
 from ..character.bones import ends_of
-from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from .engine_json import checked_document, flipped
-from .limits import Limits
+from .limits import Limits, invalid
 from .rings import ring_of, shown
 
 FORMAT = "nested-cages character"
@@ -85,9 +84,7 @@ def character_from_engine_json(
             _pose(frame, (len(shape.vertices), len(cage.vertices)), flip_y) for frame in document.get("frames", ())
         )
     except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
-        raise NestedCagesError(
-            f"The character cannot be read: {error!r} is missing or invalid.", code="file.invalid"
-        ) from error
+        raise invalid(f"The character cannot be read: {error!r} is missing or invalid.") from error
     triangles = triangles[:, :: 1 if flip_y is None else -1]
     return Character(shape, cage, bones, bone_weights, cage_weights, triangles, frames)
 

@@ -12,6 +12,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.lattice import Grid
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
+from .limits import invalid
 
 MAX_DECIMALS = 15
 """Maximum number of decimals that every double can have."""
@@ -25,9 +26,7 @@ def check_decimals(meshes: Iterable[Mesh], decimals: int | None) -> None:
     if decimals is None:
         return
     if isinstance(decimals, bool) or not isinstance(decimals, int | np.integer) or not 0 <= decimals <= MAX_DECIMALS:
-        raise NestedCagesError(
-            f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.", code="file.invalid"
-        )
+        raise invalid(f"The decimals must be a whole number from 0 to {MAX_DECIMALS}, not {decimals!r}.")
     grid = Grid.of_decimals(int(decimals))
     for mesh in meshes:
         off = (grid.points(grid.places(mesh.vertices)) != mesh.vertices).any(axis=1)

@@ -18,7 +18,7 @@ from ..geometry.triangulation import piece_vertices, triangulate
 from .decimals import check_decimals, subtracted
 from .files import write_whole
 from .geojson import loaded_json
-from .limits import Budget, LimitError, Limits
+from .limits import Budget, LimitError, Limits, invalid
 from .rings import meshes_of, polygons_of, ring_of, shown
 
 FORMAT = "nested-cages outline"
@@ -76,10 +76,10 @@ def frames_to_engine_json(
     """
     check_decimals(outlines, decimals)
     if not outlines:
-        raise NestedCagesError("There are no frames to write.", code="file.invalid")
+        raise invalid("There are no frames to write.")
     moments = np.arange(len(outlines), dtype=float) if times is None else np.asarray(times, dtype=float)
     if moments.shape != (len(outlines),) or not np.isfinite(moments).all():
-        raise NestedCagesError(f"The times must be {len(outlines)} finite numbers, one per frame.", code="file.invalid")
+        raise invalid(f"The times must be {len(outlines)} finite numbers, one per frame.")
     frames = [
         {"time": time, "polygons": _polygons(outline, flip_y)}
         for time, outline in zip(moments.tolist(), outlines, strict=True)
@@ -97,39 +97,26 @@ def frames_from_engine_json(
     limits = limits or Limits()
     frames = checked_document(text, FRAMES, "an animation of outlines", limits).get("frames")
     if not isinstance(frames, list):
-        raise NestedCagesError(
-            f"The animation of outlines has {shown(frames)} where its list of frames belongs.", code="file.invalid"
-        )
+        raise invalid(f"The animation of outlines has {shown(frames)} where its list of frames belongs.")
     budget = Budget(limits)
     budget.spend("elements", len(frames))
     read = []
     for k, frame in enumerate(frames):
         time = frame.get("time") if isinstance(frame, Mapping) else None
         if not isinstance(time, int | float) or isinstance(time, bool):
-            raise NestedCagesError(
-                f"Frame {k} of the animation of outlines is not an object with a time and polygons.",
-                code="file.invalid",
-            )
+            raise invalid(f"Frame {k} of the animation of outlines is not an object with a time and polygons.")
         try:
             read.append((float(time), _mesh_of(frame, flip_y, budget)))
         except LimitError:
             raise
         except (NestedCagesError, OverflowError) as error:
-            raise NestedCagesError(f"Frame {k}: {error}", code="file.invalid") from error
+            raise invalid(f"Frame {k}: {error}") from error
     return tuple(read)
 
 
-def write_engine_json(
-    path: str | os.PathLike[str],
-    shape: Drawable | MeshLike,
-    *,
-    flip_y: float | None = None,
-    triangles: bool = False,
-    pieces: int | None = None,
-    decimals: int | None = None,
-) -> None:
-    """Write the outline to a file, whole or not at all; see `to_engine_json`."""
-    write_whole(path, to_engine_json(shape, flip_y=flip_y, triangles=triangles, pieces=pieces, decimals=decimals))
+def write_engine_json(path: str | os.PathLike[str], shape: Drawable, **options: Any) -> None:
+    """Write the outline to a file, whole or not at all; options as of `to_engine_json`."""
+    write_whole(path, to_engine_json(shape, **options))
 
 
 def is_engine_json(text: str | bytes) -> bool:
@@ -162,7 +149,7 @@ def pieces_from_engine_json(
     document = checked_document(text, FORMAT, "a collision outline", limits)
     points, pieces = document.get("points"), document.get("pieces")
     if not isinstance(points, list) or not isinstance(pieces, list):
-        raise NestedCagesError("The collision outline has no convex pieces; export it with them.", code="file.invalid")
+        raise invalid("The collision outline has no convex pieces; export it with them.")
     budget = Budget(limits)
     budget.spend("points", len(points))
     budget.spend("elements", len(pieces))
@@ -172,10 +159,7 @@ def pieces_from_engine_json(
     for k, piece in enumerate(pieces):
         known = isinstance(piece, list) and all(type(i) is int and 0 <= i < len(points) for i in piece)
         if not known or len(piece) < 3:
-            raise NestedCagesError(
-                f"Piece {k} of the collision outline is not a list of at least three of its points.",
-                code="file.invalid",
-            )
+            raise invalid(f"Piece {k} of the collision outline is not a list of at least three of its points.")
         budget.spend("points", len(piece))
         found.append(flipped(places[piece], flip_y)[::turn])
     return found
@@ -185,13 +169,12 @@ def checked_document(text: str | bytes, kind: str, what: str, limits: Limits) ->
     """The document, checked for format and version."""
     document, _ = loaded_json(text, what, limits)
     if not isinstance(document, Mapping) or document.get("format") != kind:
-        raise NestedCagesError(f'This is not {what}: its format is not "{kind}".', code="file.invalid")
+        raise invalid(f'This is not {what}: its format is not "{kind}".')
     version = document.get("version")
     if type(version) is not int or version != VERSION:
-        raise NestedCagesError(
+        raise invalid(
             f"{what.replace(what.split()[0], 'The', 1)} is of version {shown(version)}, but version {VERSION} is read; "
-            "export it again.",
-            code="file.invalid",
+            "export it again."
         )
     return document
 
@@ -214,16 +197,12 @@ def _mesh_of(document: Mapping[str, Any], flip_y: float | None, budget: Budget) 
     """The mesh of the polygons of a document or a frame."""
     parts = document.get("polygons")
     if not isinstance(parts, list):
-        raise NestedCagesError(
-            f"The collision outline has {shown(parts)} where its list of polygons belongs.", code="file.invalid"
-        )
+        raise invalid(f"The collision outline has {shown(parts)} where its list of polygons belongs.")
     budget.spend("elements", len(parts))
     rings = []
     for k, part in enumerate(parts):
         if not isinstance(part, Mapping) or not isinstance(part.get("holes", []), list) or "outer" not in part:
-            raise NestedCagesError(
-                f"Polygon {k} of the collision outline is not an object with outer and holes.", code="file.invalid"
-            )
+            raise invalid(f"Polygon {k} of the collision outline is not an object with outer and holes.")
         rings.append([part["outer"], *part.get("holes", [])])
     polygons = polygons_of({"type": "MultiPolygon", "coordinates": rings})
     budget.spend("points", sum(len(ring) for polygon in polygons for ring in polygon))

@@ -8,8 +8,7 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-from ..errors import NestedCagesError
-from .limits import Limits
+from .limits import Limits, invalid
 
 DEFAULT_MODE = 0o666
 """Permissions of a new file before the user's umask."""
@@ -34,9 +33,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
         data = content.encode("utf-8") if isinstance(content, str) else content
     except UnicodeEncodeError as error:
         character = error.object[error.start]
-        raise NestedCagesError(
-            f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name.",
-            code="file.invalid",
+        raise invalid(
+            f"{given.name} cannot be written: the text has {character!a}, which is half a character; correct the name."
         ) from error
     target = Path(os.path.realpath(given))  # keep links
     if target.exists() and not target.is_file():  # devices and pipes have no content to lose

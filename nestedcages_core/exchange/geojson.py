@@ -18,9 +18,9 @@ from ..geometry.mesh import Mesh, MeshLike
 from .antimeridian import across
 from .decimals import check_decimals
 from .files import read_whole, write_whole
-from .limits import Budget, LimitError, Limits
+from .limits import Budget, LimitError, Limits, invalid, no_outline
 from .repair import mesh_of
-from .rings import meshes_of, polygons_of, shown
+from .rings import polygons_of, shown
 
 GEOGRAPHIC = ("CRS84", "4326", "4269", "4258")
 """Substrings of the names of common coordinate reference systems in degrees."""
@@ -87,9 +87,7 @@ def read_map(source: Any, limits: Limits | None = None, tolerance: float | None 
     document, has_nan = _loaded(source, limits)
     members: Any = document.get("features") if document["type"] == "FeatureCollection" else [document]
     if isinstance(members, str | bytes | Mapping) or not hasattr(members, "__iter__"):
-        raise NestedCagesError(
-            f"The FeatureCollection has {shown(members)} where its list of features belongs.", code="file.invalid"
-        )
+        raise invalid(f"The FeatureCollection has {shown(members)} where its list of features belongs.")
     degrees = _may_be_degrees(document)
     features, refused, without, budget = [], [], 0, Budget(limits)
     for number, member in enumerate(members):
@@ -135,9 +133,7 @@ def from_geojson(source: Any, *, limits: Limits | None = None, tolerance: float 
     """
     features = _said(read_map(source, limits, tolerance)).features
     if not features:
-        raise NestedCagesError(
-            "The document has no polygons; give Polygon or MultiPolygon geometries.", code="file.invalid"
-        )
+        raise invalid("The document has no polygons; give Polygon or MultiPolygon geometries.")
     if len(features) == 1:
         return features[0].mesh
     polygons = [polygon for feature in features for polygon in polygons_of(feature.mesh)]
@@ -167,48 +163,31 @@ def to_geojson(
     """
     if isinstance(shapes, Map):
         crs = shapes.crs if crs is None else crs
-        return to_geojson(shapes.features, indent=indent, crs=crs, decimals=decimals)
-    listed = isinstance(shapes, str | Mapping | list | tuple)
-    given: Any = [shapes] if isinstance(shapes, Feature) else shapes if listed else meshes_of(shapes)
+        shapes = shapes.features
+    given: Any = [shapes] if isinstance(shapes, Feature) else getattr(shapes, "meshes", shapes)
     if isinstance(given, str | Mapping) or not all(isinstance(item, Mesh | Feature) for item in given):
-        raise NestedCagesError(
-            "GeoJSON is written from meshes and features; give a list of these.", code="file.invalid"
-        )
+        raise invalid("GeoJSON is written from meshes and features; give a list of these.")
     features = [item if isinstance(item, Feature) else Feature(item) for item in given]
     check_decimals([item.mesh for item in features], decimals)
-    collection: dict[str, Any] = (
-        {"type": "FeatureCollection"}
-        if crs is None
-        else {
-            "type": "FeatureCollection",
-            "crs": crs,
-        }
-    )
+    collection = {"type": "FeatureCollection", **({} if crs is None else {"crs": crs})}
     collection["features"] = [item.__geo_interface__ for item in features]
     try:
         return json.dumps(collection, indent=indent, allow_nan=False, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:
-        raise NestedCagesError(f"The properties cannot be written as JSON: {error}.", code="file.invalid") from error
+        raise invalid(f"The properties cannot be written as JSON: {error}.") from error
 
 
 def write_geojson(
-    path: str | os.PathLike[str],
-    shapes: Drawable | MeshLike | Feature | Map | Sequence[Mesh | Feature],
-    *,
-    crs: Any = None,
-    decimals: int | None = None,
+    path: str | os.PathLike[str], shapes: Drawable | Feature | Map | Sequence[Mesh | Feature], **options: Any
 ) -> None:
-    """Write a GeoJSON file, whole or not at all; see `to_geojson`."""
-    write_whole(path, to_geojson(shapes, crs=crs, decimals=decimals))
+    """Write a GeoJSON file, whole or not at all; shapes and options as of `to_geojson`."""
+    write_whole(path, to_geojson(shapes, **options))
 
 
 def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     """A JSON document, and whether it has NaN or Infinity somewhere. Raises NestedCagesError."""
     if not isinstance(text, str | bytes | bytearray):
-        raise NestedCagesError(
-            f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.",
-            code="file.invalid",
-        )
+        raise invalid(f"{what[0].upper()}{what[1:]} is read from text or bytes, not from {type(text).__name__}.")
     limits.check("bytes", len(text))
     constants: list[str] = []
 
@@ -219,7 +198,7 @@ def loaded_json(text: Any, what: str, limits: Limits) -> tuple[Any, bool]:
     try:
         document = json.loads(text, parse_constant=constant)
     except (ValueError, RecursionError) as error:
-        raise NestedCagesError(f"This is not {what}: {error}.", code="file.invalid") from error
+        raise invalid(f"This is not {what}: {error}.") from error
     return document, bool(constants)
 
 
@@ -229,12 +208,9 @@ def _loaded(source: Any, limits: Limits) -> tuple[Mapping[str, Any], bool]:
     if not isinstance(document, Mapping):
         document, has_nan = loaded_json(source, "GeoJSON", limits)
     if not isinstance(document, Mapping) or not isinstance(document.get("type"), str):
-        raise NestedCagesError("This is not GeoJSON: the document is not an object with a type.", code="file.invalid")
+        raise invalid("This is not GeoJSON: the document is not an object with a type.")
     if document["type"] == "Topology":
-        raise NestedCagesError(
-            "This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.",
-            code="file.invalid",
-        )
+        raise invalid("This is TopoJSON; convert it with topojson.Topology(…).to_geojson() in Python, or topo2geo.")
     return document, has_nan
 
 
@@ -242,7 +218,7 @@ def _parts(member: Any, has_nan: bool) -> tuple[Any, Mapping[str, Any], str | in
     """Geometry, properties and id of a feature or a bare geometry, and a note on values that JSON cannot represent."""
     mapping = getattr(member, "__geo_interface__", member)
     if not isinstance(mapping, Mapping):
-        raise InvalidMeshError(f"It is {shown(member)}, not an object with a type.", code="file.invalid")
+        raise no_outline(f"It is {shown(member)}, not an object with a type.")
     if mapping.get("type") != "Feature":
         return mapping, {}, None, ()
     properties, identity = mapping.get("properties"), mapping.get("id")
@@ -261,8 +237,7 @@ def _may_be_degrees(document: Mapping[str, Any]) -> bool:
 
 def _name(number: int, properties: Mapping[str, Any], identity: Any) -> str:
     known = next((properties[key] for key in NAMES if properties.get(key) not in (None, "")), identity)
-    text = known if isinstance(known, str) else "" if known is None else shown(known)
-    words = " ".join(text.split())
+    words = " ".join(("" if known is None else known if isinstance(known, str) else shown(known)).split())
     words = words if len(words) <= LONGEST_NAME else f"{words[:LONGEST_NAME]}…"
     return f"feature {number}" + (f" ({words})" if words else "")
 
@@ -287,9 +262,7 @@ def _said(found: Map) -> Map:
     """Warn of repaired and rejected features. Raises NestedCagesError if all were rejected."""
     sentences = [*found.refused, *found.notes]
     if found.refused and not found.features:
-        raise InvalidMeshError(
-            "\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences), code="file.invalid"
-        )
+        raise no_outline("\n".join(sentence[0].upper() + sentence[1:] for sentence in sentences))
     if sentences:
         warnings.warn("\n".join(sentences), NestedCagesWarning, stacklevel=3)
     return found

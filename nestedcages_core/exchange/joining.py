@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from ..errors import NestedCagesError
 from ..geometry.mesh import Mesh
-from .fill import Painted, mesh_of, regions
+from .fill import Painted, regions, united
 from .hairlines import without_hairlines
 from .libraries import load_shapely
+from .limits import invalid
 
 
 def joined(mesh: Mesh, distance: float) -> Mesh:
@@ -18,8 +18,8 @@ def joined(mesh: Mesh, distance: float) -> Mesh:
     Raises NestedCagesError for a distance that is not positive.
     """
     if not 0.0 < distance < math.inf:
-        raise NestedCagesError(f"The distance must be a positive length, not {distance!r}.", code="file.invalid")
+        raise invalid(f"The distance must be a positive length, not {distance!r}.")
     shapely = load_shapely("parts that nearly touch")
     (solid,) = regions(shapely, [Painted([mesh.vertices[loop] for loop in mesh.loops])])
     found = without_hairlines(shapely, solid, gap=distance)
-    return mesh_of(shapely, [found.region]) if found.gaps else mesh
+    return united(shapely, [found.region]) if found.gaps else mesh

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from types import ModuleType
-from typing import cast
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
 
 from ..errors import NestedCagesError
 
@@ -12,44 +13,33 @@ INSTALL = "install it with 'pip install nested-cages[formats]'"
 pictures itself."""
 
 
-def load_shapely(purpose: str) -> ModuleType:
-    """shapely (GEOS), for `purpose`, a plural such as "overlapping shapes". Raises NestedCagesError where missing."""
+@contextmanager
+def _needed(name: str, purpose: str) -> Iterator[None]:
+    """Raises NestedCagesError where the library is missing; purpose: a plural such as "overlapping shapes"."""
     try:
+        yield
+    except ImportError as error:
+        problem = f"Reading {purpose} needs {name}; {INSTALL}."
+        raise NestedCagesError(problem, code="dependency.missing", library=name) from error
+
+
+def load_shapely(purpose: str) -> Any:
+    """shapely (GEOS)."""
+    with _needed("shapely", purpose):
         import shapely
-    except ImportError as error:
-        raise NestedCagesError(f"Reading {purpose} needs shapely; {INSTALL}.", code="dependency.missing") from error
-    return cast(ModuleType, shapely)
+    return shapely
 
 
-def load_css() -> tuple[ModuleType, ModuleType]:
-    """tinycss2 and cssselect2, for style sheets. Raises NestedCagesError where missing."""
-    try:
+def load_css() -> tuple[Any, Any]:
+    """tinycss2, with its colours, and cssselect2."""
+    with _needed("tinycss2 and cssselect2", "styles and colours by function or in masks"):
         import cssselect2
-        import tinycss2
-    except ImportError as error:
-        raise NestedCagesError(
-            f"Reading style sheets needs tinycss2 and cssselect2; {INSTALL}.", code="dependency.missing"
-        ) from error
-    return cast(ModuleType, tinycss2), cast(ModuleType, cssselect2)
-
-
-def load_colours() -> ModuleType:
-    """The colours of tinycss2. Raises NestedCagesError where missing."""
-    try:
         import tinycss2.color4
-    except ImportError as error:
-        raise NestedCagesError(
-            f"Reading colours by function or in masks needs tinycss2; {INSTALL}.", code="dependency.missing"
-        ) from error
-    return cast(ModuleType, tinycss2.color4)
+    return tinycss2, cssselect2
 
 
-def load_pictures() -> ModuleType:
-    """The pictures of Pillow. Raises NestedCagesError where missing."""
-    try:
+def load_pictures() -> Any:
+    """The pictures of Pillow."""
+    with _needed("Pillow", "PNG"):
         from PIL import Image
-    except ImportError as error:
-        raise NestedCagesError(
-            f"Reading PNG needs Pillow; {INSTALL}.", code="dependency.missing", library="Pillow"
-        ) from error
     return Image

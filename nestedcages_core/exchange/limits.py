@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from ..errors import NestedCagesError
+from ..errors import InvalidMeshError, NestedCagesError
+
+invalid, no_outline = (partial(kind, code="file.invalid") for kind in (NestedCagesError, InvalidMeshError))
+"""The errors, with a sentence, for what is not as a reader or a writer needs it, and for what has no valid outline."""
 
 GREATEST = 10**18
 """Greatest value of a limit: no machine has as much."""

@@ -13,8 +13,10 @@ from ..geometry.mesh import Mesh
 from ..hierarchy import Settings, Within, nested_cages
 from ..level.choices import DEFAULT_CLEARANCE
 from ..verification import verify
+from .fill import united
 from .libraries import load_shapely
-from .repair import polygons_in, shape_of, united
+from .limits import invalid
+from .repair import shape_of
 from .rings import polygons_of
 
 NEEDED_FOR = "regions that share borders"
@@ -75,11 +77,9 @@ def cut_at_borders(
     """
     inside = regions if inner is None else inner
     if not len(cages) == len(regions) == len(inside):
-        raise NestedCagesError(
-            f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.", code="file.invalid"
-        )
+        raise invalid(f"There are {len(cages)} cages, but {len(regions)} regions; give one cage for each.")
     if clearance is not None and not 0.0 < clearance < np.inf:
-        raise NestedCagesError(f"The clearance must be a positive length, not {clearance!r}.", code="file.invalid")
+        raise invalid(f"The clearance must be a positive length, not {clearance!r}.")
     shapely = load_shapely(NEEDED_FOR)
     shapes = [_shape(region) for region in regions]
     tree = shapely.STRtree(shapes)
@@ -107,7 +107,7 @@ def _cut(cage: Mesh, inner: Mesh, others: Any, least: float, width: float | None
     rest = shapely.difference(whole, shapely.difference(others, strip))
     parts = [part for part in shapely.get_parts(rest) if part.intersects(core)]
     try:
-        found = united(polygons_in(shapely.multipolygons(parts)))
+        found = united(shapely, parts)
     except InvalidMeshError:
         return uncut
     certificate = verify(found, inner, least, same_loops=False)

@@ -13,19 +13,13 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import place
 from ..geometry.predicates import orientation
 from .crossings import edges_in, spend_crossings
-from .fill import Painted, solid
-from .hairlines import has_hairlines, without_hairlines, without_short_edges
+from .fill import united
+from .hairlines import has_hairlines
 from .libraries import load_shapely
-from .limits import Budget
+from .limits import Budget, no_outline
 from .rings import Polygon
 
 NEEDED_FOR = "polygons that touch or cross"
-
-NECK_PER_SIZE = 1e-6
-"""Half the width of the necks between parts that touch in points, over the square root of the area."""
-
-LEAST_NECK = 64.0 * float(np.finfo(float).eps)
-"""Lower bound of the same, over the largest coordinate, so that it survives rounding."""
 
 HAIRLINE_PART, DEFAULT_HAIRLINE = 0.1, 1e-5
 """Width below which gaps are closed and spikes cut off, in tolerances, and by default in diagonals: the clearance."""
@@ -51,14 +45,14 @@ def mesh_of(
     """
     kept, notes = _cleaned(polygons)
     if not kept:
-        raise InvalidMeshError(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.", code="file.invalid")
+        raise no_outline(f"No polygon encloses an area{f' ({notes[-1]})' if notes else ''}.")
     corners = np.concatenate([np.concatenate(polygon) for polygon in kept])
     diagonal = float(np.hypot(*np.ptp(corners, axis=0)))
     width = DEFAULT_HAIRLINE * diagonal if tolerance is None else HAIRLINE_PART * tolerance
     least = width if clean or tolerance is not None else LEAST_HAIRLINE * diagonal
-    faults, touching = [], []
+    mesh, touching = None, []
     try:
-        mesh = _strict(kept)
+        mesh = strict(kept)
         if not has_hairlines(mesh, least):
             return mesh, notes
         width = least
@@ -66,52 +60,22 @@ def mesh_of(
         touching = [f"parts that touch are joined: {_first(error)}"]
     shapely = load_shapely(NEEDED_FOR)
     shape = shape_of(kept)
-    if touching:
+    if mesh is None:
         spend_crossings(edges_in(shapely, [shape]), budget, own=True)
-        faults = _faults(shape)
-    if faults:
-        try:
-            shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
-        except shapely.errors.GEOSException as error:
-            raise InvalidMeshError(f"{faults[0]}, which cannot be repaired ({error}).", code="file.invalid") from error
-        touching = [f"{fault}: repaired" for fault in faults]
-        kept = polygons_in(shape)
-    found = without_hairlines(shapely, shape, gap=width, spike=width)
-    if found.gaps or found.spikes:
-        rings = [[without_short_edges(ring, width) for ring in polygon] for polygon in polygons_in(found.region)]
-        return united(rings), [*notes, *touching, found.note(width)]
-    return (mesh if not touching else united(kept)), [*notes, *touching]
+        faults = _faults(shapely, shape)
+        if faults:
+            try:
+                shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
+            except shapely.errors.GEOSException as error:
+                problem = f"{faults[0]}, which cannot be repaired ({error})."
+                raise no_outline(problem) from error
+            touching = [f"{fault}: repaired" for fault in faults]
+    narrow: list[str] = []
+    mended = united(shapely, shapely.get_parts(shape), seam=width, spike=width, notes=narrow)
+    return mesh if mesh is not None and not narrow else mended, [*notes, *touching, *narrow]
 
 
-def united(polygons: list[Polygon]) -> Mesh:
-    """Polygons that may touch in points, each valid, as one mesh. Raises InvalidMeshError where no area is left."""
-    if not polygons:
-        raise InvalidMeshError("No polygon encloses an area.", code="file.invalid")
-    try:
-        return _strict(polygons)
-    except InvalidMeshError:
-        pass
-    shapely = load_shapely(NEEDED_FOR)
-    shape = shape_of(polygons)
-    reach = max(NECK_PER_SIZE * np.sqrt(shape.area), LEAST_NECK * float(np.abs(shape.bounds).max()))
-    necks = shapely.buffer(shapely.points(_touching(polygons)), reach, quad_segs=1)
-    try:
-        return _strict(polygons_in(shapely.union_all([shape, *necks])))
-    except InvalidMeshError:
-        return solid([Painted([ring for polygon in polygons for ring in polygon], evenodd=True)])
-
-
-def _touching(polygons: list[Polygon]) -> FloatArray:
-    """(k, 2) vertices that lie on an edge which is not their own."""
-    shapely = load_shapely(NEEDED_FOR)
-    rings = [ring for polygon in polygons for ring in polygon]
-    starts, ends = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
-    edges = shapely.linestrings(np.stack((starts, ends), axis=1))
-    vertex, _ = shapely.STRtree(edges).query(shapely.points(starts), predicate="intersects")
-    return np.asarray(np.unique(starts[np.bincount(vertex, minlength=len(starts)) > 2], axis=0))
-
-
-def _strict(polygons: list[Polygon]) -> Mesh:
+def strict(polygons: list[Polygon]) -> Mesh:
     """The mesh of rings that need no repair. Raises InvalidMeshError, also for holes outside of polygons."""
     return Mesh.from_geometry({"type": "MultiPolygon", "coordinates": polygons})
 
@@ -122,30 +86,19 @@ def shape_of(polygons: list[Polygon]) -> Any:
     return shapely.multipolygons([shapely.Polygon(outer, holes) for outer, *holes in polygons])
 
 
-def polygons_in(shape: Any) -> list[Polygon]:
-    """The polygons of a geometry with their rings open."""
-    shapely = load_shapely(NEEDED_FOR)
-    parts = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon" and part.area > 0.0]
-    return [[np.array(ring.coords)[:-1, :2] for ring in (part.exterior, *part.interiors)] for part in parts]
-
-
-def _faults(shape: Any) -> list[str]:
+def _faults(shapely: Any, shape: Any) -> list[str]:
     """Each kind of fault once per ring, per polygon and for the whole, innermost first, with its place."""
-    shapely = load_shapely(NEEDED_FOR)
     found = []
-    whole = [part for part in shapely.get_parts(shape) if not shapely.is_valid(part)]
-    for part in whole:
-        rings = [shapely.polygons(ring) for ring in (part.exterior, *part.interiors)]
-        bad = [ring for ring in rings if not shapely.is_valid(ring)]
-        found += [_reason(ring) for ring in bad or [part]]
-    if not found and not shapely.is_valid(shape):
-        found.append(_reason(shape))
-    return found
+    for part in shapely.get_parts(shape):
+        if not shapely.is_valid(part):
+            rings = shapely.polygons(shapely.get_rings(part))
+            found += [_reason(shapely, ring) for ring in rings[~shapely.is_valid(rings)]] or [_reason(shapely, part)]
+    return found or ([] if shapely.is_valid(shape) else [_reason(shapely, shape)])
 
 
-def _reason(shape: Any) -> str:
+def _reason(shapely: Any, shape: Any) -> str:
     """The message of GEOS: its reason, and the place in user coordinates."""
-    text = load_shapely(NEEDED_FOR).is_valid_reason(shape)
+    text = shapely.is_valid_reason(shape)
     parts = re.fullmatch(r"(.*)\[(\S+) (\S+).*\]", text)
     return f"{parts[1].lower()} at {place((float(parts[2]), float(parts[3])))}" if parts else text.lower()
 

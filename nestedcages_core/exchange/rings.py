@@ -13,6 +13,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.drawable import Drawable
 from ..geometry.mesh import Mesh
 from ..geometry.mesh.validation import MAX_COORDINATE
+from .limits import no_outline
 
 Polygon = list[FloatArray]
 """An outer ring and its holes, each (k, 2)."""
@@ -35,7 +36,7 @@ def polygons_of(geometry: Any, depth: int = 0) -> list[Polygon]:
     """
     mapping = getattr(geometry, "__geo_interface__", geometry)
     if not isinstance(mapping, Mapping):
-        raise InvalidMeshError(f"The geometry is {shown(geometry)}, not an object with a type.", code="file.invalid")
+        raise no_outline(f"The geometry is {shown(geometry)}, not an object with a type.")
     if depth > GREATEST_DEPTH:
         raise InvalidMeshError(
             f"The geometry has collections within collections, more than {GREATEST_DEPTH} deep.", code="limit.exceeded"
@@ -47,9 +48,7 @@ def polygons_of(geometry: Any, depth: int = 0) -> list[Polygon]:
     if kind in RINGLESS:
         return []
     if kind not in ("Polygon", "MultiPolygon"):
-        raise InvalidMeshError(
-            f"A geometry of type {shown(kind)} is not known; give Polygon or MultiPolygon.", code="file.invalid"
-        )
+        raise no_outline(f"A geometry of type {shown(kind)} is not known; give Polygon or MultiPolygon.")
     given = mapping.get("coordinates")
     polygons = [given] if kind == "Polygon" else _items(given, "The list of polygons")
     return [
@@ -62,7 +61,7 @@ def polygons_of(geometry: Any, depth: int = 0) -> list[Polygon]:
 def _items(value: Any, what: str) -> Any:
     """A list, tuple or array as it is. Raises InvalidMeshError for anything else."""
     if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray):
-        raise InvalidMeshError(f"{what} is {shown(value)}, not a list.", code="file.invalid")
+        raise no_outline(f"{what} is {shown(value)}, not a list.")
     return value
 
 
@@ -74,22 +73,16 @@ def ring_of(points: Any, where: str) -> FloatArray:
         rows = []
         for k, point in enumerate(_items(points, where.capitalize())):
             if not _is_point(point):
-                raise InvalidMeshError(f"Point {k} of {where} is {shown(point)}, not two numbers.", code="file.invalid")
-            rows.append((point[0], point[1]))
-        try:
-            ring = np.array(rows, dtype=np.float64).reshape(-1, 2)
-        except OverflowError:
-            k = next(k for k, row in enumerate(rows) if not _fits(row))
-            raise InvalidMeshError(
-                f"Point {k} of {where} is out of range for floating-point numbers.", code="file.invalid"
-            ) from None
+                raise no_outline(f"Point {k} of {where} is {shown(point)}, not two numbers.")
+            try:
+                rows.append((float(point[0]), float(point[1])))
+            except OverflowError:
+                raise no_outline(f"Point {k} of {where} is out of range for floating-point numbers.") from None
+        ring = np.reshape(rows, (-1, 2))
     far = np.flatnonzero(~(np.abs(ring) < MAX_COORDINATE).all(axis=1))
     if len(far):
         x, y = ring[far[0]].tolist()
-        raise InvalidMeshError(
-            f"Point {far[0]} of {where} is ({x:.6g}, {y:.6g}); finite numbers below 1e150 are read.",
-            code="file.invalid",
-        )
+        raise no_outline(f"Point {far[0]} of {where} is ({x:.6g}, {y:.6g}); finite numbers below 1e150 are read.")
     return ring
 
 
@@ -119,10 +112,3 @@ def _is_point(point: Any) -> bool:
     if isinstance(point, str | bytes) or not isinstance(point, Sequence | np.ndarray) or len(point) < 2:
         return False
     return all(isinstance(value, float | int | np.number) and type(value) is not bool for value in point[:2])
-
-
-def _fits(row: Sequence[Any]) -> bool:
-    try:
-        return all(np.isfinite(float(value)) for value in row)
-    except OverflowError:
-        return False

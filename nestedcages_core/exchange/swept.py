@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh
 from ..motion.poses import read_poses
-from .fill import Painted, mesh_of, regions
+from .fill import Painted, regions, united
 from .libraries import load_shapely
 
 PARTS_PER_POSE = 4
@@ -36,7 +36,7 @@ def swept(fine: Mesh, poses: ArrayLike | Iterable[ArrayLike]) -> Mesh:
     hulls = shapely.convex_hull(shapely.multipoints(corners, indices=np.repeat(np.arange(len(corners) // 4), 4)))
     areas = hulls[shapely.get_dimensions(hulls) == 2]
     gap = SWEPT_SEAM * fine.diagonal
-    union = mesh_of(shapely, [*solids, *areas], seam=gap)
+    union = united(shapely, [*solids, *areas], seam=gap)
     kept = np.flatnonzero(np.abs(union.loop_areas) > gap * gap)
     return union if len(kept) == len(union.loops) else Mesh.from_loops([union.vertices[union.loops[k]] for k in kept])
 

@@ -48,11 +48,6 @@ class Descent:
     iterations: int
     """Number of steps, rejected ones included."""
 
-    @property
-    def end(self) -> FloatArray:
-        """(n, 2) last positions."""
-        return self.steps[-1] if self.steps else self.start
-
 
 @dataclass(frozen=True, eq=False)
 class EnergyFlow:
@@ -66,14 +61,13 @@ class EnergyFlow:
     longest_step: float
     """Cap on the change of a coordinate per step."""
 
-    def descend(self, start: FloatArray, limit: int, at_start: Penetration | None = None) -> Stage[float, Descent]:
+    def descend(self, start: FloatArray, limit: int) -> Stage[float, Descent]:
         """At most ``limit`` steps from (n, 2) positions until certified inside at a good distance.
 
-        at_start: the penetration there, if it is known. A generator: yields the fraction of the limit before every step
-        and returns the outcome. Descent continues for a few steps inside to gain distance; the result is the last
-        certified position.
+        A generator: yields the fraction of the limit before every step and returns the outcome. Descent continues for
+        a few steps inside to gain distance; the result is the last certified position.
         """
-        vertices, penetration = start, at_start or self.energy.at(start)
+        vertices, penetration = start, self.energy.at(start)
         steps: list[FloatArray] = []
         seem_inside: list[int] = []
         energies = [penetration.energy]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import runpy
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -84,8 +86,8 @@ def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name
     for key, value in (own | strange).items():
         setattr(settings, key, value)
     assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
-    kept = addon.presets.KEPT
-    (chosen,) = (kind[name][1] for kind in addon.presets.PRESETS.values() if name in kind)
+    kept = addon.operators.levels.KEPT
+    (chosen,) = (kind[name][1] for kind in addon.operators.levels.PRESETS.values() if name in kind)
     for key in addon.properties.settings.NAMES:
         default = settings.bl_rna.properties[key]
         expected = chosen.get(key, default.default_flag if getattr(default, "is_enum_flag", False) else default.default)
@@ -122,6 +124,21 @@ def test_a_missing_scipy_is_a_sentence(extension, addon, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy", None)
     with pytest.raises(RuntimeError, match="Nested Cages needs scipy"):
         bpy.ops.object.nested_cages_generate(levels="12")
+
+
+def test_appended_nodes_are_those_of_their_script(addon) -> None:
+    """Nobody changes packaging/node_groups.py without `make nodes`; what is appended is there once, and local."""
+    script = SimpleNamespace(**runpy.run_path(str(ROOT / "packaging" / "node_groups.py")))
+    nodes = addon.scene.nodes
+    found = [nodes.group(name) for name in script.GROUPS] + [nodes.material(name, "Own") for name in script.MATERIALS]
+    for block in found:
+        assert block.library is None and block[script.DIGEST] == script.digest(), block.name
+    assert nodes.group(nodes.FILL) == bpy.data.node_groups[nodes.FILL] and len(bpy.data.node_groups) == len(
+        script.GROUPS
+    )
+    assert not bpy.data.libraries
+    nodes.remove_unused()
+    assert {tree.name for tree in bpy.data.node_groups} == {nodes.FILL, nodes.THICKNESS}
 
 
 REGISTER = """

@@ -107,7 +107,7 @@ class TestFlowAndContact:
     def test_where_hulls_compete_flow_and_contact_are_given_up_early(self) -> None:
         quick, untightened = tried(Settings(fallback=OuterHull()), 12)[:2]
         assert isinstance(quick.flow, TwoSidedFlow)
-        assert quick.flow.limit < TwoSidedFlow().limit and not quick.flow.detours
+        assert quick.flow.limit < TwoSidedFlow().limit
         assert len(quick.contacts) == 1 and untightened.flow == quick.flow
 
     def test_of_other_coarse_meshes_only_the_contact_is_given_up_early(self) -> None:

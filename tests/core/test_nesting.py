@@ -25,12 +25,21 @@ def test_a_cage_encloses_loop_by_loop() -> None:
         pytest.param([ring(20, 0.9), WITHIN], id="the solid sticks out"),
         pytest.param([AROUND, ring(12, 1.05)], id="a thin ring around the boundary only"),
         pytest.param([AROUND, ring(12, 0.05) + ASIDE], id="the hole is in the solid"),
-        pytest.param([AROUND, WITHIN + 4.0 * ASIDE], id="a component instead of a hole"),
         pytest.param([ring(20), WITHIN], id="touching"),
+        pytest.param([AROUND * [0.9, 1.0], WITHIN], id="the solid sticks out on both sides only"),
     ],
 )
 def test_what_does_not_enclose_is_rejected(loops: list[np.ndarray]) -> None:
-    assert not Nesting(Mesh.from_loops(loops), FINE).encloses_loop_by_loop()
+    nesting = Nesting(Mesh.from_loops(loops), FINE)
+    assert not nesting.encloses()
+    assert not nesting.encloses_loop_by_loop()
+
+
+@pytest.mark.parametrize("others", [[], [WITHIN + 4.0 * ASIDE]], ids=["no other loop", "a component instead"])
+def test_a_cage_that_fills_a_hole_encloses_but_not_loop_by_loop(others: list[np.ndarray]) -> None:
+    filled = Nesting(Mesh.from_loops([AROUND, *others]), FINE)
+    assert filled.encloses()
+    assert not filled.encloses_loop_by_loop()
 
 
 def test_swapped_loops_are_told_from_lost_ones() -> None:
@@ -38,6 +47,7 @@ def test_swapped_loops_are_told_from_lost_ones() -> None:
     swapped = Nesting(Mesh.from_loops([ring(12, 1.2) + 3.0, ring(12, 1.2)]), fine)
     assert swapped.encloses()
     assert not swapped.encloses_loop_by_loop()
+    assert Nesting(Mesh.from_loops([ring(12, 1.2), ring(12, 1.2) + 3.0]), fine).encloses_loop_by_loop()
     outside, inside = Nesting(Mesh.from_loops([ring(12, 1.2)]), fine).uncovered
     assert outside.tolist() == [1]
     assert inside.tolist() == []
@@ -48,6 +58,7 @@ def test_contact_names_the_edges() -> None:
     touching = Mesh.from_loops([[(0.2, 0.2), (0.8, 0.2), (0.5, 1.0)]])
     assert Nesting(square, touching).contact in {(2, 1), (2, 2)}
     assert Nesting(square, Mesh.from_loops([[(0.2, 0.2), (0.8, 0.2), (0.5, 0.9)]])).contact is None
+    assert Nesting(square, square.moved(square.vertices + 0.5)).contact in {(1, 0), (2, 3)}
 
 
 def test_parents_are_kept_by_moved_and_pickled_meshes() -> None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...errors import InvalidMeshError
 from ...geometry.arrays import BoolArray, FloatArray
 from ...geometry.mesh import Mesh
-from ..limits import Limits
+from ..limits import Limits, no_outline
 
 CUT = 0.25
 """Cut at the corner of a transparent pixel between two opaque ones that only share a point, in pixels."""
@@ -27,9 +26,7 @@ def boundary_of_pixels(opaque: BoolArray, *, limits: Limits | None = None) -> Me
     """
     solid = np.pad(np.asarray(opaque, dtype=bool), 1)
     if solid.ndim != 2 or not solid.any():
-        raise InvalidMeshError(
-            "The picture has no opaque pixel; choose another picture or a lower threshold.", code="file.invalid"
-        )
+        raise no_outline("The picture has no opaque pixel; choose another picture or a lower threshold.")
     # unit edges with the opaque pixel to the right when walking with y downwards, by direction and starting corner
     above, below = solid[:-1, 1:-1], solid[1:, 1:-1]
     left, right = solid[1:-1, :-1], solid[1:-1, 1:]

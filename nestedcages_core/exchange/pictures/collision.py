@@ -14,8 +14,10 @@ from ...geometry.arrays import AnyArray, BoolArray, FloatArray
 from ...geometry.mesh import Mesh
 from ...hierarchy import Hierarchy, NestedCagesRun, Progress, Settings, Within
 from ...tasks import drain
-from ..limits import Limits
+from ..limits import Limits, invalid
 from .boundary import boundary_of_pixels
+
+Levels = Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]]
 
 MAX_BORDER = 1e8
 """Pixels around a picture up to which they are counted; no limit allows as many."""
@@ -27,61 +29,43 @@ def alpha_channel(picture: AnyArray) -> FloatArray:
     if given.ndim == 3 and given.shape[2] in (2, 4):
         given = given[:, :, -1]
     if given.ndim != 2 or given.dtype.kind not in "buif":
-        raise NestedCagesError(
+        raise invalid(
             f"A picture of shape {given.shape} and type {given.dtype} has no alpha channel; give (H, W, 4), or (H, W) "
-            "opacities.",
-            code="file.invalid",
+            "opacities."
         )
     if given.dtype.kind in "ui":
         return given.astype(np.float64) / float(np.iinfo(given.dtype).max)
     return given.astype(np.float64)
 
 
-def collision_outline(
-    picture: AnyArray,
-    vertices: int,
-    *,
-    padding: float = 0.0,
-    threshold: float = 0.0,
-    holes: bool = False,
-    settings: Settings | None = None,
-    limits: Limits | None = None,
-) -> Mesh:
+def collision_outline(picture: AnyArray, vertices: int, *, settings: Settings | None = None, **options: Any) -> Mesh:
     """An outline with the given number of vertices around all opaque pixels; for the options see `picture_cages`."""
-    made = picture_cages(
-        picture, [vertices], padding=padding, threshold=threshold, holes=holes, settings=settings, limits=limits
-    )
-    return made.cages[0]
+    return picture_cages(picture, [vertices], settings=settings, **options).cages[0]
 
 
 def picture_cages(
     picture: AnyArray,
-    levels: Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]],
+    levels: Levels,
     *,
-    padding: float = 0.0,
-    threshold: float = 0.0,
-    holes: bool = False,
-    settings: Settings | None = None,
-    limits: Limits | None = None,
     progress: Callable[[Progress], None] | None = None,
+    **options: Any,
 ) -> Hierarchy:
     """Cages around all opaque pixels, with the given numbers of vertices, or fewer if the pixels have fewer corners.
 
     picture: as `alpha_channel` reads it; levels: vertex counts, or a function of the boundary of the pixels that gives
     them; unit: pixels, x to the right and y downwards, pixel (row, column) the square from (column, row) on; padding:
     distance in pixels that the cages keep from them and from each other; threshold: opacity above which a pixel counts
-    as opaque; holes: whether holes are kept open; limits: on pixels, and on their edges as points. Parts and holes with
-    no room for the padding are joined and closed.
+    as opaque; holes: whether holes are kept open; settings; limits: on pixels, and on their edges as points. Parts and
+    holes with no room for the padding are joined and closed.
 
     Raises NestedCagesError if nothing is opaque or the vertices are too few.
     """
-    options: dict[str, Any] = {"padding": padding, "threshold": threshold, "holes": holes}
-    return drain(picture_cages_run(picture, levels, **options, settings=settings, limits=limits), progress)
+    return drain(picture_cages_run(picture, levels, **options), progress)
 
 
 def picture_cages_run(
     picture: AnyArray,
-    levels: Sequence[int | Mesh | Within] | Callable[[Mesh], Sequence[int | Mesh | Within]],
+    levels: Levels,
     *,
     padding: float = 0.0,
     threshold: float = 0.0,
@@ -91,9 +75,7 @@ def picture_cages_run(
 ) -> Generator[Progress, None, Hierarchy]:
     """`picture_cages` as a generator of its progress that returns the cages; closing it cancels."""
     if not padding >= 0.0 or not np.isfinite(padding):
-        raise NestedCagesError(
-            f"The padding must be a length of at least 0 pixels, not {padding!r}.", code="file.invalid"
-        )
+        raise invalid(f"The padding must be a length of at least 0 pixels, not {padding!r}.")
     opaque = alpha_channel(picture) > threshold
     chosen = settings if settings is not None else Settings()
 

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import NestedCagesError
 from ..files import read_whole
 from ..libraries import load_pictures
-from ..limits import Limits
+from ..limits import Limits, invalid
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -39,14 +38,12 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
     Raises NestedCagesError for what is not one, or has more pixels than the limits allow, and where Pillow is missing.
     """
     if not isinstance(data, bytes | bytearray | memoryview):
-        raise NestedCagesError(
-            f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.", code="file.invalid"
-        )
+        raise invalid(f"A PNG is read from bytes, not from a {type(data).__name__}; see read_png for files.")
     limits = limits or Limits()
     data = bytes(data)
     limits.check("bytes", len(data))
     if not data.startswith(SIGNATURE):
-        raise NestedCagesError("This is not a PNG picture; save it as PNG.", code="file.invalid")
+        raise invalid("This is not a PNG picture; save it as PNG.")
     if len(data) >= SIZE.stop:  # before Pillow allocates memory
         width, height = struct.unpack(">II", data[SIZE])
         limits.check("pixels", width * height)
@@ -58,7 +55,7 @@ def decode_png(data: bytes, *, limits: Limits | None = None) -> Pixels:
             with picture(io.BytesIO(data), formats=["PNG"]) as image:
                 return _rgba(image)
     except Exception as error:  # Pillow raises what it meets: OSError, SyntaxError, ValueError, zlib.error …
-        raise NestedCagesError(f"The PNG is damaged ({error}); save it again.", code="file.invalid") from error
+        raise invalid(f"The PNG is damaged ({error}); save it again.") from error
 
 
 def _rgba(image: Any) -> Pixels:

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ...geometry.mesh.validation import MAX_COORDINATE
 from ..crossings import edges_in, spend_crossings
 from ..fill import Area, Painted, bounds_of, thickness, union_of
 from ..libraries import load_shapely
-from ..limits import Budget
+from ..limits import Budget, invalid
 from .curves import flattened
 from .filters import Filter, Layer, filtered
 from .gradients import visible
@@ -109,30 +108,23 @@ class Areas:
     def _flat(self, path: Subpath, matrix: FloatArray, tolerance: float) -> FloatArray:
         points = moved(path.points, matrix)
         if not np.abs(points).max() < MAX_COORDINATE:
-            raise NestedCagesError(
-                "The drawing has coordinates that are not finite, or too large; correct them.", code="file.invalid"
-            )
+            raise invalid("The drawing has coordinates that are not finite, or too large; correct them.")
         points = flattened(points, path.degrees, tolerance)
         self.budget.spend("points", len(points))
         return points
 
     def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
         """The visible parts of areas."""
-        if not paint.opacity > self.options.faintest:
-            return []
-        if paint.gradient is None:
-            return areas
-        alphas = np.array([stop.colour.alpha for stop in paint.gradient.stops]) * paint.opacity
-        if (alphas > self.options.faintest).all():
-            return areas
-        if not (alphas > self.options.faintest).any():
-            return []
+        seen = paint.alphas > self.options.faintest
+        if paint.gradient is None or seen.all() or not seen.any():
+            return areas if seen.all() else []
         shapely = load_shapely("gradients that fade away")
         whole = union_of(shapely, areas, self.budget)
         matrix = outer @ shape.matrix
         box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
-        seen = visible(shapely, paint.gradient, alphas, self.options.faintest, box, matrix, shapely.bounds(whole))
-        return [self._of_two(shapely.intersection, whole, seen)]
+        gradient, faintest = paint.gradient, self.options.faintest
+        part = visible(shapely, gradient, paint.alphas, faintest, box, matrix, shapely.bounds(whole))
+        return [self._of_two(shapely.intersection, whole, part)]
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
         """The area of a stroke."""
@@ -184,10 +176,8 @@ class Areas:
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
         """The areas of a group after a filter."""
         shapely = load_shapely("filters")
-        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
-        region = union_of(shapely, areas, self.budget)
-        fades = all(paint.fades(self.options.faintest) for paint in paints)
-        source = Layer(region, max(paint.opacity for paint in paints), fades=fades)
+        opacity = max(paint.opacity for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint)
+        source = Layer(union_of(shapely, areas, self.budget), opacity)
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
@@ -195,7 +185,13 @@ class Areas:
         shapely = load_shapely("masks")
         kept: list[Any] = []
         for shape in content.shapes():
-            for paint, part in self._layers(shape, outer):
+            matrix = outer @ shape.matrix
+            layers: list[tuple[Paint, Sequence[Area]]] = []
+            if shape.fill is not None:
+                layers.append((shape.fill, [self._filled(shape, matrix)]))
+            if shape.stroke is not None and shape.stroke_paint is not None:
+                layers.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
+            for paint, part in layers:
                 light = paint.opacity * paint.colour.luminance
                 if paint.gradient is not None:
                     kept += self._painted(shape, replace(paint, gradient=paint.gradient.as_light()), list(part), outer)
@@ -209,16 +205,6 @@ class Areas:
             clipped = self._clipped(clipped, content, clip, outer)
         return clipped
 
-    def _layers(self, shape: Shape, outer: FloatArray) -> list[tuple[Paint, Sequence[Area]]]:
-        """Fill and stroke of a shape in a mask, each with its area."""
-        matrix = outer @ shape.matrix
-        found: list[tuple[Paint, Sequence[Area]]] = []
-        if shape.fill is not None:
-            found.append((shape.fill, [self._filled(shape, matrix)]))
-        if shape.stroke is not None and shape.stroke_paint is not None:
-            found.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
-        return found
-
 
 def _box(outlines: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Lower left and upper right corner."""
@@ -230,7 +216,7 @@ def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:
     """Whether an area is a rectangle along the axes that covers another one."""
     if not isinstance(area, Painted) or len(area.loops) != 1:
         return False
-    loop = area.loops[0]
-    corners = np.unique(loop, axis=0)
-    is_rectangle = len(corners) == 4 and all(len(np.unique(corners[:, axis])) == 2 for axis in (0, 1))
-    return is_rectangle and bool((loop.min(axis=0) <= low).all() and (loop.max(axis=0) >= high).all())
+    (loop,) = area.loops
+    least, most = loop.min(axis=0), loop.max(axis=0)
+    is_rectangle = len(loop) in (4, 5) and all(len(np.unique(loop[:, axis])) == 2 for axis in (0, 1))
+    return is_rectangle and len(np.unique(loop, axis=0)) == 4 and bool((least <= low).all() and (most >= high).all())

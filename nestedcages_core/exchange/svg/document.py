@@ -9,8 +9,8 @@ import numpy as np
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
-from ..limits import Budget, Limits
-from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, link_of, name_of, quoted, view_box_of
+from ..limits import Budget, Limits, invalid
+from .lengths import Faults, Viewport, fitted, link_of, name_of, quoted, view_box_of
 from .outlines import OUTLINED
 from .transforms import read_transform
 
@@ -47,9 +47,9 @@ class Frame:
 
         More than the view box where it is fitted into a page of another shape, less where it is sliced.
         """
-        sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
-        found = [float(size[1]) * UNITS_OF_LENGTH.get(size[2].lower(), 0.0) for size in sizes if size]
-        if len(found) != 2 or not all(0.0 < size < float("inf") for size in found):
+        lengths = (Viewport().length(text, "") for text in (self.width, self.height))
+        found = [length for length in lengths if length is not None]
+        if len(found) != 2 or not min(found) > 0.0:
             return self.view_box
         if self.view_box is None:
             return 0.0, 0.0, found[0], found[1]
@@ -64,19 +64,14 @@ class Document:
 
     def __init__(self, text: str | bytes, limits: Limits) -> None:
         if not isinstance(text, str | bytes | bytearray):
-            raise NestedCagesError(
-                f"An SVG document is read from text or bytes, not from {type(text).__name__}.", code="file.invalid"
-            )
+            raise invalid(f"An SVG document is read from text or bytes, not from {type(text).__name__}.")
         limits.check("bytes", len(text))
         try:
             self.root = ET.fromstring(text)
         except (ET.ParseError, ValueError, LookupError) as error:
-            raise NestedCagesError(f"This is not an SVG document: {error}.", code="file.invalid") from error
+            raise invalid(f"This is not an SVG document: {error}.") from error
         if name_of(self.root) != "svg":
-            raise NestedCagesError(
-                f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'.",
-                code="file.invalid",
-            )
+            raise invalid(f"This is not an SVG document: its root element is '{name_of(self.root)[:60]}', not 'svg'.")
         self.strokes_count = self.root.get(OUTLINES) != DECORATION
         self.by_id: dict[str, ET.Element] = {}
         room = str(self.root.tag).rpartition("}")[0]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from xml.etree import ElementTree as ET
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
+from ..limits import invalid
 from .document import Document
 from .lengths import Faults, Viewport, measure, name_of, quoted
 from .options import SvgOptions
@@ -47,16 +47,12 @@ def check_names(document: Document, options: SvgOptions) -> None:
     element = options.element
     if element is not None and element not in document.by_id:
         known = ", ".join(sorted(filter(None, document.by_id))[:12]) or "none"
-        raise NestedCagesError(
-            f"The drawing has no element with the id {quoted(element)}; its ids: {known}.", code="file.invalid"
-        )
+        raise invalid(f"The drawing has no element with the id {quoted(element)}; its ids: {known}.")
     labels = [name for item in document.root if name_of(item) == "g" for name in layer_names(item)]
     for layer in options.layers:
         if layer not in labels:
             known = ", ".join(labels[:12]) or "none"
-            raise NestedCagesError(
-                f"The drawing has no layer {quoted(layer)}; its layers: {known}.", code="file.invalid"
-            )
+            raise invalid(f"The drawing has no layer {quoted(layer)}; its layers: {known}.")
 
 
 def origin_of(style: Style, viewport: Viewport, title: str, faults: Faults) -> tuple[float, float]:

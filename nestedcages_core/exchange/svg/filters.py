@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -12,7 +12,7 @@ import scipy
 
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
-from .lengths import Viewport, measure, name_of, numbers, share
+from .lengths import Viewport, measured_box, name_of, numbers, share
 from .style import Styles
 from .transforms import moved
 
@@ -22,60 +22,21 @@ BOX = 3.0 * np.sqrt(2.0 * np.pi) / 4.0
 BLUR_SEGMENTS = 16
 """Chords of a quarter circle around a blurred corner."""
 
-FADING_REACH = 0.55
-"""Reach of the blur of a shape that fades towards its edge, relative to one that does not (measured)."""
-
 MAX_LAYERS = 256
 """Maximum number of layers of a filter; each merge can double them."""
 
 LEAST_RATIO = 1e-3
 """Smallest ratio of the two standard deviations of a blur; replaces a zero."""
 
+OPERATORS = ("over", "in", "out")
+"""Supported ways to composite."""
 
-@dataclass(frozen=True, eq=False)
-class Layer:
-    """A region in the units of the filtered element, as opaque as `alpha` inside and blurred at its edge."""
+
+class Layer(NamedTuple):
+    """The region in which a picture is visible, and its greatest opacity."""
 
     region: Any
     alpha: float
-    blur: FloatArray = field(default_factory=lambda: np.zeros(2))
-    """(2,) standard deviations along x and y."""
-    fades: bool = False
-    """Whether it fades away towards its edge, so that blurring widens it less."""
-    within: Any = None
-    """Region kept after blurring; all if None."""
-
-    def seen(self, shapely: Any, faintest: float) -> Any:
-        """The region where it is more opaque than `faintest`; exact for straight edges."""
-        if not self.alpha > faintest:
-            return shapely.Polygon()
-        region = self.region
-        largest = float(self.blur.max())
-        if largest > 0.0:
-            unit = np.maximum(self.blur, LEAST_RATIO * largest)
-            region = shapely.transform(region, lambda xy: xy / unit)
-            reach = _reach(faintest / self.alpha) * (FADING_REACH if self.fades else 1.0)
-            region = shapely.buffer(region, reach, quad_segs=BLUR_SEGMENTS)
-            region = shapely.transform(region, lambda xy: xy * unit)
-        return region if self.within is None else shapely.intersection(region, self.within)
-
-    def kept(self, shapely: Any, within: Any, alpha: float) -> Layer:
-        """The part of it that lies within a region, faded."""
-        both = within if self.within is None else shapely.intersection(within, self.within)
-        return replace(self, within=both, alpha=self.alpha * alpha)
-
-
-def _reach(share: float) -> float:
-    """Distance from a straight edge at which a blur has fallen to a share, in standard deviations."""
-    if share < 1.0 / 6.0:  # in the tail of the third box
-        return float(BOX * (1.5 - np.cbrt(6.0 * share)))
-    return float(scipy.special.ndtri(1.0 - share))
-
-
-Layers = list[Layer]
-
-OPERATORS = ("over", "in", "out")
-"""Supported ways to composite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,109 +62,86 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
         return source.region
     inverse = np.asarray(np.linalg.inv(matrix), np.float64)
     region = shapely.transform(source.region, lambda xy: moved(xy, inverse))
-    x0, y0, x1, y1 = shapely.bounds(region)
-    whole = shapely.box(*_region(by, (x0, y0, x1 - x0, y1 - y0)))
-    step = _Step(shapely, by.styles, whole, faintest, {"SourceGraphic": [replace(source, region=region)]})
-    step.results["SourceAlpha"] = step.results["SourceGraphic"]
-    step.last = step.results["SourceGraphic"]
-    children = [child for child in by.item if name_of(child) in KNOWN]
-    for child in children:
-        step.last = KNOWN[name_of(child)](step, child)
+    of_box = by.item.get("filterUnits", "objectBoundingBox") == "objectBoundingBox"
+    corners = measured_box(by.item, by.viewport.sized(1.0, 1.0) if of_box else by.viewport, "filter")
+    if of_box:
+        low, high = np.reshape(region.bounds, (2, 2))
+        corners = low + corners * (high - low)
+    whole = shapely.box(*corners.ravel())
+    step = _Step(shapely, by.styles, whole, faintest, [Layer(region, source.alpha)])
+    for child in by.item:
+        if name_of(child) in KNOWN:
+            step.last = KNOWN[name_of(child)](step, child)
+            step.results[child.get("result", "")] = step.last
         if len(step.last) > MAX_LAYERS:
             raise NestedCagesError(
                 f"A filter merges more than {MAX_LAYERS} layers; simplify it.", code="limit.exceeded"
             )
-        if child.get("result"):
-            step.results[child.get("result", "")] = step.last
-    seen = shapely.union_all([layer.seen(shapely, faintest) for layer in step.last] if children else [])
+    seen = step.seen(step.last if len(step.results) > len(SOURCES) else [])
     return shapely.transform(shapely.intersection(seen, whole), lambda xy: moved(xy, matrix))
 
 
-def _region(by: Filter, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-    """Corners of the filter region, given the box of the source."""
-    of_box = by.item.get("filterUnits", "objectBoundingBox") == "objectBoundingBox"
-    viewport = by.viewport.sized(1.0, 1.0) if of_box else by.viewport
-    default = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
-    x, y, width, height = (
-        measure(by.item.get(key) or default[key], key, f"{key} of the filter", viewport) for key in default
-    )
-    if of_box:
-        x, y, width, height = box[0] + x * box[2], box[1] + y * box[3], width * box[2], height * box[3]
-    return x, y, x + width, y + height
+Layers = list[Layer]
+
+SOURCES = ("SourceGraphic", "SourceAlpha", "BackgroundImage", "BackgroundAlpha")
 
 
-@dataclass(eq=False)
 class _Step:
     """State between two parts of a filter."""
 
-    shapely: Any
-    styles: Styles
-    whole: Any
-    faintest: float
-    results: dict[str, Layers]
-    last: Layers = ()  # type: ignore[assignment]
-
-    @property
-    def size(self) -> float:
-        """The longer side of the whole; larger blurs or offsets make things invisible."""
-        x0, y0, x1, y1 = self.shapely.bounds(self.whole)
-        return float(max(x1 - x0, y1 - y0))
+    def __init__(self, shapely: Any, styles: Styles, whole: Any, faintest: float, source: Layers) -> None:
+        self.shapely = shapely
+        self.styles = styles
+        self.whole = whole
+        self.faintest = faintest
+        self.last = source
+        self.results: dict[str, Layers] = dict(zip(SOURCES, (source, source, [], []), strict=True))
 
     def input(self, item: ET.Element, key: str = "in") -> Layers:
         name = item.get(key, "")
-        if name in ("BackgroundImage", "BackgroundAlpha"):
-            return []
-        return self.results.get(name, self.last)
+        return self.results.get(name, self.last) if name else self.last
 
     def seen(self, layers: Layers) -> Any:
-        return self.shapely.union_all([layer.seen(self.shapely, self.faintest) for layer in layers])
+        """Where layers are more opaque than the faintest share."""
+        return self.shapely.union_all([layer.region for layer in layers if layer.alpha > self.faintest])
+
+    def blurred(self, layers: Layers, deviations: FloatArray) -> Layers:
+        """Layers as far as they are seen after a blur; exact for straight edges. deviations: (2,) along x and y."""
+        size = float(np.ptp(np.reshape(self.whole.bounds, (2, 2)), axis=0).max())  # larger ones make all invisible
+        largest = float(np.clip(deviations.max(), 0.0, size))
+        if not largest > 0.0:
+            return layers
+        unit = np.clip(deviations, LEAST_RATIO * largest, largest)
+        found = []
+        for region, alpha in layers:
+            if alpha > self.faintest:
+                region = self.shapely.transform(region, lambda xy: xy / unit)
+                region = self.shapely.buffer(region, _reach(self.faintest / alpha), quad_segs=BLUR_SEGMENTS)
+                found.append(Layer(self.shapely.transform(region, lambda xy: xy * unit), alpha))
+        return found
+
+    def offset(self, layers: Layers, item: ET.Element, missing: float = 0.0) -> Layers:
+        by = np.array([_numbers(item, key, missing)[0] for key in ("dx", "dy")])
+        return [Layer(self.shapely.transform(region, lambda xy: xy + by), alpha) for region, alpha in layers]
 
 
-def _pair(item: ET.Element, key: str) -> FloatArray:
-    given = np.nan_to_num(numbers(item.get(key, "0"))[:2] or [0.0])
-    return np.array([given[0], given[-1]])
+def _reach(share: float) -> float:
+    """Distance from a straight edge at which a blur has fallen to a share, in standard deviations."""
+    if share < 1.0 / 6.0:  # in the tail of the third box
+        return float(BOX * (1.5 - np.cbrt(6.0 * share)))
+    return float(scipy.special.ndtri(1.0 - share))
 
 
-def _number(item: ET.Element, key: str, missing: float) -> float:
-    found = (numbers(item.get(key, "")) or [missing])[0]
-    return found if np.isfinite(found) else missing
-
-
-def _blur(step: _Step, item: ET.Element) -> Layers:
-    added = np.clip(_pair(item, "stdDeviation"), 0.0, step.size)
-    return [replace(layer, blur=np.hypot(layer.blur, added)) for layer in step.input(item)]
-
-
-def _offset(step: _Step, item: ET.Element) -> Layers:
-    by = np.array([_number(item, key, 0.0) for key in ("dx", "dy")])
-    return [
-        replace(
-            layer,
-            region=_moved(step, layer.region, by),
-            within=_moved(step, layer.within, by),
-        )
-        for layer in step.input(item)
-    ]
-
-
-def _moved(step: _Step, region: Any, by: FloatArray) -> Any:
-    return None if region is None else step.shapely.transform(region, lambda xy: xy + by)
+def _numbers(item: ET.Element, key: str, missing: float = 0.0) -> FloatArray:
+    """The first and the last number of an attribute, finite."""
+    given = numbers(item.get(key, ""))[:2] or [missing]
+    return np.nan_to_num(np.array([given[0], given[-1]]), nan=missing)
 
 
 def _shadow(step: _Step, item: ET.Element) -> Layers:
-    own = step.styles.own(item)
-    opacity = share(own.get("flood-opacity"))
-    source = step.input(item)
-    blur = np.clip(_pair(item, "stdDeviation") if item.get("stdDeviation") else np.full(2, 2.0), 0.0, step.size)
-    by = np.array([_number(item, key, 2.0) for key in ("dx", "dy")])
-    shadows = [
-        Layer(_moved(step, layer.region, by), layer.alpha * opacity, np.hypot(layer.blur, blur)) for layer in source
-    ]
-    return [*shadows, *source]
-
-
-def _flood(step: _Step, item: ET.Element) -> Layers:
-    return [Layer(step.whole, share(step.styles.own(item).get("flood-opacity")))]
+    source, opacity = step.input(item), share(step.styles.own(item).get("flood-opacity"))
+    shadow = [Layer(region, alpha * opacity) for region, alpha in source]
+    return [*step.offset(step.blurred(shadow, _numbers(item, "stdDeviation", 2.0)), item, 2.0), *source]
 
 
 def _colour_matrix(step: _Step, item: ET.Element) -> Layers:
@@ -211,42 +149,30 @@ def _colour_matrix(step: _Step, item: ET.Element) -> Layers:
     values = numbers(item.get("values", ""))
     if item.get("type", "matrix") != "matrix" or len(values) != 20:
         return step.input(item)
-    nothing = min(max(values[19], 0.0), 1.0)
-    found = [
-        replace(layer, alpha=min(max(values[18] * layer.alpha + values[19], 0.0), 1.0)) for layer in step.input(item)
-    ]
-    return [Layer(step.whole, nothing), *found] if nothing > step.faintest else found
+    faded = [Layer(region, min(max(values[18] * alpha + values[19], 0.0), 1.0)) for region, alpha in step.input(item)]
+    return [Layer(step.whole, min(max(values[19], 0.0), 1.0)), *faded]
 
 
 def _composite(step: _Step, item: ET.Element) -> Layers:
-    first, second = step.input(item), step.input(item, "in2")
-    operator = item.get("operator", "over")
-    if operator in ("in", "out"):
-        within, alpha = step.seen(second), 1.0
-        if operator == "in":
-            alpha = max((layer.alpha for layer in second), default=0.0)
-        else:
-            within = step.shapely.difference(step.whole, within)
-        return [layer.kept(step.shapely, within, alpha) for layer in first]
-    return [*second, *first]
-
-
-def _merge(step: _Step, item: ET.Element) -> Layers:
-    return [layer for node in item if name_of(node) == "feMergeNode" for layer in step.input(node)]
-
-
-def _blend(step: _Step, item: ET.Element) -> Layers:
-    return [*step.input(item, "in2"), *step.input(item)]
+    first, second, operator = step.input(item), step.input(item, "in2"), item.get("operator", "over")
+    if operator == "over":
+        return [*second, *first]
+    within, alpha = step.seen(second), max((layer.alpha for layer in second), default=0.0)
+    if operator == "out":
+        within, alpha = step.shapely.difference(step.whole, within), 1.0
+    return [Layer(step.shapely.intersection(layer.region, within), layer.alpha * alpha) for layer in first]
 
 
 KNOWN: dict[str, Callable[[_Step, ET.Element], Layers]] = {
-    "feGaussianBlur": _blur,
-    "feOffset": _offset,
+    "feGaussianBlur": lambda step, item: step.blurred(step.input(item), _numbers(item, "stdDeviation")),
+    "feOffset": lambda step, item: step.offset(step.input(item), item),
     "feDropShadow": _shadow,
-    "feFlood": _flood,
+    "feFlood": lambda step, item: [Layer(step.whole, share(step.styles.own(item).get("flood-opacity")))],
     "feColorMatrix": _colour_matrix,
     "feComposite": _composite,
-    "feMerge": _merge,
-    "feBlend": _blend,
+    "feMerge": lambda step, item: [
+        each for node in item if name_of(node) == "feMergeNode" for each in step.input(node)
+    ],
+    "feBlend": lambda step, item: [*step.input(item, "in2"), *step.input(item)],
 }
 """Supported parts of filters."""

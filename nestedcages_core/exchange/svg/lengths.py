@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import math
 import re
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree as ET
 
@@ -29,7 +31,8 @@ UNITS_OF_LENGTH = {
 ACROSS, DOWN = ("x", "width", "cx", "rx", "x1", "x2"), ("y", "height", "cy", "ry", "y1", "y2")
 """Attributes whose percentages refer to the viewport's width, and to its height; others refer to its diagonal."""
 
-LENGTH = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)", re.IGNORECASE)
+LENGTH = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)", re.IGNORECASE)
+"""A number, where people write it so with a decimal comma, and its unit."""
 
 ALIGNED = {"xmin": 0.0, "xmid": 0.5, "xmax": 1.0, "ymin": 0.0, "ymid": 0.5, "ymax": 1.0}
 """Fraction of the empty space before the view box, for each part of preserveAspectRatio."""
@@ -41,9 +44,12 @@ VIEW_SIDES = {"vw": "width", "vh": "height"}
 FONT_SIZE = 16.0
 """Size of the font where none is given, in user units, as in browsers."""
 
-CALCULATED = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?(?:[a-z]+|%)?|\S")
-"""Terms and signs; in sums these have spaces around them, so that a sign before a digit belongs to it."""
-OPERATORS = {"+": float.__add__, "-": float.__sub__, "*": float.__mul__, "/": float.__truediv__}
+OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: float.__add__,
+    ast.Sub: float.__sub__,
+    ast.Mult: float.__mul__,
+    ast.Div: float.__truediv__,
+}
 
 MAX_CALCULATED = 200
 """Longest `calc()` that is read, in characters."""
@@ -99,8 +105,10 @@ class Viewport:
         text = text.strip().lower()
         found = LENGTH.fullmatch(text)
         value = self._scaled(found, key) if found else None
-        if text.startswith("calc("):
-            value = self._calculated(text, key)
+        if text.startswith("calc(") and len(text) <= MAX_CALCULATED:
+            lengths = LENGTH.sub(lambda found: repr(self._scaled(found, key)), text.replace("calc(", "("))
+            with suppress(KeyError, TypeError, ValueError, SyntaxError, ArithmeticError):
+                value = _calculated(ast.parse(lengths, mode="eval").body)
         return value if value is not None and math.isfinite(value) else None
 
     def _scaled(self, found: re.Match[str], key: str) -> float | None:
@@ -112,48 +120,16 @@ class Viewport:
             extreme = {"vmin": min(sides, default=None), "vmax": max(sides, default=None)}
             reference = extreme[unit] if unit in extreme else self.reference(VIEW_SIDES.get(unit, key))
             scale = reference / 100.0 if reference is not None else None
-        return float(found[1]) * scale if scale is not None else None
+        return float(found[1].replace(",", ".")) * scale if scale is not None else None
 
-    def _calculated(self, text: str, key: str) -> float | None:
-        """The value of an expression of lengths, + - * / and parentheses."""
-        if len(text) > MAX_CALCULATED:
-            return None
-        words = CALCULATED.findall(text.replace("calc(", "("))
-        place = 0
 
-        def factor() -> float:
-            nonlocal place
-            word = words[place]
-            place += 1
-            if word == "(":
-                value = total()
-                if words[place] != ")":
-                    raise ValueError
-                place += 1
-                return value
-            found = LENGTH.fullmatch(word)
-            scaled = self._scaled(found, key) if found else None
-            if scaled is None:
-                raise ValueError
-            return scaled
-
-        def chain(operators: str, operand: Callable[[], float]) -> float:
-            nonlocal place
-            value = operand()
-            while place < len(words) and words[place] in operators:
-                operator = words[place]
-                place += 1
-                value = OPERATORS[operator](value, operand())
-            return value
-
-        def total() -> float:
-            return chain("+-", lambda: chain("*/", factor))
-
-        try:
-            value = total()
-        except (ValueError, IndexError, ZeroDivisionError):
-            return None
-        return value if place == len(words) else None
+def _calculated(term: ast.expr) -> float:
+    """The value of numbers, + - * / and parentheses. Raises an error for anything else."""
+    if isinstance(term, ast.BinOp):
+        return OPERATORS[type(term.op)](_calculated(term.left), _calculated(term.right))
+    if isinstance(term, ast.UnaryOp):
+        return -_calculated(term.operand) if isinstance(term.op, ast.USub) else _calculated(term.operand)
+    return float(ast.literal_eval(term))
 
 
 def quoted(text: str) -> str:
@@ -181,12 +157,21 @@ def attribute(item: ET.Element, key: str, viewport: Viewport, missing: float = 0
     return measure(item.get(key, ""), key, f"{key} of the {name_of(item)}", viewport, missing)
 
 
+def measured_box(item: ET.Element, viewport: Viewport, what: str) -> FloatArray:
+    """(2, 2) corners of the region of a filter or a mask, by default a tenth wider than what it belongs to."""
+    defaults = {"x": "-10%", "y": "-10%", "width": "120%", "height": "120%"}
+    x, y, width, height = (
+        measure(item.get(key) or default, key, f"{key} of the {what}", viewport) for key, default in defaults.items()
+    )
+    return np.array([(x, y), (x + width, y + height)])
+
+
 def share(text: str | None, missing: float = 1.0) -> float:
     """A number or percentage as a fraction from 0 to 1."""
     found = LENGTH.fullmatch(text.strip()) if text else None
     if found is None or found[2] not in ("", "%"):
         return missing
-    return min(max(float(found[1]) / (100.0 if found[2] else 1.0), 0.0), 1.0)
+    return min(max(float(found[1].replace(",", ".")) / (100.0 if found[2] else 1.0), 0.0), 1.0)
 
 
 def name_of(item: ET.Element) -> str:

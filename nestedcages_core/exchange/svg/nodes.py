@@ -10,8 +10,8 @@ import numpy as np
 
 from ...geometry.arrays import FloatArray
 from .filters import Filter
-from .lengths import Viewport, measure
-from .outlines import outline
+from .lengths import Viewport, measured_box
+from .outlines import through
 from .paints import Paint
 from .path_data import Subpath
 from .strokes import Stroke
@@ -76,20 +76,13 @@ def attach(group: Group, to: Group) -> None:
 
 
 def rectangular_clip(x: float, y: float, width: float, height: float, matrix: FloatArray) -> Clip:
-    rect = ET.Element("rect", {"x": repr(x), "y": repr(y), "width": repr(width), "height": repr(height)})
-    shape = Shape("rect", outline(rect, Viewport()), np.eye(3), fill=Paint(1.0))
-    return Clip(Group([shape]), matrix)
+    sides = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
+    return Clip(Group([Shape("rect", through(sides, closed=True), np.eye(3), fill=Paint(1.0))]), matrix)
 
 
 def mask_region(item: ET.Element, around: Viewport, matrix: FloatArray) -> Clip:
     """The rectangle outside which a mask hides everything."""
     of_box = item.get("maskUnits", "objectBoundingBox") == "objectBoundingBox"
-    viewport = around.sized(1.0, 1.0) if of_box else around
-    keys = ("x", "y", "width", "height")
-    defaults = ("-10%", "-10%", "120%", "120%")
-    size = [
-        measure(item.get(key) or default, key, f"{key} of the mask", viewport)
-        for key, default in zip(keys, defaults, strict=True)
-    ]
-    clip = rectangular_clip(size[0], size[1], size[2], size[3], matrix)
-    return replace(clip, of_box=of_box)
+    corners = measured_box(item, around.sized(1.0, 1.0) if of_box else around, "mask")
+    x, y, right, bottom = corners.ravel().tolist()
+    return replace(rectangular_clip(x, y, right - x, bottom - y, matrix), of_box=of_box)

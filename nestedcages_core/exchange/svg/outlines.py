@@ -52,9 +52,9 @@ def outline(item: ET.Element, viewport: Viewport, budget: Budget | None = None) 
             viewport.faults.add(f"The points of the {title_of(item)} go wrong at {where}; the rest is left out")
             text = text[: end.start()]
         values = _coordinates(text, budget)
-        return _through(np.reshape(values[: len(values) // 2 * 2], (-1, 2)), closed=name == "polygon")
+        return through(np.reshape(values[: len(values) // 2 * 2], (-1, 2)), closed=name == "polygon")
     if name == "line":
-        return _through([[length("x1"), length("y1")], [length("x2"), length("y2")]], closed=False)
+        return through([[length("x1"), length("y1")], [length("x2"), length("y2")]], closed=False)
     if name == "rect":
         rx, ry = item.get("rx", "auto").strip(), item.get("ry", "auto").strip()
         first = attribute(item, "rx" if rx != "auto" else "ry", viewport)
@@ -77,7 +77,7 @@ def _coordinates(text: str, budget: Budget) -> list[float]:
     return values
 
 
-def _through(points: ArrayLike, *, closed: bool) -> list[Subpath]:
+def through(points: ArrayLike, *, closed: bool) -> list[Subpath]:
     """Lines through points."""
     given = np.asarray(points, dtype=np.float64)
     around = np.concatenate((given, given[:1])) if closed else given
@@ -100,7 +100,7 @@ def _rectangle(x: float, y: float, width: float, height: float, rx: float, ry: f
     rx, ry = min(rx, width / 2.0), min(ry, height / 2.0)
     corners = np.array([[x + width, y + height], [x, y + height], [x, y], [x + width, y]])
     if not (rx > 0.0 and ry > 0.0):
-        return _through(np.roll(corners, 2, axis=0), closed=True)
+        return through(np.roll(corners, 2, axis=0), closed=True)
     centres = corners + np.array([[-rx, -ry], [rx, -ry], [rx, ry], [-rx, ry]])
     quarters = [
         ellipse(centre, np.diag((rx, ry)), k * math.pi / 2.0, math.pi / 2.0) for k, centre in enumerate(centres)

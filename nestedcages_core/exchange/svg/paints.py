@@ -10,9 +10,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ...geometry.arrays import FloatArray
-from ..libraries import load_colours
+from ..libraries import load_css
 from .document import Document
-from .lengths import attribute, link_of, name_of, share
+from .lengths import link_of, measure, name_of, share
 from .style import Style, Styles
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
@@ -68,10 +68,11 @@ class Paint:
     colour: Colour = Colour()
     gradient: Gradient | None = None
 
-    def fades(self, faintest: float) -> bool:
-        """Whether a part of it is invisible."""
+    @property
+    def alphas(self) -> FloatArray:
+        """Opacities of the stops, or the one of a colour."""
         stops = self.gradient.stops if self.gradient else ()
-        return any(not self.opacity * stop.colour.alpha > faintest for stop in stops)
+        return self.opacity * np.array([stop.colour.alpha for stop in stops] or [1.0])
 
     @property
     def rgba(self) -> tuple[float, float, float, float]:
@@ -104,7 +105,7 @@ def colour_of(text: str, style: Style, *, bright: bool) -> Colour | None:
         return Colour(1.0, light, (light, light, light))
     if not bright and (lower.isalpha() or OPAQUE.fullmatch(text)):
         return Colour()
-    parsed = load_colours().parse_color(text)
+    parsed = load_css()[0].color4.parse_color(text)
     if parsed is None or parsed == "currentcolor":
         return Colour()
     red, green, blue = (min(max(float(part), 0.0), 1.0) for part in parsed.to("srgb").coordinates)
@@ -182,15 +183,10 @@ class Paints:
 
     def _numbers(self, given: Mapping[str, str], radial: bool, of_box: bool) -> tuple[float, ...]:
         """Lengths of a gradient; percentages refer to the box or the page."""
-        item = ET.Element("gradient", dict(given))
+        viewport = self.document.viewport.sized(1.0, 1.0) if of_box else self.document.viewport
 
         def length(key: str, default: str) -> float:
-            text = given.get(key) or default
-            if of_box and text.strip().endswith("%"):
-                item.set(key, repr(_per_cent(text)))
-            else:
-                item.set(key, text)
-            return attribute(item, key, self.document.viewport)
+            return measure(given.get(key) or default, key, f"{key} of the gradient", viewport)
 
         if not radial:
             return length("x1", "0%"), length("y1", "0%"), length("x2", "100%"), length("y2", "0%")
@@ -208,10 +204,3 @@ class Paints:
             before = stops[-1].offset if stops else 0.0
             stops.append(Stop(max(share(child.get("offset"), 0.0), before), replace(colour, alpha=alpha)))
         return stops
-
-
-def _per_cent(text: str) -> float:
-    try:
-        return float(text.strip()[:-1]) / 100.0
-    except ValueError:
-        return 0.0

@@ -14,7 +14,7 @@ from ...geometry.mesh import Mesh
 from ..files import read_whole
 from ..fill import Area, bounds_of, solid, union_of
 from ..libraries import load_shapely
-from ..limits import Budget
+from ..limits import Budget, invalid
 from ..repair import HAIRLINE_PART
 from .areas import Areas
 from .curves import flattened
@@ -118,9 +118,7 @@ class Reading:
             page = None
         tolerance = self.options.tolerance or DEFAULT_TOLERANCE * _size(root, page)
         if not tolerance > 0.0:
-            raise NestedCagesError(
-                "All points of the drawing coincide; draw closed paths with an inside.", code="file.invalid"
-            )
+            raise invalid("All points of the drawing coincide; draw closed paths with an inside.")
         try:
             return work(root, Areas(self.options, tolerance, self.document.pixel), page)
         except InvalidMeshError as error:
@@ -129,9 +127,7 @@ class Reading:
             if type(error).__module__.partition(".")[0] != "shapely":
                 raise
             problem = "The drawing's coordinates are too large or too close together to unite its shapes"
-            raise NestedCagesError(
-                f"{problem} ({error}); scale the drawing, or simplify it.", code="file.invalid"
-            ) from error
+            raise invalid(f"{problem} ({error}); scale the drawing, or simplify it.") from error
 
     def whole(self, root: Group, reading: Areas, page: Box | None) -> Mesh:
         """Everything as one."""
@@ -216,10 +212,7 @@ def _as_outline(shape: Shape) -> Shape | None:
 
 
 def _is_seen(paint: Paint | None, options: SvgOptions) -> bool:
-    if paint is None or not paint.opacity > options.faintest:
-        return False
-    stops = paint.gradient.stops if paint.gradient else ()
-    return not stops or any(paint.opacity * stop.colour.alpha > options.faintest for stop in stops)
+    return paint is not None and bool((paint.alphas > options.faintest).any())
 
 
 def _size(group: Group, page: Box | None) -> float:

@@ -26,7 +26,7 @@ INHERITED = frozenset(
 OWN = frozenset(
     (
         *("display", "opacity", "clip-path", "mask", "mask-type", "overflow", "stop-color", "stop-opacity"),
-        *("vector-effect", "filter", "transform", "transform-origin", "transform-box"),
+        *("vector-effect", "filter", "flood-opacity", "transform", "transform-origin", "transform-box"),
     )
 )
 """Properties that are not inherited."""

@@ -7,8 +7,8 @@ import re
 
 import numpy as np
 
-from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
+from ..limits import invalid
 
 CALL = re.compile(r"[\s,]*([A-Za-z]+)\s*\(([^)]*)\)[\s,]*")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -32,10 +32,9 @@ def read_transform(text: str) -> FloatArray:
         whole = found is not None and not VALUE.sub("", found[2]).strip(" ,\t\r\n") and np.isfinite(values).all()
         matrix = _matrix(found[1], values) if found and whole else None
         if found is None or matrix is None:
-            raise NestedCagesError(
+            raise invalid(
                 f"The transform '{text[:MAX_TRANSFORM_SHOWN]}' cannot be read; use matrix, translate, scale, "
-                "rotate, skewX and skewY with finite numbers.",
-                code="file.invalid",
+                "rotate, skewX and skewY with finite numbers."
             )
         product = product @ matrix
         place = found.end()

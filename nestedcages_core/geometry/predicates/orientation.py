@@ -49,7 +49,7 @@ def orientation(a: FloatArray, b: FloatArray, c: FloatArray) -> Signs:
         bound += MIN_PRODUCT
         sign: Signs = np.asarray((determinant > bound).view(np.int8) - (determinant < -bound).view(np.int8))
         if not sign.all():
-            doubtful = np.nonzero(sign == 0)
+            doubtful = np.nonzero(sign == 0) if sign.ndim else None
             corners = [ax, ay, bx, by, cx, cy]
             if not ax.shape == bx.shape == cx.shape:
                 corners = list(np.broadcast_arrays(*corners))

@@ -13,6 +13,7 @@ from ...errors import Fault, InvalidMeshError, NestedCagesError, NestingError, n
 from ...geometry.mesh import Mesh
 from ...parameters import check_limit, check_part
 from ...tasks import Stage, drain
+from ..solids import load_shapely, mesh_of, solid_of
 
 PARTS = (0.0, 0.5, 1.0)
 """Parts of the distance that are tried: none is best for all shapes."""
@@ -123,27 +124,14 @@ def merged(fine: Mesh, distance: float, *, all_holes: bool = False) -> Mesh:
     """
     if distance == 0.0 and not all_holes:
         return fine
-    try:
-        import shapely
-        from shapely.geometry import Polygon
-    except ImportError as error:
-        raise NestedCagesError(
-            "Merging parts needs shapely; install it with 'pip install shapely'.", code="dependency.missing"
-        ) from error
-    solid = Polygon()
-    for loop in fine.loops:
-        solid = solid.symmetric_difference(Polygon(fine.vertices[loop]))
+    shapely, solid = load_shapely("Merging parts"), solid_of(fine)
     closed = solid.buffer(0.5 * distance, quad_segs=ARC).buffer(-0.5 * distance, quad_segs=ARC).union(solid)
     filled = [
-        Polygon(part.exterior, [hole for hole in part.interiors if not all_holes and Polygon(hole).area >= distance**2])
+        shapely.Polygon(
+            part.exterior,
+            [hole for hole in part.interiors if not all_holes and shapely.Polygon(hole).area >= distance**2],
+        )
         for part in getattr(closed, "geoms", [closed])
-        if isinstance(part, Polygon)  # unions of nearly touching outlines may leave lines
+        if part.geom_type == "Polygon"  # unions of nearly touching outlines may leave lines
     ]
-    whole = shapely.union_all([*filled, solid])
-    rings = [
-        np.array(ring.coords)[:-1]
-        for part in getattr(whole, "geoms", [whole])
-        if isinstance(part, Polygon)
-        for ring in (part.exterior, *part.interiors)
-    ]
-    return Mesh.from_loops([ring[(ring != np.roll(ring, 1, axis=0)).any(axis=1)] for ring in rings])
+    return mesh_of(shapely.union_all([*filled, solid]))

@@ -20,9 +20,9 @@ from ...level.choices import Choices
 from ...level.plan import Need, Numbers, Plan
 from ...level.symmetrised_start import orbits_of
 from ...verification.certificate import loops_in_words
+from ..solids import overlay
 from .detection import Found
 from .symmetry import Mirror
-from .union import overlay
 
 Chosen = TypeVar("Chosen", bound=Choices)
 
@@ -37,10 +37,6 @@ NEGLIGIBLE_SHIFT = 1e-6
 
 MOST_OF_ALL_IMAGES = 100_000
 """Vertices of a drawing and its images: more take minutes to overlay."""
-
-OVERLAID_AT_ONCE = 8
-"""Images: n that all overlap cross each other in n² places, but the unions of a few in about as many as they have
-vertices."""
 
 NEGLIGIBLE_CHANGE = 1e-6
 """Change of the area, in per cent, below which there is no note."""
@@ -144,7 +140,7 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
     try:
         if symmetry.reverses:
             images = [Mesh(image.vertices, image.edges) for image in images]
-        together = _overlaid(images, inside=inside)
+        together = overlay(images, intersection=inside)
         if not inside:
             together = _without_pockets(together, images)
         elif not together.has_loops_like(fine):
@@ -165,14 +161,6 @@ def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tupl
         return together, ()
     said = note("note.outline", on="inside" if inside else "", area=float(area), change=float(area - 1.0))
     return together, (said,)
-
-
-def _overlaid(images: Sequence[Mesh], *, inside: bool) -> Mesh:
-    """The union of images, or their intersection; a few at a time, since all of them cross each other."""
-    while len(images) > 1:
-        some = [images[k : k + OVERLAID_AT_ONCE] for k in range(0, len(images), OVERLAID_AT_ONCE)]
-        images = [overlay(few, intersection=inside) if len(few) > 1 else few[0] for few in some]
-    return images[0]
 
 
 def _without_pockets(union: Mesh, images: Sequence[Mesh]) -> Mesh:

@@ -1,38 +1,34 @@
-"""Rig with Armature and Suggest Bones: many drawings in one cage that bones move."""
+"""Operators on all that the selected drawings paint: Rig with Armature, Suggest Bones and Silhouette."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import bpy
-from bpy.props import FloatProperty, IntProperty
 
 from ..binding import field
 from ..characters import bones, drawing, rig
 from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
+from ..io import silhouette
 from ..keys import found_object
-from ..properties.settings import length
+from ..properties.kinds import choice, flag, length, number, whole
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.selection import select
-from .base import JobOperator, Outcome
+from .base import JobOperator
 
 
 class OnParts(JobOperator):
     """Works on all that the selected drawings paint."""
 
-    bl_options = {"REGISTER", "UNDO"}
-
     gap: length("Join Gaps", "Join parts that are closer than this, so that one skeleton can move both")
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and not _drawings(context):
-            return "Select the drawings: meshes, curves, texts or Grease Pencil"
-        return super().unavailable(context)
+        return "" if _drawings(context) else "Select the drawings: meshes, curves, texts or Grease Pencil"
 
     def united(self, context: bpy.types.Context, parts: Sequence[bpy.types.Object]) -> tuple[Drawing, list[UserError]]:
         """The parts in their own shapes as one drawing, and why some were left out. Raises: UserError."""
@@ -41,26 +37,21 @@ class OnParts(JobOperator):
 
 
 class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
-    """Binds drawings to an armature by a cage."""
+    """Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, and
+    let its bones move them all
+    """
 
-    bl_idname = "object.nested_cages_rig"
     bl_label = "Rig with Armature"
-    bl_description = (
-        "Put one cage around all selected drawings, with vertices where the joints of the selected armature need them, "
-        "and let its bones move them all"
-    )
 
-    vertices: IntProperty(
-        name="Vertices", description="Vertices of the cage; 0: as many as parts and joints need", default=0, min=0
-    )
+    vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
-        if context.mode == "OBJECT" and _armature(context) is None:
+        if _armature(context) is None:
             return "Select an armature too, or press Suggest Bones"
         return super().unavailable(context)
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
         assert armature is not None
         identity, parts = armature.session_uid, _drawings(context)
@@ -79,39 +70,36 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
             f"{counted(len(parts), 'drawing')} in a cage of {len(cage.data.vertices)} vertices: "
             f"pose '{armature.name}', and they follow",
         )
-        return {"FINISHED"}
 
 
 class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
-    """Draws a skeleton."""
+    """Draw an armature along the limbs of the selected drawings, to edit or to use as it is"""
 
-    bl_idname = "object.nested_cages_suggest_bones"
     bl_label = "Suggest Bones"
-    bl_description = "Draw an armature along the limbs of the selected drawings, to edit or to use as it is"
 
-    protrudes: FloatProperty(
-        name="Limbs Protrude",
-        description="How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
+    protrudes: number(
+        "Limbs Protrude",
+        "How far a limb reaches out at least, in radii of the body there; larger: fewer limbs",
         default=1.0,
         min=0.05,
         soft_max=5.0,
     )
-    bends: FloatProperty(
-        name="Limbs Bend",
-        description="How far a bone may be from the middle of its limb, in radii; larger: fewer joints",
+    bends: number(
+        "Limbs Bend",
+        "How far a bone may be from the middle of its limb, in radii; larger: fewer joints",
         default=0.35,
         min=0.02,
         soft_max=2.0,
     )
-    longest: FloatProperty(
-        name="Longest Bone",
-        description="Straight bones longer than this get a joint in the middle, in radii of the limb",
+    longest: number(
+        "Longest Bone",
+        "Straight bones longer than this get a joint in the middle, in radii of the limb",
         default=7.0,
         min=1.0,
         soft_max=30.0,
     )
 
-    def work(self, context: bpy.types.Context) -> Work[Outcome]:
+    def work(self, context: bpy.types.Context) -> Work[None]:
         parts = [part.session_uid for part in _drawings(context)]
         whole, problems = self.united(context, _drawings(context))
         yield Progress(0.0, "uniting painted areas")
@@ -123,7 +111,6 @@ class OBJECT_OT_nested_cages_suggest_bones(OnParts, bpy.types.Operator):
         select(context, *(obj for part in parts if (obj := found_object(part)) is not None), armature)
         self.tell_skipped(problems, "object")
         self.report({"INFO"}, f"{counted(len(found), 'bone')}: edit them, then press Rig with Armature")
-        return {"FINISHED"}
 
 
 def _drawings(context: bpy.types.Context) -> Sequence[bpy.types.Object]:
@@ -138,4 +125,49 @@ def _armature(context: bpy.types.Context) -> bpy.types.Object | None:
     return active if active in found else next(iter(found), None)
 
 
-CLASSES = (OBJECT_OT_nested_cages_suggest_bones, OBJECT_OT_nested_cages_rig)
+PLANE_ITEMS = (
+    ("ACTIVE", "Active Object", "The plane that the active object lies in"),
+    ("VIEW", "View", "As the 3D view shows it"),
+    ("TOP", "Top", "The x and y axes of the world"),
+    ("FRONT", "Front", "The x and z axes of the world"),
+    ("RIGHT", "Right", "The y and z axes of the world"),
+)
+
+
+class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
+    """Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at different
+    depths
+    """
+
+    bl_label = "Silhouette"
+
+    plane: choice("Plane", "Plane to project onto", PLANE_ITEMS, default="ACTIVE")
+    strokes: flag(
+        "Stroke Width",
+        "Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are left out",
+        default=True,
+    )
+    fill_holes: flag("Fill Holes", "Leave holes out")
+    gap: length("Join Gaps", "Join parts that are closer than this")
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if any(map(paints, context.selected_objects)):
+            return ""
+        return "Select meshes, curves, texts or Grease Pencil drawings"
+
+    def work(self, context: bpy.types.Context) -> Work[None]:
+        chosen = [obj for obj in context.selected_objects if paints(obj)]
+        active = context.view_layer.objects.active
+        objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
+        frame = silhouette.plane_of(context, objects[0], self.plane)
+        options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
+        identities = [obj.session_uid for obj in objects]
+        loops, problems = yield from silhouette.outline(context, objects, frame, options)
+        parts = [part for each in identities if (part := found_object(each)) is not None]
+        if not parts or parts[0].session_uid != identities[0]:
+            raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
+        made = silhouette.place(context, parts[0], frame, loops, parts)
+        select(context, made)
+        self.tell_skipped(problems, "object")
+        self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {counted(len(loops), 'loop')}")

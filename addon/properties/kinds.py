@@ -1,0 +1,39 @@
+"""Kinds of properties by name and description; further options are those of Blender's own functions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+
+def flag(name: str, description: str, **options: Any) -> Any:
+    """A switch, off unless it has another default."""
+    return BoolProperty(name=name, description=description, **options)
+
+
+def whole(name: str, description: str, **options: Any) -> Any:
+    """A whole number, 0 by default."""
+    return IntProperty(name=name, description=description, **options)
+
+
+def number(name: str, description: str, **options: Any) -> Any:
+    """A number, 0 by default."""
+    return FloatProperty(name=name, description=description, **options)
+
+
+def length(name: str, description: str, **options: Any) -> Any:
+    """A length of the scene, 0 for none."""
+    usual = {"min": 0.0, "soft_max": 1.0, "precision": 4, "step": 1, "subtype": "DISTANCE", "unit": "LENGTH"}
+    return number(name, description, **(usual | options))
+
+
+def text(name: str, description: str, **options: Any) -> Any:
+    """A text, empty by default."""
+    return StringProperty(name=name, description=description, **options)
+
+
+def choice(name: str, description: str, items: Sequence[tuple[str, str, str]], **options: Any) -> Any:
+    """One of several, the first by default; or with the option ENUM_FLAG several of them."""
+    return EnumProperty(name=name, description=description, items=items, **options)
