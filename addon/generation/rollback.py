@@ -12,7 +12,7 @@ from .. import keys, record
 from ..animation import shape_keys
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..rigging.pose import Placement
-from ..rigging.rig import has_steps, hooks_of
+from ..rigging.rig import hooks_of
 from ..scene import display
 from ..scene.filling import mesh_of
 from ..scene.ownership import members
@@ -24,7 +24,7 @@ class Rollback:
     def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
         found = list(collections)
         self._scene = scene
-        self._range = (scene.frame_start, scene.frame_end, _properties(scene))
+        self._range = (scene.frame_start, scene.frame_end, _properties(scene), record.range_of(scene))
         self._markers = [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers]
         self._collections = [(c, c.name, _properties(c), record.values(record.written(c))) for c in found]
         self._members = [_Member(obj) for c in found for obj in members(c)]
@@ -38,7 +38,7 @@ class Rollback:
         """Removes our animation from an object, and frees the names of its mesh, which is about to be replaced."""
         for mesh in (obj.data, record.before(obj).mesh):
             shapes = mesh.shape_keys if mesh is not None else None
-            for block in (mesh, shapes, _action(shapes) if has_steps(shapes) else None):
+            for block in (mesh, shapes, _action(shapes) if shape_keys.has_steps(shapes) else None):
                 self._rename(block)
         visibility = detach(obj)
         if visibility.action is not None and not visibility.kept:
@@ -89,7 +89,8 @@ class Rollback:
             _set_properties(collection, properties)
             record.assign(record.written(collection), values)
         scene = self._scene
-        scene.frame_start, scene.frame_end, properties = self._range
+        scene.frame_start, scene.frame_end, properties, before = self._range
+        record.set_range(scene, before)
         _set_properties(scene, properties)
         if [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers] != self._markers:
             scene.timeline_markers.clear()

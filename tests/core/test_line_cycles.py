@@ -25,12 +25,12 @@ from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
 from nestedcages_core.decimation.line_cycles.loop_search import shares
-from nestedcages_core.decimation.line_cycles.method import cycles_around
+from nestedcages_core.decimation.line_cycles.method import HULL, SOURCE, cycles_around
 from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
 from nestedcages_core.tasks import drain
-from shapes import annulus, assert_nested, comb, islands, letter_a, polygon, ring, star
+from shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, ring, star
 
 RANDOM = np.random.default_rng(5)
 
@@ -147,6 +147,12 @@ def test_cages_are_the_same_in_every_position(angle: float) -> None:
         assert excess[1] == pytest.approx(excess[0], rel=0.01)
 
 
+def test_more_vertices_are_never_worse_where_one_loop_has_long_edges() -> None:
+    fine = Mesh.from_loops([disc(24, 2.0, 0.0, 0.0), disc(40, 1.0, 10.0, 0.0), disc(44, 1.0, 0.0, 10.0)])
+    areas = [LineCycles().decimate(fine, count).area for count in (48, 50, 52, 55)]
+    assert areas == sorted(areas, reverse=True)
+
+
 def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     fine = letter_a()
     curve, outside = (
@@ -155,6 +161,13 @@ def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     assert (curve.report.start, outside.report.start) == ("flow", "line cycles")
     assert curve.report.excess == pytest.approx(outside.report.excess, rel=0.01)
     assert_nested(outside.cage, fine)
+
+
+def test_many_loops_start_from_the_hull() -> None:
+    for side, source in ((8, SOURCE), (9, HULL)):
+        places = np.stack(np.mgrid[:side, :side], axis=-1).reshape(-1, 2)
+        start = drain(LineCycles().starts(Mesh.from_loops([0.4 * ring(8) + place for place in places]), 5 * side**2))
+        assert start[0].source == source
 
 
 def test_parameters_and_impossible_counts_are_told() -> None:
