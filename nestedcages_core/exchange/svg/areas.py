@@ -176,8 +176,9 @@ class Areas:
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
         """The areas of a group after a filter."""
         shapely = load_shapely("filters")
-        opacity = max(paint.opacity for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint)
-        source = Layer(union_of(shapely, areas, self.budget), opacity)
+        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
+        sharp = any((paint.alphas > self.options.faintest).all() for paint in paints)
+        source = Layer(union_of(shapely, areas, self.budget), max(paint.opacity for paint in paints), sharp)
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
