@@ -29,11 +29,12 @@ BOUND = "nested_cages_bound"
 COLOURS = "nested_cages_colours"
 FRAMES = "nested_cages_frames"
 HIDES = "nested_cages_hides"
+# In earlier versions, of a silhouette too, `OTHERS`: what it shows.
 # Of an object: the fine mesh that it fills.
 FILLS = "nested_cages_fills"
 # Of an armature or empties: the cage whose corners they move.
 HANDLES_OF = "nested_cages_handles_of"
-# Of a scene: its first and last frame before the animation, and as the animation set them.
+# In earlier versions, of a scene: its first and last frame before the animation, and as the animation set them.
 RANGE = "nested_cages_range"
 # Whether the cages of a collection follow the drawing's own animation.
 MOVING = "nested_cages_moving"

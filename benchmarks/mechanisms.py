@@ -103,7 +103,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "clearing: narrow gaps filled": Mechanism(
         "decimation",
-        patches={"decimation.hull.clearing:_without": first},
+        patches={"decimation.hull.clearing:without": first},
     ),
     "filling of gaps like round-off": Mechanism(
         "decimation",
@@ -115,7 +115,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "room in small holes": Mechanism(
         "decimation",
-        patches={"decimation.request:with_room": first},
+        patches={"decimation.hull.small_holes:with_room": first},
     ),
     # flow
     "flow: steps with samples at vertices (6 to 1)": Mechanism(

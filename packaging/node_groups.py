@@ -6,8 +6,10 @@ Run it in the oldest Blender that is supported, so that all can read the file: `
 from __future__ import annotations
 
 import hashlib
+import shutil
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import bpy
@@ -233,8 +235,11 @@ def build(path: Path) -> None:
     for block in blocks:
         for place, node in enumerate((block.node_tree if isinstance(block, bpy.types.Material) else block).nodes):
             node.location = (200.0 * place, 0.0)
-        block[DIGEST] = digest()
-    bpy.data.libraries.write(str(path), blocks, path_remap="NONE", compress=True)
+        block[DIGEST], block.use_fake_user = digest(), True
+    with TemporaryDirectory() as folder:  # a file names its own path
+        made = Path(folder) / path.name
+        bpy.ops.wm.save_as_mainfile(filepath=str(made), compress=True)
+        shutil.copy(made, path)
 
 
 if __name__ == "__main__":

@@ -182,7 +182,6 @@ IMPORTABLE = [
     "Tightening",
     "TimeOfImpact",
     "TwoSidedFlow",
-    "VelocityFilter",
     "Visvalingam",
     "WeightedSum",
     "alpha_channel",

@@ -207,18 +207,18 @@ def frames_of(collection: bpy.types.Collection) -> tuple[int, int, int] | None:
 
 def _fit_range(scene: bpy.types.Scene) -> None:
     """Fits the scene's range to the animations in it; ends that the user has changed since are kept."""
-    now = (float(scene.frame_start), float(scene.frame_end))
-    stored = keys.numbers(scene, keys.RANGE, 4) or (*now, *now)
+    now = (scene.frame_start, scene.frame_end)
+    stored = record.range_of(scene) or (*now, *now)
     start, end = (before if at == ours else at for before, ours, at in zip(stored[:2], stored[2:], now, strict=True))
     played = [frames for c in bpy.data.collections if _plays_in(scene, c) and (frames := frames_of(c)) is not None]
     first = min([start, *(max(frames[0], 0) for frames in played)])
     last = max([end, *(frames[2] for frames in played)])
-    if not played:
-        keys.remove(scene, [keys.RANGE])
     if (first, last) != now:
-        scene.frame_start, scene.frame_end = int(first), int(last)
-    if played and (first, last) != (start, end):
-        scene[keys.RANGE] = [start, end, first, last]
+        scene.frame_start, scene.frame_end = first, last
+    if not played:
+        record.set_range(scene, None)
+    elif (first, last) != (start, end):
+        record.set_range(scene, (start, end, first, last))
 
 
 def _plays_in(scene: bpy.types.Scene, collection: bpy.types.Collection) -> bool:

@@ -1,4 +1,4 @@
-"""Several objects as one drawing: their painted areas united, with edges short enough for vertices at joints."""
+"""Several objects as one drawing: their painted areas united, with edges short enough to bend."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
 from ..core import core
 from ..errors import UserError
@@ -14,9 +13,9 @@ from ..generation.job import Work
 from ..io import silhouette
 from ..scene.convert import Drawing
 from ..scene.plane import size
-from ..scene.uniting import stored
+from ..scene.uniting import divided, stored
 
-# Longest edge of the outline as a fraction of its size: a cage can have a vertex wherever a joint needs one.
+# Longest edge of the outline as a fraction of its size: straight limbs bend, and few corners don't limit the cage.
 LONGEST_EDGE = 0.01
 
 
@@ -33,7 +32,7 @@ def united(
     options = silhouette.Options(gap=gap, closed=True)
     loops, problems = yield from silhouette.outline(context, ordered, frame, options)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
-    divided = tuple(stored(_divided(loop, longest)) for loop in loops)
+    divided = tuple(stored(divided(loop, longest)) for loop in loops)
     others = tuple(Drawing(obj.name, frame, (), obj.session_uid) for obj in ordered[1:])
     drawing = Drawing(first.name, frame, divided, first.session_uid, others, united=True)
     try:
@@ -41,13 +40,3 @@ def united(
     except core.NestedCagesError:  # rounding closed a gap between new points
         drawing = Drawing(first.name, frame, loops, first.session_uid, others, united=True)
     return drawing, problems
-
-
-def _divided(loop: NDArray[np.float64], longest: float) -> NDArray[np.float64]:
-    """A loop (k, 2) whose edges are at most so long."""
-    after = np.roll(loop, -1, axis=0)
-    counts = np.maximum(np.ceil(np.hypot(*(after - loop).T) / longest), 1).astype(int)
-    start = np.repeat(np.arange(len(loop)), counts)
-    part = (np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[start]
-    found: NDArray[np.float64] = loop[start] + part[:, None] * (after - loop)[start]
-    return found

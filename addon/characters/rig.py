@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
@@ -11,21 +14,18 @@ from ..binding import binding
 from ..core import core
 from ..errors import UserError
 from ..generation import output
-from ..generation.generate import Generation, Options, Request
+from ..generation.generate import Generation, Options, Request, Result
 from ..generation.job import Work, completed
-from ..generation.rules import Places
 from ..scene import filling, ownership
 from ..scene.convert import Drawing
 from ..scene.plane import Frame
 from ..scene.selection import scene_of
 from .bones import bones_of
 
-# Least vertices of a cage without joints, and of each loop after the first, and vertices for each place near a joint.
-LEAST, PER_LOOP, PER_PLACE = 32, 4, 2
-# Most vertices of a cage that were not asked for.
-MOST = 200
-# Clearance as a fraction of the drawing's diagonal: with it, of 0.75 %, 1 %, 1.25 % and 1.5 %, the fewest bent cages
-# cross themselves.
+# Vertices of a cage before those at joints: of its first loop, of each other one, and at most.
+FIRST_LOOP, PER_LOOP, MOST = 40, 4, 200
+# Clearance as a fraction of the drawing's diagonal: with less, more of a bent drawing leaves the cage; with more, limbs
+# that pass each other have cages that meet.
 CLEARANCE_SHARE = 0.01
 # Weights below this are left out.
 SMALLEST_WEIGHT = 1e-4
@@ -36,16 +36,15 @@ def make(
 ) -> Work[bpy.types.Collection]:
     """A cage around a drawing, bound, and moved by the bones of an armature. Raises: UserError.
 
-    vertices: of the cage, 0 = as many as its loops and joints need. Of earlier cages, what the artist made stays.
+    vertices: of the cage before those at joints, 0 = as many as its loops need. Of earlier cages, what the artist made
+    stays.
     """
-    bones, mesh = bones_of(armature, drawing.frame), drawing.mesh()
-    joints = core.joints_of(mesh, bones)
-    count = vertices or min(MOST, LEAST + PER_LOOP * (len(mesh.loops) - 1) + PER_PLACE * len(joints))
-    request = Request(drawing, places=Places(joints=tuple(joints)))
-    generation = Generation([request], Options(levels=(count,), clearance_share=CLEARANCE_SHARE))
+    bones = bones_of(armature, drawing.frame)
+    count = vertices or min(MOST, FIRST_LOOP + PER_LOOP * (len(drawing.mesh().loops) - 1))
+    generation = Generation([Request(drawing)], Options(levels=(count,), clearance_share=CLEARANCE_SHARE))
     yield from generation
-    scene = scene_of(context)
-    (collection,), _ = output.write(scene, generation.results, Timing(show_flow=False))
+    scene, results = scene_of(context), [_jointed(result, bones) for result in generation.results]
+    (collection,), _ = output.write(scene, results, Timing(show_flow=False))
     binding.forget(collection)
     if bake.is_animated(collection):
         bake.remove(scene, collection)
@@ -54,6 +53,15 @@ def make(
     weigh(cage, armature, drawing.frame)
     completed(binding.bind(context, collection))
     return collection
+
+
+def _jointed(result: Result, bones: Sequence[core.Bone]) -> Result:
+    """A result whose cage has vertices at the joints, and stands still."""
+    (level,) = result.levels
+    cage = core.with_joints(level.cage, bones)
+    steps = np.broadcast_to(cage.vertices, (len(level.reinflation.cage_steps), *cage.vertices.shape))
+    still = replace(level.reinflation, cage_steps=steps)
+    return replace(result, levels=(replace(level, coarse=cage, cage=cage, reinflation=still),))
 
 
 def weigh(cage: bpy.types.Object, armature: bpy.types.Object, frame: Frame) -> None:

@@ -6,8 +6,7 @@ What moves the cages too, as a pose does, is no change of the drawing, and is le
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from contextlib import nullcontext
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -15,7 +14,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from .. import keys, record
+from .. import record
 from ..animation import shape_keys
 from ..binding import field
 from ..core import core
@@ -122,7 +121,9 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         theirs = [part.object for part in found.sources if part.object is not None]
         if not theirs:
             continue
-        ids = [id.session_uid for obj in (*theirs, *_shown(theirs[0])) for id in (obj, obj.data) if id is not None]
+        ids = [
+            id.session_uid for obj in (*theirs, *record.shown_in(theirs[0])) for id in (obj, obj.data) if id is not None
+        ]
         if theirs[0].session_uid in _stood and touched.keys().isdisjoint(ids):
             continue  # most of many sets, at each move of the mouse
         cages = {cage.session_uid for cage in ownership.members(collection)[1:]}
@@ -135,12 +136,6 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _changed[collection.name] = time.perf_counter()
             if not bpy.app.timers.is_registered(_on_timer):
                 bpy.app.timers.register(_on_timer, first_interval=live.REST)
-
-
-def _shown(source: bpy.types.Object) -> list[bpy.types.Object]:
-    """What a silhouette shows."""
-    found = source.get(keys.OTHERS)
-    return [obj for obj in found.values() if isinstance(obj, bpy.types.Object)] if hasattr(found, "values") else []
 
 
 def _carried(collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -179,10 +174,21 @@ def _on_timer() -> float | None:
     """Seconds until the next look; None when there is nothing left to check."""
     if running() is not None:
         return live.REST
-    window = live.window_of("", bpy.context.window_manager.windows)
-    with bpy.context.temp_override(window=window) if window is not None else nullcontext():
-        check_changed(bpy.context, rested=live.REST)
+    found = bpy.context.window_manager.windows
+    for window in {each.scene: each for each in found}.values() if len(found) else (None,):
+        with live.in_window(window):
+            check_changed(bpy.context, rested=live.REST)
+    shown = {each.scene for each in found} or {bpy.context.scene}
+    for name in [name for name in _changed if not _is_shown(name, shown)]:
+        del _changed[name]
     return live.REST if _changed else None
+
+
+def _is_shown(name: str, scenes: Iterable[bpy.types.Scene]) -> bool:
+    """Whether the drawing of an output is in one of some scenes."""
+    collection = bpy.data.collections.get(name)
+    source = ownership.source_of(collection) if collection is not None else None
+    return source is not None and any(scene.objects.get(source.name) == source for scene in scenes)
 
 
 def check_changed(context: bpy.types.Context, rested: float = 0.0) -> None:
@@ -193,9 +199,9 @@ def check_changed(context: bpy.types.Context, rested: float = 0.0) -> None:
         source = ownership.source_of(collection) if collection is not None else None
         if collection is not None and source is not None and source.mode == "EDIT":
             continue  # checked when it is left
-        del _changed[name]
         if collection is None or source is None or context.scene.objects.get(source.name) != source:
-            continue
+            continue  # maybe in another window
+        del _changed[name]
         if following is None or following.identity != source.session_uid:
             _check(context, collection)
 

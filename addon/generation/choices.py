@@ -186,13 +186,6 @@ CONTACTS = {
         uses=("expansion_energy",),
         partners={"expansion_energy": "NONE"},
     ),
-    "VELOCITY_FILTER": Choice(
-        "Velocity Filter",
-        "The same with one quadratic program over all impacts: corrects velocities that would collide. For comparisons",
-        lambda chosen: core.VelocityFilter(energy=chosen.expansion()),
-        uses=("expansion_energy",),
-        partners={"expansion_energy": "NONE"},
-    ),
     "PAPER": Choice(
         "The Paper's",
         "Barriers as in Augmenting Nested Cages with IPC (2022), with optional repairs: slow, loose, for comparison",

@@ -19,7 +19,7 @@ SMALLEST = 1e-4
 
 @dataclass(frozen=True)
 class Fold:
-    """What part of the area is folded, the place in the world where most of it is, and the bone that moves that place,
+    """What part of the area is folded, the place in the world where most of it is, and the bone that bends it there,
     empty without bones.
     """
 
@@ -77,10 +77,12 @@ class Folding:
         return Fold(share, (x, y, z), self._bone(worst))
 
     def _bone(self, triangle: NDArray[np.int64]) -> str:
-        """The bone that moves a triangle most, through the corners of the cage; empty without bones."""
+        """Of the bones that move a triangle, through the corners of the cage, the one that bends it most; empty without
+        bones.
+        """
         armatures = [each.object for each in self.cage.modifiers if isinstance(each, bpy.types.ArmatureModifier)]
-        bones = {bone.name for each in armatures if each is not None for bone in each.data.bones}
-        names = {group.index: group.name for group in self.cage.vertex_groups if group.name in bones}
+        bends = {bone.name: _bend(bone) for each in armatures if each is not None for bone in each.pose.bones}
+        names = {group.index: group.name for group in self.cage.vertex_groups if group.name in bends}
         pull = dict.fromkeys(names.values(), 0.0)
         for number, vertex in enumerate(self.cage.data.vertices):
             weights = self.shows.data.attributes.get(f"{keys.WEIGHT}{number}")
@@ -88,7 +90,15 @@ class Folding:
             for element in vertex.groups if part > 0.0 else ():
                 if element.group in names:
                     pull[names[element.group]] += part * element.weight
-        return max(pull, key=lambda name: pull[name], default="")
+        return max(pull, key=lambda name: pull[name] * bends[name], default="")
+
+
+def _bend(bone: bpy.types.PoseBone) -> float:
+    """The angle by which a bone is turned against its parent, in radians."""
+    now, rest = bone.matrix, bone.bone.matrix_local
+    if bone.parent is not None:
+        now, rest = bone.parent.matrix.inverted_safe() @ now, bone.parent.bone.matrix_local.inverted_safe() @ rest
+    return float(rest.to_quaternion().rotation_difference(now.to_quaternion()).angle)
 
 
 def _areas(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ class Rollback:
     def __init__(self, scene: bpy.types.Scene, collections: Iterable[bpy.types.Collection]) -> None:
         found = list(collections)
         self._scene = scene
-        self._range = (scene.frame_start, scene.frame_end, _properties(scene))
+        self._range = (scene.frame_start, scene.frame_end, _properties(scene), record.range_of(scene))
         self._markers = [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers]
         self._collections = [(c, c.name, _properties(c), record.values(record.written(c))) for c in found]
         self._members = [_Member(obj) for c in found for obj in members(c)]
@@ -89,7 +89,8 @@ class Rollback:
             _set_properties(collection, properties)
             record.assign(record.written(collection), values)
         scene = self._scene
-        scene.frame_start, scene.frame_end, properties = self._range
+        scene.frame_start, scene.frame_end, properties, before = self._range
+        record.set_range(scene, before)
         _set_properties(scene, properties)
         if [(m.name, m.frame, m.select, m.camera) for m in scene.timeline_markers] != self._markers:
             scene.timeline_markers.clear()

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from .. import keys
+from .. import record
 from ..core import core
 from ..errors import UserError
 from ..generation.job import Progress, Work
@@ -142,5 +142,5 @@ def place(
         obj.data.materials.append(active.active_material)
     ownership.home_of(scene_of(context), active).objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
-    obj[keys.OTHERS] = {str(number): part for number, part in enumerate(parts)}
+    record.fill(record.described(obj).parts, parts)
     return obj

@@ -37,6 +37,14 @@ class NestedCagesPart(bpy.types.PropertyGroup):
     hidden: flag("Hidden", "Whether the animation hides this drawing meanwhile")
 
 
+class NestedCagesRange(bpy.types.PropertyGroup):
+    """Of a scene: its first and last frame before the animation, and as the animation set them."""
+
+    known: flag("Known", "Whether the animation set the range")
+    before: IntVectorProperty(name="Before", description="First and last frame before the animation", size=2)
+    ours: IntVectorProperty(name="Ours", description="First and last frame as the animation set them", size=2)
+
+
 class NestedCagesUsed(bpy.types.PropertyGroup, GenerationProperties):
     """The settings that the cages were made with."""
 
@@ -100,12 +108,14 @@ class NestedCagesMember(bpy.types.PropertyGroup):
     checked: IntVectorProperty(name="Checked", description="First and last frame of the check", size=2)
     judged: text("Judged", "Digest of the coordinates that Verify Cages judged")
     notes: CollectionProperty(name="Notes", description="Notes on the run", type=NestedCagesNote)
+    parts: CollectionProperty(name="Parts", description="What a silhouette shows", type=NestedCagesPart)
 
 
 CLASSES = (
     NestedCagesNote,
     NestedCagesMarker,
     NestedCagesPart,
+    NestedCagesRange,
     NestedCagesUsed,
     NestedCagesRecord,
     NestedCagesBefore,
@@ -122,9 +132,13 @@ def register() -> None:
     bpy.types.Object.nested_cages_member = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
         type=NestedCagesMember, name="Nested Cages Member", description="Its part in a set of cages"
     )
+    bpy.types.Scene.nested_cages_playing = PointerProperty(  # type: ignore[attr-defined, func-returns-value]
+        type=NestedCagesRange, name="Nested Cages Playing", description="Frames before and as the animation set them"
+    )
 
 
 def unregister() -> None:
+    del bpy.types.Scene.nested_cages_playing  # type: ignore[attr-defined]
     del bpy.types.Object.nested_cages_member  # type: ignore[attr-defined]
     del bpy.types.Collection.nested_cages  # type: ignore[attr-defined]
     for cls in reversed(CLASSES):

@@ -37,9 +37,12 @@ from .helpers import is_helper as is_helper
 from .helpers import lines_of as lines_of
 from .helpers import link as link
 from .helpers import make_helper as make_helper
+from .helpers import range_of as range_of
 from .helpers import set_before as set_before
 from .helpers import set_link as set_link
+from .helpers import set_range as set_range
 from .helpers import shown as shown
+from .helpers import shown_in as shown_in
 
 # Version of the schema.
 VERSION = 1

@@ -51,6 +51,33 @@ def lines_of(helper: bpy.types.Object) -> tuple[bpy.types.Object | None, float]:
     return shown(helper, LINES), float(thickness)
 
 
+def shown_in(silhouette: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that a silhouette shows; earlier versions stored them as a custom property."""
+    found = [part.object for part in _group(silhouette).parts]
+    stored = silhouette.get(keys.OTHERS)
+    found += stored.values() if not found and hasattr(stored, "values") else ()
+    return [obj for obj in found if isinstance(obj, bpy.types.Object)]
+
+
+def range_of(scene: bpy.types.Scene) -> tuple[int, int, int, int] | None:
+    """First and last frame of a scene before the animation, and as it set them; None if it did not."""
+    found: Any = scene.nested_cages_playing  # type: ignore[attr-defined]
+    stored = keys.numbers(scene, keys.RANGE, 4)
+    if not found.known and stored is None:
+        return None
+    first, last, our_first, our_last = (*found.before, *found.ours) if found.known else map(int, stored or ())
+    return first, last, our_first, our_last
+
+
+def set_range(scene: bpy.types.Scene, given: tuple[int, int, int, int] | None) -> None:
+    """Notes the frames of a scene before the animation and as it set them; None: it does not any more."""
+    found: Any = scene.nested_cages_playing  # type: ignore[attr-defined]
+    found.known = given is not None
+    if given is not None:
+        found.before, found.ours = given[:2], given[2:]
+    keys.remove(scene, [keys.RANGE])
+
+
 class Before(NamedTuple):
     """A bound object as it was: mesh, own transform, and whether it was hidden in renders, viewports and the view, as
     far as that is known. Earlier versions stored its action too.

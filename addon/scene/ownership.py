@@ -137,9 +137,7 @@ def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     without deleted ones.
     """
     found = [part.object for part in record.of(collection).sources if exists(part.object)]
-    others = found[0].get(keys.OTHERS) if found else None
-    shown = others.values() if hasattr(others, "values") else ()
-    found += [obj for obj in shown if isinstance(obj, bpy.types.Object) and exists(obj)]
+    found += [obj for obj in (record.shown_in(found[0]) if found else ()) if exists(obj)]
     return list(dict.fromkeys(found))
 
 

@@ -1,17 +1,17 @@
 """Bones that move a cage: suggested along the limbs of a shape, with weights computed inside it.
 
 - `Bone`, `suggest_bones`: a skeleton along the limbs, to be edited or taken.
-- `joints_of`: places where a cage needs vertices so that limbs can bend, for `Settings(joints=…)`.
+- `with_joints`: a cage with vertices where limbs bend.
 - `bone_weights`: how much each bone moves each vertex of a cage; `skinned`: the vertices under a pose of the bones.
 - `Character`: a drawing with its cage, bones and all weights, for game engines; `Pose`: a frame of its animation.
 """
 
 from __future__ import annotations
 
-from .bones import Bone, joints_of
+from .bones import Bone, with_joints
 from .character import Character, Pose
 from .skeleton import Skeleton, suggest_bones
 from .skinning import skinned
 from .weights import bone_weights
 
-__all__ = ["Bone", "Character", "Pose", "Skeleton", "bone_weights", "joints_of", "skinned", "suggest_bones"]
+__all__ = ["Bone", "Character", "Pose", "Skeleton", "bone_weights", "skinned", "suggest_bones", "with_joints"]

@@ -13,6 +13,8 @@ from ..geometry.mesh import Mesh
 from .base import CageEnergy, Energy
 from .blocks import Blocks
 
+__all__ = ["BoundSum", "WeightedSum"]
+
 
 @dataclass(frozen=True)
 class WeightedSum:

@@ -11,12 +11,11 @@ import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
-from .hairlines import has_hairlines, without_hairlines, without_short_edges
+from .hairlines import comes_close, has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
 from .limits import Budget, no_outline
 
@@ -85,7 +84,7 @@ def solid(
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
-    if mesh is None or _nearly_touches(mesh) or has_hairlines(mesh, max(seam, spike)):
+    if mesh is None or comes_close(mesh, ROUNDING * mesh.diagonal) or has_hairlines(mesh, max(seam, spike)):
         shapely = load_shapely("shapes that overlap or touch")
         return united(shapely, regions(shapely, cleaned, budget), **options)
     kept = _on_the_rim(mesh, cleaned)
@@ -141,54 +140,52 @@ def united(
     if not size > 0.0:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     unit = 2.0 ** np.ceil(np.log2(size))
+    clean = without_hairlines(shapely, shapely.union_all(parts), gap=seam, spike=spike)
+    note = clean.note(max(seam, spike)) if clean.gaps or clean.spikes else ""
     failed: InvalidMeshError | None = None
-    found: tuple[Mesh, str] | None = None
+    found: Mesh | None = None
     for grid in GRIDS:
-        clean = without_hairlines(
-            shapely, shapely.union_all(parts, grid_size=grid * unit if grid else None), gap=seam, spike=spike
-        )
         region = shapely.set_precision(clean.region, grid * unit) if grid else clean.region
-        note = clean.note(max(seam, spike)) if clean.gaps or clean.spikes else ""
         try:
             mesh = _mesh(shapely, region, max(seam, spike) if note else 0.0)
         except InvalidMeshError as error:
             failed = failed or error
             continue
-        apart = not _nearly_touches(mesh)
-        if apart or found is None:
-            found = mesh, note
+        apart = not comes_close(mesh, ROUNDING * mesh.diagonal)
+        found = mesh if apart or found is None else found
         if apart:
             break
     if found is None:
         assert failed is not None
         raise failed
-    if notes is not None and found[1]:
-        notes.append(found[1])
-    return found[0]
+    if notes is not None and note:
+        notes.append(note)
+    return found
 
 
 def _mesh(shapely: Any, region: Any, width: float) -> Mesh:
     """The mesh of a valid region, joined by thin necks where it touches itself; width: of hairlines that are gone."""
-    rings = [without_short_edges(ring, width) for ring in rings_of(shapely, region)]
+    rings = rings_of(shapely, region)
     if not rings:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
     with suppress(InvalidMeshError):
-        return Mesh.from_loops(rings)
+        return _without_remnants(rings, width)
     starts, ends = _edges_of(rings)
     edges = shapely.linestrings(np.stack((starts, ends), axis=1))
     vertex, _ = shapely.STRtree(edges).query(shapely.points(starts), predicate="intersects")
     touching = np.unique(starts[np.bincount(vertex, minlength=len(starts)) > 2], axis=0)
     reach = max(NECK_PER_SIZE * np.sqrt(region.area), LEAST_NECK * np.abs(region.bounds).max())
     necks = shapely.buffer(shapely.points(touching), reach, quad_segs=1)
-    return Mesh.from_loops(rings_of(shapely, shapely.union_all([region, *necks])))
+    rings = rings_of(shapely, shapely.union_all([region, *necks]))
+    with suppress(InvalidMeshError):
+        return _without_remnants(rings, width)
+    return Mesh.from_loops(rings)
 
 
-def _nearly_touches(mesh: Mesh) -> bool:
-    """Whether parts of a mesh are as close as rounding, apart from short edges and sharp corners."""
-    vertices, successor = mesh.vertices, mesh.successor
-    vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, ROUNDING * mesh.diagonal)
-    end = successor[edge]
-    return bool(((edge != vertex) & (edge != successor[vertex]) & (end != vertex) & (successor[end] != vertex)).any())
+def _without_remnants(rings: list[FloatArray], width: float) -> Mesh:
+    """The mesh of rings without the short edges and specks that closed gaps leave. Raises InvalidMeshError."""
+    wide = [without_short_edges(ring, width) for ring in rings if np.ptp(ring, axis=0).max() >= width]
+    return Mesh.from_loops(wide or rings)
 
 
 def rings_of(shapely: Any, geometry: Any) -> list[FloatArray]:
@@ -242,17 +239,12 @@ def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
     begins = mesh.loop_order.begins
     own = np.where(mesh.successor[begins] == begins + 1, mesh.loop_signs, -mesh.loop_signs)
     owner = np.repeat(np.arange(len(areas)), [len(area.loops) for area in areas])
-    inner, outer = _nesting(mesh)
+    order = mesh.loop_order
+    inner, outer = enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
     itself = np.arange(len(own))
     outside = _any_painted(inner, outer, own, owner, areas)
     inside = _any_painted(np.concatenate((inner, itself)), np.concatenate((outer, itself)), own, owner, areas)
     return np.asarray(outside != inside)
-
-
-def _nesting(mesh: Mesh) -> tuple[IntArray, IntArray]:
-    """Pairs (inner, outer) of loops, (K,), (K,)."""
-    order = mesh.loop_order
-    return enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
 
 
 def _any_painted(

@@ -28,6 +28,12 @@ PROBES = 64
 MISSING_HOLE_COST = 1e3
 """Cost of a component with fewer holes than its coarse component, in bounding-box diagonals: above any other cost."""
 
+ALL_BOXES_LIMIT = 64
+"""Number of loops up to which all pairs of bounding boxes are compared."""
+
+NONE: IntArray = np.zeros(0, np.int64)
+"""No loops."""
+
 
 @dataclass(frozen=True, eq=False)
 class Matching:
@@ -39,11 +45,6 @@ class Matching:
     """(fine components,) coarse component around each fine component."""
     partner: IntArray
     """(fine loops,) coarse loop around each fine loop: outer loop for outer loop, hole for hole, or COVERED."""
-
-    def fine_loops_in(self, coarse_component: int) -> IntArray:
-        """Fine loops that belong inside a coarse component."""
-        loops: IntArray = np.nonzero(self.component[self.fine.component_of_loop] == coarse_component)[0]
-        return loops
 
     def coarse_loops_of(self, coarse_component: int) -> IntArray:
         """Loops that bound a coarse component."""
@@ -113,10 +114,8 @@ def _match_components(fine: Mesh, coarse: Mesh) -> IntArray:
         component = np.zeros(1, np.int64)
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes)
     elif len(fine_outers) == len(coarse_outers):
-        fewer = _hole_counts(fine)[:, None] < _hole_counts(coarse)[None, :]
-        _, component = _assignment(
-            _box_difference(fine_boxes, coarse_boxes) / fine.diagonal + MISSING_HOLE_COST * fewer
-        )
+        missing = MISSING_HOLE_COST * fine.diagonal
+        _, component = _closest(fine_boxes, coarse_boxes, missing, _hole_counts(fine), _hole_counts(coarse))
         overlaps = _boxes_overlap(fine_boxes, coarse_boxes[component])
     else:
         outside, overlapping = _fit(fine, coarse)
@@ -152,8 +151,24 @@ def _match_holes(fine: Mesh, coarse: Mesh, component: IntArray, k: int, partner:
     if len(holes) == len(candidates) == 1:
         partner[candidates] = holes
         return
-    rows, columns = _assignment(_box_difference(boxes(fine)[candidates], boxes(coarse)[holes]))
+    rows, columns = _closest(boxes(fine)[candidates], boxes(coarse)[holes])
     partner[candidates[rows]] = holes[columns]
+
+
+def _closest(
+    a: FloatArray, b: FloatArray, fewer_cost: float = 0.0, holes: IntArray = NONE, wanted: IntArray = NONE
+) -> tuple[IntArray, IntArray]:
+    """Rows and columns (B,), (B,) that give each bounding box (B, 4) one of the (A, 4), all together the closest.
+
+    fewer_cost: for one with fewer holes, (A,), than wanted, (B,).
+    """
+    if len(b) > ALL_BOXES_LIMIT and not wanted.any():
+        distance, row = scipy.spatial.cKDTree(a).query(b, k=2, p=1.0)
+        rows, columns = np.unique(row[:, 0], return_index=True)
+        if len(rows) == len(b) and (distance[:, 0] < distance[:, 1]).all():
+            return rows, columns
+    cost = _box_difference(a, b)
+    return _assignment(cost + fewer_cost * (holes[:, None] < wanted) if len(wanted) else cost)
 
 
 def _assignment(cost: FloatArray) -> tuple[IntArray, IntArray]:

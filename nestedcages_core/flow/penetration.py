@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
+from ..geometry.broad_phase import near_pairs, split_by
 from ..geometry.signed_distance import SignedDistance
 from ..geometry.vectors import inner, norm
-from .loop_matching import Matching
+from .loop_matching import Matching, outer_loops
 from .samples import EdgeSamples, Spacing, coarse_samples, fine_samples, local_margins
 
 COMFORTABLE_MARGIN = 1.0 / 3.0
@@ -71,7 +71,12 @@ class PenetrationEnergy:
         self.samples = fine_samples(fine, spacing)
         self._target = fine.successor[self.samples.edge]
         self._between_vertices = bool(self.samples.parameter.any())
-        self._push_fine = [_FinePush(matching, self.samples, loop) for loop in range(len(coarse.loops))]
+        around = matching.component[fine.component_of_loop[fine.loop_of_vertex[self.samples.edge]]]
+        subjects = split_by(around, int(coarse.component_of_loop.max()) + 1)
+        self._push_fine = [
+            _FinePush(matching, self.samples, loop, subjects[component])
+            for loop, component in enumerate(coarse.component_of_loop.tolist())
+        ]
         self._push_coarse: list[_CoarsePush] = []
         if not from_coarse:
             return
@@ -79,8 +84,9 @@ class PenetrationEnergy:
         at = coarse.vertices[on_coarse.edge]
         points = at + on_coarse.parameter[:, None] * (coarse.vertices[coarse.successor[on_coarse.edge]] - at)
         loop_of_point = coarse.loop_of_vertex[on_coarse.edge]
+        of_loop = split_by(loop_of_point, len(coarse.loops))
         self._push_coarse = [
-            _CoarsePush(matching, on_coarse, points, np.nonzero(loop_of_point == coarse_loop)[0], fine_loop, 1.0)
+            _CoarsePush(matching, on_coarse, points, of_loop[coarse_loop], fine_loop, 1.0)
             for fine_loop, coarse_loop in _facing_loops(matching)
         ]
         if np.isfinite(spacing.length):
@@ -123,14 +129,13 @@ class _Pushed(NamedTuple):
 class _FinePush:
     """One coarse loop pushes samples of the fine mesh."""
 
-    def __init__(self, matching: Matching, samples: EdgeSamples, loop: int) -> None:
+    def __init__(self, matching: Matching, samples: EdgeSamples, loop: int, subject: IntArray) -> None:
+        """subject: the samples that it pushes."""
         coarse = matching.coarse
         self.samples = samples
         self.start = coarse.loops[loop]
         self.field = _field(coarse.vertices[self.start], int(coarse.loop_signs[loop]))
-        fine_loops = matching.fine_loops_in(int(coarse.component_of_loop[loop]))
-        loop_of_sample = matching.fine.loop_of_vertex[samples.edge]
-        self.subject = np.nonzero(np.isin(loop_of_sample, fine_loops))[0]
+        self.subject = subject
         # distances are 1-Lipschitz, so points deep inside need not be measured again until they have moved far
         self._known: FloatArray = np.full(len(self.subject), np.inf)
         self._known_at: FloatArray = np.zeros((len(self.subject), 2))
@@ -223,11 +228,12 @@ def _facing_loops(matching: Matching) -> list[tuple[int, int]]:
     """Loop pairs (fine, coarse) that penalise penetration: matched loops, and holes next to other components."""
     fine, coarse = matching.fine, matching.coarse
     pairs = [(k, int(loop)) for k, loop in enumerate(matching.partner) if loop >= 0]
+    outers = outer_loops(fine)
     for loop in np.nonzero(coarse.loop_signs < 0)[0].tolist():
         owners = fine.component_of_loop[matching.partner == loop]
-        for k in matching.fine_loops_in(int(coarse.component_of_loop[loop])).tolist():
-            next_to = fine.loop_signs[k] > 0 and fine.component_of_loop[k] not in owners
-            if next_to and not _around(matching, k, loop):
+        own = outers[matching.component == coarse.component_of_loop[loop]]
+        for k in own[~np.isin(fine.component_of_loop[own], owners)].tolist():
+            if not _around(matching, k, loop):
                 pairs.append((k, loop))
     return pairs
 

@@ -25,7 +25,6 @@ from ..verification.motion import certifying
 from .assembly import Assembly, CageInProgress, collides, deviations, failed, in_words, is_only_too_close
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
 from .choices import Choices
-from .counts import with_least
 from .early_stop import EarlyStop
 from .plan import Plan
 from .progress import LevelProgress
@@ -128,6 +127,8 @@ class LevelBuilder:
                     started += [error] if self.starts and isinstance(attempt.source, CurveStarts) else []
         if started or isinstance(wanted, Mesh) or self.plan.needs or self.plan.inside:
             raise (started or failures)[-1]
+        from .counts import with_least  # for the message
+
         raise with_least(failures, self.outline, self.clearances[0])
 
     def _tighter(self, level: Level, again: Attempt, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil, sqrt
 
@@ -15,27 +14,28 @@ from ..errors import InvalidMeshError, NestedCagesError, NestingError
 from ..geometry.arrays import FloatArray
 from ..geometry.mesh import Mesh, Nesting
 from ..level.builder import LevelBuilder
-from ..level.plan import Plan
 from ..level.report import Level, Progress
 from ..tasks import Stage
-from .minimal_nested import fewest_links, walks
-from .reach import reach, stays_within
+from .minimal_nested import Band
+from .reach import beyond, reach, stays_within
 from .within import Within
 
-MAX_POLYGONS = 4
-"""Number of greedy polygons that are tried."""
+MAX_ROUNDS, SHARE_STEP = 5, 0.01
+"""Rounds of greedy polygons, each with more gates where that of the round before goes too far, and
+less of the distance: at first by this part, then by twice as much each time."""
 
-SHARES = (1.0, 0.99, 0.97, 0.9)
-"""Parts of the distance that greedy polygons keep, in turn: between two gates they may go a little farther."""
+MAX_TESTED = 4
+"""Greedy polygons of a round that are looked at."""
 
-MAX_EXCEEDED = 0.1
-"""Fraction of the distance by which a greedy polygon may go too far."""
+MAX_CUTS = 4
+"""Earlier steps of a tightening that are looked at, by bisection."""
 
-MAX_CUTS = 6
-"""Earlier steps of a tightening that are looked at, evenly."""
+SLACK = 0.01
+"""Part of the distance by which what is said of a cage may be too large."""
 
-MAX_TESTED = 12
-"""Number of greedy polygons that are tested."""
+CLOSE_TO_BOUND = 2
+"""Vertices of each loop above the bound up to which no fewer are tried: a greedy polygon has one too many at most, and
+the bound may lose one."""
 
 LARGEST_GROWTH = 2.0
 """Largest factor on the number of vertices from one trial to the next."""
@@ -100,35 +100,34 @@ class _Search:
         if distance is None or self.builder.plan.inside:
             return
         yield from self.builder.progress.begin("decimation")
-        loops = range(len(self.fine.loops))
-        bounds = [fewest_links(self.fine, k, distance, strictly) for k in loops]
+        bands = [Band(self.fine, k, distance) for k in range(len(self.fine.loops))]
+        bounds = [band.fewest_links(strictly) for band in bands]
         self.bound = sum(bounds)
-        for around, room in self._rooms(distance):
-            if self.count > self.bound + len(bounds):
-                yield from self._try_walks_around(around, room, bounds)
-
-    def _try_walks_around(self, around: Mesh, room: float, bounds: list[int]) -> Stage[Progress, None]:
-        """Polygons of longest links within so much room around a mesh; bounds: of their links, for each loop."""
-        clearance = self.builder.clearances[0]
-        for share in SHARES:
-            polygons = [walks(around, k, share * room, clearance, enough=bound) for k, bound in enumerate(bounds)]
-            polygons = self._filled(polygons, bounds)
-            tried = 0
-            for number in range(min(MAX_TESTED, *map(len, polygons))):
-                mesh = self._nested([each[number] for each in polygons])
-                if mesh is not None and tried < MAX_POLYGONS:
-                    tried += 1
-                    yield from self._try(mesh)
-                if self.count <= self.bound + len(bounds):
-                    return
-
-    def _rooms(self, distance: float) -> Iterator[tuple[Mesh, float]]:
-        """Meshes to walk around, and how far: what is within the rest around the mesh inside is within the distance."""
-        yield self.fine, distance
+        yield from self._try_walks_in(bands, bounds)
         if self.inner is not self.fine and self.inner.has_loops_like(self.fine):
             rest = distance - reach(self.inner, self.fine)
-            if rest > 0.0:
-                yield self.inner, rest
+            if rest > 0.0 and self.count > self.bound + CLOSE_TO_BOUND * len(bounds):
+                bands = [Band(self.inner, k, rest) for k in range(len(self.inner.loops))]
+                yield from self._try_walks_in(bands, bounds)
+
+    def _try_walks_in(self, bands: list[Band], bounds: list[int]) -> Stage[Progress, None]:
+        """Polygons of longest links in a band around each loop; bounds: of their links."""
+        mesh = None
+        for number in range(MAX_ROUNDS):
+            made, share = zip(bands, bounds, strict=True), 1.0 - SHARE_STEP * (2**number - 1)
+            polygons = [band.walks(self.builder.clearances[0], share=share, enough=bound) for band, bound in made]
+            polygons = self._filled(polygons, bounds)
+            meshes = (self._nested([each[k] for each in polygons]) for k in range(min(MAX_TESTED, *map(len, polygons))))
+            mesh = next((each for each in meshes if each is not None), None)
+            if mesh is None:
+                return
+            places = beyond(mesh, self.fine, self.need.limit)
+            if len(places) == 0:
+                break
+            for band in bands:
+                band.add(places)
+        if mesh is not None:  # the tightening may correct what goes a little too far
+            yield from self._try(mesh)
 
     def try_counts(self) -> Stage[Progress, None]:
         """Try vertex counts below the best one; if there is none yet, upwards from the bound, then by bisection."""
@@ -142,7 +141,7 @@ class _Search:
                     return
                 grown = min(LARGEST_GROWTH, max(1.0, sqrt(self.taken / self.need.limit)))
                 count = min(most, max(count + 1, ceil(grown * count)))
-        elif self.count > least and not (yield from self._try(self.count - 1)):
+        elif self.count <= least + CLOSE_TO_BOUND * len(self.fine.loops) or not (yield from self._try(self.count - 1)):
             return
         while self.count - low > 1:
             middle = (self.count + low) // 2
@@ -151,9 +150,11 @@ class _Search:
 
     def taken_by(self, cage: Mesh) -> float:
         """The distance or the excess of a cage; of one inside, those of the fine mesh around it."""
-        if not self.builder.plan.inside:
-            return self.need.measured(cage, self.fine)
-        return reach(self.fine, cage) if self.need.distance is not None else 1.0 - cage.area / self.fine.area
+        inside, distance = self.builder.plan.inside, self.need.distance
+        if distance is None:
+            return abs(cage.area / self.fine.area - 1.0)
+        taken = reach(*((self.fine, cage) if inside else (cage, self.fine)), SLACK * distance)
+        return min(taken, distance) if self.best is not None and cage is self.best.cage else taken
 
     def is_met(self, cage: Mesh) -> bool:
         """Whether a cage stays within the tolerance."""
@@ -189,18 +190,14 @@ class _Search:
         return [found or [other] * most for found, other in zip(polygons, others, strict=True)]
 
     def _nested(self, loops: list[FloatArray]) -> Mesh | None:
-        """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best.
-
-        It may go a little too far: the tightening can correct that.
-        """
+        """The mesh of polygons, one per loop, if it encloses the mesh inside and has fewer vertices than the best."""
         if sum(map(len, loops)) >= self.count:
             return None
         try:
             mesh = Mesh.from_loops(loops)
         except InvalidMeshError:
             return None
-        fits = Nesting(mesh, self.inner).encloses_loop_by_loop()
-        return mesh if fits and stays_within(mesh, self.fine, (1.0 + MAX_EXCEEDED) * self.need.limit) else None
+        return mesh if Nesting(mesh, self.inner).encloses_loop_by_loop() else None
 
     def _try(self, wanted: int | Mesh) -> Stage[Progress, bool]:
         """Build a level; returns whether it, or a step of its tightening, is within the tolerance and the new best."""
@@ -211,39 +208,35 @@ class _Search:
             return False
         if len(level.cage.vertices) >= self.count:
             return False
-        for cut in _cuts(level, self.builder.plan):
-            if not self.is_met(cut.cage):
-                continue
-            settling = self.builder.settling
-            if settling is not None and cut is not level:  # an earlier step is not on the numbers
-                found = yield from settling.settled(cut)
-                if found is None or not self.is_met(found.cage):
-                    continue
-                cut = found
+        cut = level if self.is_met(level.cage) else self._cut(level)
+        settling = self.builder.settling
+        if cut is not None and cut is not level and settling is not None:  # an earlier step is not on the numbers
+            cut = yield from settling.settled(cut)
+            cut = cut if cut is not None and self.is_met(cut.cage) else None
+        if cut is not None:
             self.best = cut
-            return True
-        if self.best is None:
+        elif self.best is None:
             self.taken = min(self.taken, self.taken_by(level.cage))
-        return False
+        return cut is not None
 
-
-def _cuts(level: Level, plan: Plan) -> Iterator[Level]:
-    """The level, then levels that end at an earlier step of its tightening, where these are certified too."""
-    yield level
-    way, report = level.reinflation, level.report
-    first = way.tightening_start
-    earlier = np.linspace(first, len(way.cage_steps) - 2, min(MAX_CUTS, len(way.cage_steps) - 1 - first)).astype(int)
-    for last in earlier[::-1].tolist():
-        cage = level.coarse.moved(way.cage_steps[last])
-        same_loops = level.coarse.has_loops_like(level.fine)
+    def _cut(self, level: Level) -> Level | None:
+        """The level ending at a step of its tightening that is within the tolerance; None if the first one is not."""
+        way, report, plan = level.reinflation, level.report, self.builder.plan
+        low, high = way.tightening_start, len(way.cage_steps) - 1
+        known = -1
+        for _ in range(MAX_CUTS):
+            middle = (low + high) // 2
+            if known < middle < len(way.cage_steps) - 1 and self.is_met(level.coarse.moved(way.cage_steps[middle])):
+                low = known = middle
+            else:
+                high = middle
+        if known < 0 and not self.is_met(level.coarse.moved(way.cage_steps[low])):
+            return None
+        cage, same_loops = level.coarse.moved(way.cage_steps[low]), level.coarse.has_loops_like(level.fine)
         certificate = plan.verify(cage, report.wanted_clearance, same_loops=same_loops)
-        if certificate and (plan.numbers is not None or plan.fault(cage) is None):
-            shorter = Reinflation(way.moving_steps, way.cage_steps[: last + 1], way.iterations)
-            measures = replace(
-                report,
-                clearance=certificate.clearance,
-                excess=cage.area / level.fine.area - 1.0,
-                grid=None,
-                stored=None,
-            )
-            yield replace(level, cage=cage, reinflation=shorter, report=measures)
+        if not certificate or (plan.numbers is None and plan.fault(cage) is not None):
+            return None
+        shorter = Reinflation(way.moving_steps, way.cage_steps[: low + 1], way.iterations)
+        excess = cage.area / level.fine.area - 1.0
+        measures = replace(report, clearance=certificate.clearance, excess=excess, grid=None, stored=None)
+        return replace(level, cage=cage, reinflation=shorter, report=measures)

@@ -27,14 +27,20 @@ from ..geometry.signed_distance import EdgeSearch
 from ..geometry.vectors import cross, norm, rotated_left, rotated_right
 from .minimum_link import Corridor
 
-FIRST_GATES, WALK_GATES, MAX_GATES = 192, 1024, 8192
-"""Gates of a loop for a first bound, for a walk, and at most."""
+FIRST_GATES, MAX_GATES = 512, 8192
+"""Gates of a loop at first, and at most."""
 
-GATES_PER_LINK = 32
+GATES_PER_LINK = 16
 """Gates aimed at for each link: it may lose one of them in the bound."""
+
+GATES_ADDED = 17
+"""Gates around a place where a polygon went too far, up to the mean distance of gates away."""
 
 FAN_STEP = 0.1
 """Largest turn, in radians, between gates at a convex corner."""
+
+LEAST_NOTCH = 0.02
+"""Turn inwards, in radians, from which a corner is looked at: polygons go beyond others by 5e-5 of the distance."""
 
 RELAXED = 1e-6
 """Relative width by which the gates of the bound are longer than the distance, to stay above rounding."""
@@ -51,10 +57,13 @@ CORNER_HALVINGS = 12
 ANGLE_SLACK = 1e-9
 """Radians by which a line may miss a gate before a run counts as too long, above the rounding of an angle."""
 
-BOUND_STARTS, WALK_STARTS = 6, 32
+BOUND_STARTS, WALK_STARTS = 2, 32
 """Gates of a loop from which links are counted, and from which walks start."""
 
-MIN_WALKS, MAX_LINKS = 4, 1500
+SPREAD = 8
+"""Starts from one to the next that is used, several times around."""
+
+MIN_WALKS, MAX_LINKS = 2, 120
 """Walks that are made in any case, and links of all of them after which there are no more."""
 
 
@@ -80,7 +89,7 @@ class _Boundary:
         self.normals = rotated_right(self.steps) / lengths[:, None]
         after = np.roll(self.normals, -1, axis=0)
         turns = np.arctan2(cross(self.normals, after), (self.normals * after).sum(axis=1))
-        self.is_notch = turns < 0.0
+        self.is_notch = turns < -LEAST_NOTCH
         self.turns = np.maximum(turns, 0.0)
         # edge by edge, each with the corner at its end
         self.lengths = np.stack([lengths, distance * self.turns], axis=1).ravel()
@@ -92,7 +101,7 @@ class _Boundary:
         return float(self.ends[-1])
 
     def samples(self, count: int) -> FloatArray:
-        """(N,) about this many places, the middles of equal parts of edges and arcs, at least one on each."""
+        """(N,) at most twice as many places, the middles of equal parts of edges and arcs; each has one if few do."""
         spacing = self.length / count
         turns = np.stack([np.zeros_like(self.turns), self.turns], axis=1).ravel()
         parts = np.maximum(np.rint(np.maximum(self.lengths / spacing, turns / FAN_STEP)), 1.0).astype(np.int64)
@@ -100,7 +109,8 @@ class _Boundary:
         piece = np.repeat(np.arange(len(parts)), parts)
         number = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
         places: FloatArray = (self.ends - self.lengths)[piece] + (number + 0.5) / parts[piece] * self.lengths[piece]
-        return places
+        even = np.linspace(0, len(places), min(len(places), 2 * count), endpoint=False).astype(np.int64)
+        return places[even]
 
     def at(self, places: FloatArray) -> Gates:
         """The gates at places (N,) along the boundary, counted on and on around."""
@@ -112,35 +122,21 @@ class _Boundary:
         normal = np.cos(angle)[:, None] * self.normals[edge] + np.sin(angle)[:, None] * rotated_left(self.normals[edge])
         return Gates(self.points[edge] + np.where(on_arc, 1.0, part)[:, None] * self.steps[edge], normal)
 
-
-def gates(fine: Mesh, loop: int, distance: float, count: int) -> Gates:
-    """About this many gates of a loop of the fine mesh; none where others of its points are closer.
-
-    Where these begin, a gate is as close to them as doubles tell: there the offset has a corner that turns inwards.
-    """
-    boundary, search = _Boundary(fine, loop, distance), EdgeSearch(fine.vertices, fine.edge_ends)
-
-    def free(places: FloatArray) -> BoolArray:
-        found = boundary.at(places)
-        reach = search.closest(found.foot + (1.0 + RELAXED) * distance * found.normal).distance
-        return np.asarray(reach > (1.0 + 0.5 * RELAXED) * distance)
-
-    places = boundary.samples(count)
-    notches = boundary.ends[::2][boundary.is_notch]  # no gate is free there
-    places = np.unique(np.mod(np.concatenate([places, notches]), boundary.length))
-    kept = free(places)
-    ends = np.flatnonzero(kept != np.roll(kept, -1))
-    here, there = places[ends], np.append(places, places[0] + boundary.length)[ends + 1]
-    good, bad = np.where(kept[ends], here, there), np.where(kept[ends], there, here)
-    for _ in range(CORNER_HALVINGS if len(ends) else 0):
-        middle = 0.5 * (good + bad)
-        is_free = free(middle)
-        good, bad = np.where(is_free, middle, good), np.where(is_free, bad, middle)
-    found = np.unique(np.mod(np.concatenate([places[kept], good]), boundary.length))
-    most = min(2 * count, MAX_GATES)
-    if len(found) > most:
-        found = found[np.unique(np.linspace(0, len(found), most, endpoint=False).astype(np.int64))]
-    return boundary.at(found)
+    def under(self, points: FloatArray) -> FloatArray:
+        """(N,) the places whose gates lead to points (N, 2)."""
+        near = EdgeSearch(self.points, np.roll(self.points, -1, axis=0)).closest(points)
+        edge, at = near.edge, near.parameter
+        edge = np.where(at == 0.0, edge - 1, edge) % len(self.points)
+        on_arc = (at == 0.0) | (at == 1.0)
+        away = points - np.roll(self.points, -1, axis=0)[edge]
+        turn = np.arctan2(cross(self.normals[edge], away), (self.normals[edge] * away).sum(axis=1))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.where(
+                on_arc, np.where(self.turns[edge] > 0.0, np.clip(turn / self.turns[edge], 0.0, 1.0), 0.0), at
+            )
+        piece = 2 * edge + on_arc
+        places: FloatArray = self.ends[piece] - (1.0 - part) * self.lengths[piece]
+        return places
 
 
 def _protruding(fine: Mesh, loop: int, found: Gates) -> float:
@@ -154,44 +150,84 @@ def _protruding(fine: Mesh, loop: int, found: Gates) -> float:
     return float(near.distance[outside].max(initial=0.0))
 
 
-def fewest_links(fine: Mesh, loop: int, distance: float, clearance: float) -> int:
-    """Lower bound on the vertices of a cage's loop around a loop of the fine mesh, all of it within a distance."""
-    links = _bound(gates(fine, loop, distance, FIRST_GATES), distance, clearance)
-    if GATES_PER_LINK * links > FIRST_GATES:
-        more = gates(fine, loop, distance, min(GATES_PER_LINK * links, MAX_GATES))
-        links = max(links, _bound(more, distance, clearance))
-    return links
+class Band:
+    """What is within a distance of one loop of a mesh, with its gates."""
 
+    def __init__(self, fine: Mesh, loop: int, distance: float) -> None:
+        self.fine, self.loop, self.distance = fine, loop, distance
+        self.search = EdgeSearch.of(fine)
+        self.boundary = _Boundary(fine, loop, distance)
+        self._place(FIRST_GATES)
+        if len(self.places) >= LEAST_PER_LOOP:
+            wanted = GATES_PER_LINK * self._counting(0.0).links_around(0)
+            if wanted > FIRST_GATES:
+                self._place(min(wanted, MAX_GATES))
 
-def _bound(found: Gates, distance: float, clearance: float) -> int:
-    """The larger of two bounds: by links that meet, from some gates, and by runs that need not, from every gate."""
-    if len(found.foot) < LEAST_PER_LOOP:
-        return LEAST_PER_LOOP
-    corridor = Corridor(*found.ends(clearance, (1.0 + RELAXED) * distance), slack=ANGLE_SLACK)
-    meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
-    return max(LEAST_PER_LOOP, meeting, corridor.fewest_runs())
+    def _place(self, count: int) -> None:
+        """Place about this many gates; none where other points of the mesh are closer.
 
+        Where these begin, a gate is as close to them as doubles tell: there the offset has a corner that turns inwards.
+        """
+        boundary = self.boundary
+        notches = boundary.ends[::2][boundary.is_notch]  # no gate is free there
+        places = np.unique(np.mod(np.concatenate([boundary.samples(count), notches]), boundary.length))
+        kept = self._free(places)
+        ends = np.flatnonzero(kept != np.roll(kept, -1))
+        here, there = places[ends], np.append(places, places[0] + boundary.length)[ends + 1]
+        good, bad = np.where(kept[ends], here, there), np.where(kept[ends], there, here)
+        for _ in range(CORNER_HALVINGS if len(ends) else 0):
+            middle = 0.5 * (good + bad)
+            is_free = self._free(middle)
+            good, bad = np.where(is_free, middle, good), np.where(is_free, bad, middle)
+        self.places = np.unique(np.mod(np.concatenate([places[kept], good]), boundary.length))
 
-def walks(fine: Mesh, loop: int, distance: float, clearance: float, *, enough: int = 0) -> list[FloatArray]:
-    """Polygons (k, 2) around a loop of few links each, fewest first; they are to be verified.
+    def _free(self, places: FloatArray) -> BoolArray:
+        found = self.boundary.at(places)
+        reach = self.search.closest(found.foot + (1.0 + RELAXED) * self.distance * found.normal).distance
+        return np.asarray(reach > (1.0 + 0.5 * RELAXED) * self.distance)
 
-    enough: number of links with which only some of them are made.
-    """
-    found = gates(fine, loop, distance, max(WALK_GATES, min(GATES_PER_LINK * enough, MAX_GATES)))
-    if len(found.foot) < LEAST_PER_LOOP:
-        return []
-    low, high = WALK_CLEARANCES * clearance + _protruding(fine, loop, found), (1.0 - RESERVE) * distance
-    if not low < high:
-        return []
-    corridor = Corridor(*found.ends(low, high), slack=0.0)
-    polygons: list[FloatArray] = []
-    for number, start in enumerate(corridor.some(WALK_STARTS)):
-        short = sum(len(polygon) <= enough for polygon in polygons)
-        if number >= MIN_WALKS and (short >= MIN_WALKS or sum(map(len, polygons)) > MAX_LINKS):
-            break
-        polygon = corridor.polygon(start)
-        if polygon is not None:
-            polygons.append(polygon)
-        elif number >= MIN_WALKS and not polygons:
-            break
-    return sorted(polygons, key=len)
+    def add(self, points: FloatArray) -> None:
+        """Add gates around those that lead to points (N, 2), where they are free."""
+        spacing = self.boundary.length / len(self.places)
+        around = self.boundary.under(points)[:, None] + spacing * np.linspace(-1.0, 1.0, GATES_ADDED)
+        places = np.mod(around.ravel(), self.boundary.length)
+        self.places = np.union1d(self.places, places[self._free(places)])
+
+    def fewest_links(self, clearance: float) -> int:
+        """Lower bound on the vertices of a cage's loop around this one, all of it within the distance.
+
+        The larger of two bounds: by links that meet, from some gates, and by runs that need not, from every gate.
+        """
+        if len(self.places) < LEAST_PER_LOOP:
+            return LEAST_PER_LOOP
+        corridor = self._counting(clearance)
+        meeting = max(corridor.links_around(start) for start in corridor.some(BOUND_STARTS)) - 1
+        return max(LEAST_PER_LOOP, meeting, corridor.fewest_runs())
+
+    def walks(self, clearance: float, *, share: float = 1.0, enough: int = 0) -> list[FloatArray]:
+        """Polygons (k, 2) around the loop of few links each, fewest first; they are to be verified.
+
+        share: part of the distance that they keep. enough: number of links with which only some of them are made.
+        """
+        if len(self.places) < LEAST_PER_LOOP:
+            return []
+        gates = self.boundary.at(self.places)
+        low = WALK_CLEARANCES * clearance + _protruding(self.fine, self.loop, gates)
+        high = (1.0 - RESERVE) * share * self.distance
+        if not low < high:
+            return []
+        corridor = Corridor(*gates.ends(low, high), slack=0.0)
+        starts, polygons = corridor.some(WALK_STARTS), list[FloatArray]()
+        spread = [start for k in range(SPREAD) for start in starts[k::SPREAD]]
+        for number, start in enumerate(spread):
+            polygon = corridor.polygon(start)
+            if polygon is not None:
+                polygons.append(polygon)
+            done = any(len(each) <= enough for each in polygons) or sum(map(len, polygons)) > MAX_LINKS
+            if number + 1 >= MIN_WALKS and (done or not polygons):
+                break
+        return sorted(polygons, key=len)
+
+    def _counting(self, clearance: float) -> Corridor:
+        ends = self.boundary.at(self.places).ends(clearance, (1.0 + RELAXED) * self.distance)
+        return Corridor(*ends, slack=ANGLE_SLACK)

@@ -14,8 +14,9 @@ from ..decimation.base import LEAST_PER_LOOP
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.vectors import cross, rotated_left, rotated_right
 
-FIRST_RUN = 24
-"""Gates looked at for a run at first; doubled where a run is longer."""
+FIRST_RUN, RUN_GROWTH, SPARE_GATES = 24, 1.4, 2
+"""Gates looked at for the first run; factor on those looked at where a run is longer; gates looked at beyond the length
+of the run before."""
 
 RUN_STARTS = 16
 """Gates of which the one with the shortest run is looked for."""
@@ -83,6 +84,7 @@ class Corridor:
         self.count = len(feet)
         self.size = float(np.ptp(np.concatenate([feet, tips]), axis=0).sum())
         self._lengths: dict[int, int] = {}
+        self._usual = FIRST_RUN
 
     def some(self, number: int) -> list[int]:
         """This many gates, evenly."""
@@ -155,9 +157,9 @@ class Corridor:
 
     def _longest(self, window: Window, last: int) -> Run:
         """The longest run from a window on, up to a last gate at most."""
-        size = FIRST_RUN
+        size = self._usual
         while True:
-            stop = min(max(window.next_foot, window.next_tip) + size, last + 1)
+            stop = min(min(window.next_foot, window.next_tip) + size, last + 1)
             angles = self._angles(window, np.arange(window.next_foot, stop), np.arange(window.next_tip, stop))
             highest = np.maximum.accumulate(np.maximum.accumulate(angles, axis=0), axis=1)
             lowest = np.minimum.accumulate(np.minimum.accumulate(angles, axis=0), axis=1)
@@ -166,11 +168,12 @@ class Corridor:
             apart = highest[i, j] - lowest[i, j] > np.pi + self.slack
             if apart.any():
                 k = int(apart.argmax())
+                self._usual = k + SPARE_GATES
                 before = (0, 0) if k == 0 else (int(i[k - 1]), int(j[k - 1]))
                 return self._ended(window, int(gates[k]), angles, before, (int(i[k]), int(j[k])))
             if stop == last + 1:
                 return Run(last + 1, None, window, last, last)
-            size *= 2
+            size = int(RUN_GROWTH * size) + SPARE_GATES
 
     def _angles(self, window: Window, f: IntArray, t: IntArray) -> FloatArray:
         """(F + 1, T + 1) angles between the window and the directions from tips to feet, those of the window first."""

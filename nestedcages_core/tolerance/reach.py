@@ -1,9 +1,10 @@
 """The largest distance of a cage's solid from the solid of the fine mesh: an upper bound, not a sample.
 
-The region between the two is triangulated. The distance to one segment of the fine mesh is convex, so on a triangle it
-is largest at a corner, and the least such value over some segments bounds the distance to the whole mesh on all of the
-triangle; so does the mean of the distances to two segments. Triangles whose bound is above the largest distance found
-at a corner are halved.
+The cage is triangulated, or the region between the two if triangles as small as the distance would be more than the
+vertices. Triangles in the solid of the fine mesh are left out. The distance to one segment of the fine
+mesh is convex, so on a triangle it is largest at a corner, and the least such value over some segments bounds the
+distance to the whole mesh on all of the triangle; so does the mean of the distances to two segments. Triangles whose
+bound is above the largest distance found are halved.
 """
 
 from __future__ import annotations
@@ -13,53 +14,82 @@ import numpy as np
 from ..geometry.arrays import FloatArray, IntArray
 from ..geometry.distance import point_edge
 from ..geometry.mesh import Mesh
-from ..geometry.signed_distance import EdgeSearch
+from ..geometry.signed_distance import SignedDistance
 from ..geometry.triangulation import triangulate
 from ..geometry.vectors import norm
 
 REACH_PRECISION = 1e-4
 """Relative width of the interval that contains the reach; its upper end is returned."""
 
+RESOLVED = 0.5
+"""Size of triangles, in distances, down to which all places that are too far are looked for."""
+
 MAX_TRIANGLE_HALVINGS = 60
 """Cap on the halvings of a triangle: its sides are then shorter by a factor of a billion."""
 
 
-def reach(cage: Mesh, fine: Mesh) -> float:
-    """Upper bound on the distance of a point of the cage's solid from the fine mesh's solid; at most 0.01 % too large.
+def reach(cage: Mesh, fine: Mesh, slack: float = 0.0) -> float:
+    """Upper bound on the distance of a point of the cage's solid from the fine mesh's solid.
 
-    The cage must strictly enclose the fine mesh. A bay that the cage fills counts with its widest place.
+    It is too large by at most 0.01 % and the slack. The cage must strictly enclose the fine mesh. A bay that the cage
+    fills counts with its widest place.
     """
-    return _reach(cage, fine, None)
+    return _reach(cage, fine, None, slack=slack)[0]
 
 
 def stays_within(cage: Mesh, fine: Mesh, distance: float) -> bool:
     """Whether the reach of a cage, bounded from above, is at most a distance."""
-    return _reach(cage, fine, distance) <= distance
+    return len(_reach(cage, fine, distance)[1]) == 0
 
 
-def _reach(cage: Mesh, fine: Mesh, limit: float | None) -> float:
-    """The reach; with a limit, any number on the same side of the limit."""
-    between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
-    search = EdgeSearch.of(fine)
-    largest = 0.0
-    if limit is not None:
-        largest = float(search.closest(cage.vertices).distance.max())
-        if largest > limit:
-            return largest
+def beyond(cage: Mesh, fine: Mesh, distance: float) -> FloatArray:
+    """(P, 2) places of a cage that are farther than a distance; none if its reach, bounded from above, is not."""
+    return _reach(cage, fine, distance, RESOLVED * distance)[1]
+
+
+def _reach(
+    cage: Mesh, fine: Mesh, limit: float | None, resolved: float = 0.0, slack: float = 0.0
+) -> tuple[float, FloatArray]:
+    """The reach; with a limit, any number on the same side of the limit, and places (P, 2) that are farther.
+
+    resolved: size of triangles down to which more such places are looked for, if above 0.
+    """
+    signed = SignedDistance.of(fine)
+    search = signed.search
+    far = search.closest(cage.vertices).distance
+    largest = float(far.max())
+    places = cage.vertices[far > (np.inf if limit is None else limit)]
+    if len(places) and not resolved:
+        return largest, places
+    between = cage
+    if float(fine.edge_lengths.sum()) > (slack + largest if limit is None else limit) * len(fine.vertices):
+        between = Mesh.from_loops([mesh.vertices[loop] for mesh in (cage, fine) for loop in mesh.loops])
     tiles = triangulate(between)
     corners = tiles.vertices[tiles.triangles]
     for _ in range(MAX_TRIANGLE_HALVINGS):
-        probes = np.concatenate((corners, corners.mean(axis=1, keepdims=True)), axis=1)
-        nearest = search.closest(probes.reshape(-1, 2))
-        largest = max(largest, float(nearest.distance.max()))
+        middle = corners.mean(axis=1)
+        radius, distance = norm(corners - middle[:, None]).max(axis=1), search.closest(middle).distance
+        # all of a triangle whose middle is farther from the outline than its corners is in the solid, or out of it
+        apart = np.flatnonzero(distance > radius)
+        inside = apart[signed.winding(middle[apart]) == 1]
+        distance[inside] = -np.inf
+        largest = max(largest, float(distance[apart].max(initial=0.0)))
         if limit is not None and largest > limit:
-            return largest
-        enough = (1.0 + REACH_PRECISION) * largest if limit is None else limit
-        corners = corners[_bounds(corners, nearest.edge.reshape(-1, 4), fine) > enough]
+            too_far = apart[distance[apart] > limit]
+            places = np.concatenate((places, middle[too_far]))
+            if not resolved:
+                return largest, places
+            distance[(radius < resolved) & (distance <= limit)] = -np.inf
+            distance[too_far] = -np.inf
+        enough = slack + (1.0 + REACH_PRECISION) * largest if limit is None else limit
+        corners = corners[distance + radius > enough]
+        probes = np.concatenate((corners, corners.mean(axis=1, keepdims=True)), axis=1)
+        edges = search.closest(probes.reshape(-1, 2)).edge.reshape(-1, 4)
+        corners = corners[_bounds(corners, edges, fine) > enough]
         if len(corners) == 0:
-            return enough
+            return max(enough, largest), places
         corners = _halved(corners)
-    return np.inf
+    return np.inf, corners.mean(axis=1)
 
 
 def _bounds(corners: FloatArray, edges: IntArray, fine: Mesh) -> FloatArray:

@@ -10,6 +10,9 @@ import numpy as np
 from ..errors import Fault, NestedCagesError, note
 from ..geometry.mesh import Mesh
 
+SMALL = 0.01
+"""Part of a distance below which differences do not matter."""
+
 
 @dataclass(frozen=True)
 class Within:

@@ -160,6 +160,9 @@ def of_before(addon: Any, collection: Any) -> None:
             if member.role in (record.FIELD, record.LINES):
                 obj[keys.HELPER], obj[keys.LINE_THICKNESS] = True, member.thickness
             member.role, member.shows = "NONE", None
+        if len(member.parts):
+            obj[keys.OTHERS] = {str(k): part.object for k, part in enumerate(member.parts)}
+            member.parts.clear()
         if mesh is not None:
             record.set_before(obj, record.Before())
             obj[keys.STORED_MESH] = mesh
@@ -167,6 +170,10 @@ def of_before(addon: Any, collection: Any) -> None:
         if method:
             record.set_link(obj, "", 0.0)
             obj[keys.LINK] = f"{method}, error {error:.1e} at rest"
+    for scene in bpy.data.scenes:
+        if (frames := record.range_of(scene)) is not None:
+            record.set_range(scene, None)
+            scene[keys.RANGE] = list(map(float, frames))
     collection[keys.LEVELS] = len(objects) - 1
     collection[keys.MARKERS] = json.dumps([[marker.name, marker.frame] for marker in found.markers])
     if found.playing:

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from drawings import circle, evaluated, grid_face, of_before, poly_curve, star, text
+from drawings import circle, evaluated, grid_face, of_before, poly_curve, star, text, wire
 
 MAKE = {
     "curve": lambda: poly_curve("Drawing", [star()]),
@@ -54,6 +54,12 @@ def moved_by(source, cage) -> float:
 
 @pytest.mark.parametrize("bound", [False, True], ids=["free", "bound"])
 def test_a_file_of_the_version_before_records_works(addon, bound, tmp_path) -> None:
+    bpy.context.scene.frame_end = 20
+    parts = [wire(name, [circle(8, 0.1, (x, 0.0))]) for name, x in (("Left", -9.0), ("Right", 9.0))]
+    choose(*parts)
+    bpy.ops.object.nested_cages_silhouette()
+    bpy.context.object.name = "Both"
+    bpy.ops.object.select_all(action="DESELECT")
     source, collection = caged(bind=bound)
     for obj in addon.scene.ownership.members(collection)[1:]:
         obj["nested_cages_notes"] = "A note."
@@ -64,6 +70,9 @@ def test_a_file_of_the_version_before_records_works(addon, bound, tmp_path) -> N
     source, collection = bpy.data.objects["Drawing"], bpy.data.collections["Drawing Cages"]
     choose(source)
     ownership, record = addon.scene.ownership, addon.record
+    scene = bpy.context.scene
+    assert [obj.name for obj in record.shown_in(bpy.data.objects["Both"])] == ["Right", "Left"]
+    assert record.range_of(scene) == (1, 20, 1, scene.frame_end) and scene.frame_end > 20
     # Reading writes nothing: the file may be linked.
     members = ownership.members(collection)
     assert [ownership.level_of(obj) for obj in members] == [0, 1, 2]
@@ -89,6 +98,10 @@ def test_a_file_of_the_version_before_records_works(addon, bound, tmp_path) -> N
     assert bpy.ops.object.nested_cages_generate(levels="16") == {"FINISHED"}
     assert len(ownership.members(collection)) == 2 and len(bpy.context.scene.timeline_markers) == markers
     assert collection.nested_cages.known and collection.nested_cages.settings.levels == "16"
+    if bpy.ops.object.nested_cages_unbind.poll():
+        bpy.ops.object.nested_cages_unbind()
+    assert bpy.ops.object.nested_cages_remove_animation() == {"FINISHED"}
+    assert scene.frame_end == 20 and record.range_of(scene) is None and addon.keys.RANGE not in scene
 
 
 def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
@@ -129,8 +142,8 @@ def test_a_set_is_known_by_its_objects_wherever_they_are(addon) -> None:
 
 
 @pytest.mark.parametrize("kind", MAKE)
-@pytest.mark.parametrize("how", ["duplicated", "instanced"])
-def test_a_copy_is_a_character_of_its_own(addon, kind, how) -> None:
+@pytest.mark.parametrize("how", ["duplicated", "instanced", "scene copied", "appended"])
+def test_a_copy_is_a_character_of_its_own(addon, kind, how, tmp_path) -> None:
     source, collection = caged(kind, bind=True)
     ownership = addon.scene.ownership
     objects = [source, *ownership.members(collection)]
@@ -138,6 +151,15 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how) -> None:
     if how == "duplicated":
         choose(*objects)
         bpy.ops.object.duplicate()
+    elif how == "scene copied":
+        bpy.ops.scene.new(type="FULL_COPY")
+    elif how == "appended":
+        path = str(tmp_path / "character.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+        with bpy.data.libraries.load(path) as (_, here):
+            here.objects = [source.name, objects[-1].name]
+        for obj in here.objects:
+            bpy.context.scene.collection.objects.link(obj)
     else:
         home, instance = bpy.data.collections.new("Character"), bpy.data.objects.new("Instance", None)
         home.objects.link(source)
@@ -154,7 +176,10 @@ def test_a_copy_is_a_character_of_its_own(addon, kind, how) -> None:
     (copy,) = {member.of for member in members if member.role == "CAGE"}
     assert copy not in before
     choose(copy)
-    assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
+    if bpy.ops.object.nested_cages_adopt.poll():
+        assert bpy.ops.object.nested_cages_adopt() == {"FINISHED"}
+    else:  # what copies the collection too makes a set
+        assert how in {"scene copied", "appended"}
     (own,) = ownership.outputs_of(bpy.context.scene, copy)
     assert own != collection and not set(ownership.members(own)) & set(objects)
     assert ownership.members(collection) == objects[1:]

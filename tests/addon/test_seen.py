@@ -157,7 +157,7 @@ def test_the_scene_s_range_is_put_back_by_whichever_goes_last(addon) -> None:
     bpy.context.view_layer.objects.active = bpy.data.objects["Two"]
     bpy.ops.object.nested_cages_remove_animation()
     assert (scene.frame_start, scene.frame_end) == (5, 20)
-    assert "nested_cages_range" not in scene
+    assert not scene.nested_cages_playing.known
 
 
 def test_nothing_is_computed_twice(addon, core, monkeypatch) -> None:

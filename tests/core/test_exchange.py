@@ -335,6 +335,7 @@ def test_of_many_bad_attributes_some_are_named() -> None:
         ("2em", 40.0),
         ("1.5rem", 24.0),
         ("2ex", 20.0),
+        ("2,5mm", 2.5 * 96.0 / 25.4),
         ("10vw", 20.0),
         ("10vh", 10.0),
         ("10%", 20.0),
@@ -459,6 +460,7 @@ HAIRLINES = {
     "gap": "M0 0H10V5H0zM0 {1}H10V10H0z",
     "spike": "M0 0H10V5H12v{0}H10V10H0z",
     "sharp spike": "M0 0H10V5H12L10 {1}V10H0z",
+    "crumb as a spike": "M0 0H10V10H0zM11 5h{0}v{0}z",
 }
 
 

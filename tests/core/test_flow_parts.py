@@ -8,7 +8,7 @@ import scipy
 
 from nestedcages_core import Mesh, nested_cages, verify_motion
 from nestedcages_core.flow.containment import Containment
-from nestedcages_core.flow.loop_matching import _assignment, match_loops
+from nestedcages_core.flow.loop_matching import ALL_BOXES_LIMIT, _assignment, _box_difference, _closest, match_loops
 from nestedcages_core.flow.penetration import Penetration, PenetrationEnergy
 from nestedcages_core.flow.samples import Spacing, local_margins
 from nestedcages_core.flow.shrinking import thickness
@@ -142,6 +142,12 @@ def test_loops_are_assigned_as_the_solver_does(near: float) -> None:
             cost = random.integers(0, 9, (rows, columns)) + near * (1.0 - np.eye(rows, columns))
             found = _assignment(cost)
             np.testing.assert_array_equal(found, scipy.optimize.linear_sum_assignment(cost))
+    for spread in (3.0, 0.2):  # each box next to its own, or next to others' too
+        of = np.argsort(random.uniform(size=ALL_BOXES_LIMIT + 9))
+        boxes = random.uniform(0.0, spread, (len(of), 2))[:, [0, 1, 0, 1]] + [0.0, 0.0, 0.1, 0.1]
+        moved = boxes[of] + random.uniform(-0.01, 0.01, boxes.shape)
+        exact = scipy.optimize.linear_sum_assignment(_box_difference(boxes, moved))
+        np.testing.assert_array_equal(_closest(boxes, moved), exact)
 
 
 @pytest.mark.parametrize("fine", [star(), annulus(80), islands(), comb(4, 0.05), letter_a()])

@@ -25,7 +25,7 @@ from nestedcages_core.decimation.importance import Importance
 from nestedcages_core.decimation.line_cycles.chain import Chain, Lines
 from nestedcages_core.decimation.line_cycles.free_rays import Obstacles
 from nestedcages_core.decimation.line_cycles.loop_search import shares
-from nestedcages_core.decimation.line_cycles.method import cycles_around
+from nestedcages_core.decimation.line_cycles.method import HULL, SOURCE, cycles_around
 from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
@@ -155,6 +155,13 @@ def test_both_ways_of_starting_lead_to_the_same_cage() -> None:
     assert (curve.report.start, outside.report.start) == ("flow", "line cycles")
     assert curve.report.excess == pytest.approx(outside.report.excess, rel=0.01)
     assert_nested(outside.cage, fine)
+
+
+def test_many_loops_start_from_the_hull() -> None:
+    for side, source in ((8, SOURCE), (9, HULL)):
+        places = np.stack(np.mgrid[:side, :side], axis=-1).reshape(-1, 2)
+        start = drain(LineCycles().starts(Mesh.from_loops([0.4 * ring(8) + place for place in places]), 5 * side**2))
+        assert start[0].source == source
 
 
 def test_parameters_and_impossible_counts_are_told() -> None:

@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 
 from nestedcages_core import LineCycles, Mesh, NestingError, OnCurve, OuterHull, verify
 from nestedcages_core.decimation.hull.apportion import padded, shares
-from nestedcages_core.decimation.hull.clearing import cleared, without_gaps
+from nestedcages_core.decimation.hull.clearing import cleared
 from nestedcages_core.decimation.hull.edge_boxes import MAX_AT_ONCE, EdgeBoxes
 from nestedcages_core.decimation.hull.hull_moves import Weights
 from nestedcages_core.decimation.hull.linked_loops import LinkedLoops
 from nestedcages_core.decimation.hull.move_queue import MoveQueue
+from nestedcages_core.decimation.hull.narrow_gaps import without_gaps
 from nestedcages_core.decimation.hull.offset import strict_offset
 from nestedcages_core.decimation.hull.progressive_hull import ProgressiveHull
 from nestedcages_core.decimation.request import canonical_order
@@ -307,7 +308,16 @@ def test_boxes_know_all_edges_near_a_box(count: int, seed: int, size: float) -> 
     found = boxes.near(*low.tolist(), *(low + size).tolist())
     meets = (np.minimum(starts, ends) <= low + size).all(axis=1) & (np.maximum(starts, ends) >= low).all(axis=1)
     removed = np.arange(count) % 6 == 3
-    assert found == np.flatnonzero(meets & ~removed).tolist()
+    assert sorted(found) == np.flatnonzero(meets & ~removed).tolist()
+
+
+def test_boxes_of_many_loops_are_compared_by_place() -> None:
+    """Whatever the order of the loops, those around one of them are in few blocks."""
+    places = np.random.default_rng(0).permutation(np.stack(np.mgrid[:20, :20], axis=-1).reshape(-1, 2))
+    loops = Loops.of(np.concatenate([0.4 * ring(12) + place for place in places]), [12] * len(places))
+    blocks = EdgeBoxes(loops.vertices, loops.ends)._blocks
+    assert blocks is not None
+    assert max(len(blocks.near(*place, *place)) for place in places.tolist()) <= 6
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=60))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from nestedcages_core import Mesh, NestedCagesError, NestingError, Settings, Within, inner_cages, nested_cages, verify
 from nestedcages_core.hierarchy import Share, level_words, parse_level, wanted_levels
-from nestedcages_core.tolerance.minimal_nested import fewest_links, walks
+from nestedcages_core.tolerance.minimal_nested import Band
 from nestedcages_core.tolerance.reach import REACH_PRECISION, reach, stays_within
 from shapes import annulus, letter_a, polygon, ring, star
 
@@ -36,9 +36,9 @@ def within_by_shapely(cage: Mesh, fine: Mesh, distance: float) -> bool:
 def test_the_bound_of_a_disc_is_the_regular_polygon(distance: float) -> None:
     fine = Mesh.from_loops([ring(720)])
     least = int(np.ceil(np.pi / np.arccos(1.0 / (1.0 + distance))))
-    bound = fewest_links(fine, 0, distance, 0.0)
+    bound = Band(fine, 0, distance).fewest_links(0.0)
     assert least - 1 <= bound <= least
-    assert min(map(len, walks(fine, 0, distance, 0.0))) - 1 <= least
+    assert min(map(len, Band(fine, 0, distance).walks(0.0))) - 1 <= least
 
 
 @slow
@@ -60,7 +60,7 @@ def test_the_bound_undercuts_every_cage() -> None:
     fine = star(5, 60)
     for count in (10, 14, 20):
         cage = nested_cages(fine, [count]).levels[0].cage
-        assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= count
+        assert Band(fine, 0, reach(cage, fine)).fewest_links(0.0) <= count
 
 
 @slow
@@ -71,7 +71,7 @@ def test_the_bound_undercuts_cages_of_random_shapes(seed: int) -> None:
     corners = int(rng.integers(15, 50))
     fine = Mesh.from_loops([ring(corners) * rng.uniform(rng.uniform(0.3, 0.9), 1.0, size=(corners, 1))])
     cage = nested_cages(fine, [int(rng.integers(4, corners))]).levels[0].cage
-    assert fewest_links(fine, 0, reach(cage, fine), 0.0) <= len(cage.vertices)
+    assert Band(fine, 0, reach(cage, fine)).fewest_links(0.0) <= len(cage.vertices)
 
 
 @slow
@@ -90,14 +90,14 @@ def test_where_outlines_turn_inwards_too(fine: Mesh, distance: float) -> None:
 def test_a_corridor_by_hand() -> None:
     """Around a square with gates of length 1 on its sides: the square itself is possible, a triangle is not."""
     square = Mesh.from_loops([[[0, 0], [4, 0], [4, 4], [0, 4]]])
-    assert fewest_links(square, 0, 1.0, 0.0) == 4
-    assert min(map(len, walks(square, 0, 1.0, 0.0))) == 4
-    assert fewest_links(square, 0, 4.0, 0.0) == 3
+    assert Band(square, 0, 1.0).fewest_links(0.0) == 4
+    assert min(map(len, Band(square, 0, 1.0).walks(0.0))) == 4
+    assert Band(square, 0, 4.0).fewest_links(0.0) == 3
     # an L needs its inner corner where the distance is too small to fill it
     corner = Mesh.from_loops([[[0, 0], [6, 0], [6, 2], [2, 2], [2, 6], [0, 6]]])
-    assert fewest_links(corner, 0, 0.1, 0.0) == 6
-    assert min(map(len, walks(corner, 0, 0.1, 0.0))) == 6
-    assert fewest_links(corner, 0, 3.0, 0.0) < 6
+    assert Band(corner, 0, 0.1).fewest_links(0.0) == 6
+    assert min(map(len, Band(corner, 0, 0.1).walks(0.0))) == 6
+    assert Band(corner, 0, 3.0).fewest_links(0.0) < 6
 
 
 @slow

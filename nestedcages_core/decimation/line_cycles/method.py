@@ -23,8 +23,7 @@ from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
 from ..base import Count, Start
-from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
-from ..hull.offset import offsetting
+from ..hull.narrow_gaps import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
@@ -43,6 +42,10 @@ EXACT_SHIFT = 1e-7
 MOST_LINES = 128
 """Vertices of the largest loop's cage up to which cycles are sought: time grows with their square, and the hull
 is looser by about a twentieth there."""
+
+MOST_LOOPS = 64
+"""Number of loops up to which cycles are sought, some 8 ms each; for more the hull takes an eighth of the time, and its
+excess is larger by a twentieth."""
 
 BIASES = (1.0, 1e9, 0.3)
 """Rules for which of two crossing edges is shortened; the best result is kept (docs/ablation.md: line cycles: ways to
@@ -127,7 +130,7 @@ class LineCycles:
         """The mesh of the best cycles and its source; of the hull where it is smaller, or counts are large."""
         plain = self.symmetry is None and self.importance is None
         largest = request.target * max(request.outline.sizes) / sum(request.outline.sizes)
-        if plain and largest > MOST_LINES:
+        if plain and (largest > MOST_LINES or len(request.outline.sizes) > MOST_LOOPS):
             return (yield from OuterHull().hull(request, clearance)), HULL
         mesh, rounds = yield from cycles_around(self, request, clearance)
         if rounds and plain:
@@ -163,6 +166,9 @@ def _next_to_offset(
     method: LineCycles, request: Request, outline: Loops, distance: float, clearance: float
 ) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
+    from ..hull.clearing import cleared  # few outlines need an offset
+    from ..hull.offset import offsetting
+
     offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
     if len(stuck):
         raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import NestedCagesError
 from ...geometry.arrays import FloatArray
 from ..limits import Budget, Limits, invalid
-from .lengths import LENGTH, UNITS_OF_LENGTH, Faults, Viewport, fitted, link_of, name_of, quoted, view_box_of
+from .lengths import Faults, Viewport, fitted, link_of, name_of, quoted, view_box_of
 from .outlines import OUTLINED
 from .transforms import read_transform
 
@@ -47,9 +47,9 @@ class Frame:
 
         More than the view box where it is fitted into a page of another shape, less where it is sliced.
         """
-        sizes = [LENGTH.fullmatch(text.strip()) for text in (self.width, self.height)]
-        found = [float(size[1]) * UNITS_OF_LENGTH.get(size[2].lower(), 0.0) for size in sizes if size]
-        if len(found) != 2 or not all(0.0 < size < float("inf") for size in found):
+        lengths = (Viewport().length(text, "") for text in (self.width, self.height))
+        found = [length for length in lengths if length is not None]
+        if len(found) != 2 or not min(found) > 0.0:
             return self.view_box
         if self.view_box is None:
             return 0.0, 0.0, found[0], found[1]

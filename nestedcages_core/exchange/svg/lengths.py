@@ -31,7 +31,8 @@ UNITS_OF_LENGTH = {
 ACROSS, DOWN = ("x", "width", "cx", "rx", "x1", "x2"), ("y", "height", "cy", "ry", "y1", "y2")
 """Attributes whose percentages refer to the viewport's width, and to its height; others refer to its diagonal."""
 
-LENGTH = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)", re.IGNORECASE)
+LENGTH = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)", re.IGNORECASE)
+"""A number, where people write it so with a decimal comma, and its unit."""
 
 ALIGNED = {"xmin": 0.0, "xmid": 0.5, "xmax": 1.0, "ymin": 0.0, "ymid": 0.5, "ymax": 1.0}
 """Fraction of the empty space before the view box, for each part of preserveAspectRatio."""
@@ -119,7 +120,7 @@ class Viewport:
             extreme = {"vmin": min(sides, default=None), "vmax": max(sides, default=None)}
             reference = extreme[unit] if unit in extreme else self.reference(VIEW_SIDES.get(unit, key))
             scale = reference / 100.0 if reference is not None else None
-        return float(found[1]) * scale if scale is not None else None
+        return float(found[1].replace(",", ".")) * scale if scale is not None else None
 
 
 def _calculated(term: ast.expr) -> float:
@@ -170,7 +171,7 @@ def share(text: str | None, missing: float = 1.0) -> float:
     found = LENGTH.fullmatch(text.strip()) if text else None
     if found is None or found[2] not in ("", "%"):
         return missing
-    return min(max(float(found[1]) / (100.0 if found[2] else 1.0), 0.0), 1.0)
+    return min(max(float(found[1].replace(",", ".")) / (100.0 if found[2] else 1.0), 0.0), 1.0)
 
 
 def name_of(item: ET.Element) -> str:

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from ...decimation import LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.importance import PIN_REACH, Importance
-from ...energies import Area, BoundSum, CageEnergy
+from ...energies import Area, CageEnergy
+from ...energies.weighted_sum import BoundSum
 from ...errors import Fault, NestingError, note
 from ...geometry.arrays import TINY, FloatArray, IntArray
 from ...geometry.group import Symmetry
