@@ -61,8 +61,6 @@ FAULTS = (
           TESTS + "a_polygon_that_is_not_convex_is_no_convex_cage"),
     Fault(CORE + "needs/convex/need.py", "if gap <= one.distance + other.distance:", "if gap <= 0.0:",
           TESTS + "parts_too_close_for_a_wall_have_none"),
-    Fault(CORE + "level/early_stop.py", "= 2.0 / 3.0, 0.95", "= 0.2, 0.95",
-          TESTS + "a_tightening_whose_gains_shrink_fast_is_not_given_up"),
     Fault(TRUST, "if gain > FAIR_GAIN:", "if False:", TESTS + "radii_grow_after_good_steps"),
     Fault(CORE + "solver/quadratic_program.py", "max((after / complementarity) ** 3, SMALLEST_CENTRING)",
           "max((after / complementarity) ** 3, 0.3)", TESTS + "quadratic_programs_take_few_iterations"),

@@ -32,11 +32,11 @@ def united(
     options = silhouette.Options(gap=gap, closed=True)
     loops, problems = yield from silhouette.outline(context, ordered, frame, options)
     longest = LONGEST_EDGE * size(np.concatenate(loops))
-    divided = tuple(stored(divided(loop, longest)) for loop in loops)
+    shorter = tuple(stored(divided(loop, longest)) for loop in loops)
     others = tuple(Drawing(obj.name, frame, (), obj.session_uid) for obj in ordered[1:])
-    drawing = Drawing(first.name, frame, divided, first.session_uid, others, united=True)
+    drawing = Drawing(first.name, frame, shorter, first.session_uid, others, united=True)
     try:
-        core.Mesh.from_loops(divided)
+        core.Mesh.from_loops(shorter)
     except core.NestedCagesError:  # rounding closed a gap between new points
         drawing = Drawing(first.name, frame, loops, first.session_uid, others, united=True)
     return drawing, problems

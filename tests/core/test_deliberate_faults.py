@@ -35,7 +35,6 @@ from nestedcages_core.contact.pairs import Bodies
 from nestedcages_core.decimation import Start
 from nestedcages_core.geometry.predicates import orientation
 from nestedcages_core.level.builder import LevelBuilder
-from nestedcages_core.level.early_stop import EarlyStop
 from nestedcages_core.motion import level as following_level
 from nestedcages_core.motion import stepping
 from nestedcages_core.motion.still import certified_still
@@ -69,10 +68,6 @@ def test_a_touch_that_rounding_hides_is_not_certified() -> None:
     assert touched > 30
 
 
-ALMOST_BEST = 1.05
-"""Starts that seem to lose are given up early, at times wrongly: what is kept may be looser by this."""
-
-
 @dataclass(frozen=True)
 class Offered:
     """A decimation that offers given coarse meshes."""
@@ -94,10 +89,10 @@ def test_the_tightest_of_several_starts_is_kept(order: tuple[int, ...]) -> None:
     fine = Mesh.from_loops([letter.vertices[letter.loops[0]]])
     starts = tuple(Mesh.from_loops([ring(5, 5.2, angle) + np.array([0.0, 2.0])]) for angle in (0.0, 0.63, 0.94))
     areas = [nested_cages(fine, [start], Settings(fallback=None)).cages[0].area for start in starts]
-    assert max(areas) > 1.08 * min(areas) > ALMOST_BEST * min(areas)
+    assert max(areas) > 1.08 * min(areas) > (1.0 + 1e-9) * min(areas)
     offered = Offered(tuple(starts[k] for k in order))
     chosen = Settings(decimation=offered, starts=3, fallback=None)
-    assert nested_cages(fine, [5], chosen).cages[0].area < ALMOST_BEST * min(areas)
+    assert nested_cages(fine, [5], chosen).cages[0].area < (1.0 + 1e-9) * min(areas)
 
 
 @dataclass(frozen=True)
@@ -347,13 +342,6 @@ def test_a_start_that_the_flow_entered_is_preferred_by_a_little() -> None:
     ]
     ranks = [LevelBuilder._rank(builder, start, ring(4)) for start in starts]
     assert ranks == pytest.approx([1.01, 1.0])
-
-
-def test_a_tightening_whose_gains_shrink_fast_is_not_given_up() -> None:
-    """Gains usually shrink by a third: one that shrank by more once may still get there."""
-    watched = EarlyStop(1.1, 2.0)
-    assert [watched.cannot_improve(excess) for excess in (1.5, 1.35)] == [False, False]
-    assert watched.cannot_improve(1.33)
 
 
 @pytest.mark.parametrize(("gain", "growth"), [(1.0, 2.5), (0.4, 1.0)])
