@@ -14,6 +14,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.filling import stored
+
 # Names of the shape keys that `add_steps` makes; other keys are the artist's.
 STEP = re.compile(r"Level \d+ Step \d+(\.\d+)?")
 # Blender's numbers for the interpolation of a keyframe.
@@ -55,8 +57,7 @@ def add_steps(
     the last; `from_rest`: the mesh itself shows until one frame before the first. The steps play once more on the
     frames `back` (S,), which decrease and are later than all `frames`.
     """
-    basis = np.empty((steps.shape[1], 3), np.float32)
-    obj.data.vertices.foreach_get("co", basis.ravel())
+    basis = stored(obj.data.vertices, "co", 3)
     coordinates = basis.copy()
     runs = _runs_of_equal(steps)
     at_rest = (steps == basis[:, :2]).all(axis=(1, 2))
@@ -107,8 +108,7 @@ def remove_steps(obj: bpy.types.Object) -> None:
         obj.shape_key_remove(key)
     if len(shapes.key_blocks) == 1:
         remove_animation(shapes)
-        home = np.empty((len(obj.data.vertices), 3), np.float32)
-        shapes.reference_key.points.foreach_get("co", home.ravel())
+        home = stored(shapes.reference_key.points, "co", 3)
         obj.shape_key_clear()
         obj.data.vertices.foreach_set("co", home.ravel())
     obj.data.update()
@@ -212,9 +212,7 @@ def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
     target.extrapolation = source.extrapolation
     target.keyframe_points.add(count)
     for name, width, kind in KEYFRAME:
-        values = np.empty(count * width, kind)
-        source.keyframe_points.foreach_get(name, values)
-        target.keyframe_points.foreach_set(name, values)
+        target.keyframe_points.foreach_set(name, stored(source.keyframe_points, name, width, kind).ravel())
     target.update()
 
 
