@@ -76,10 +76,12 @@ docs: $(DOCS_ENV)/ready
 	$(DOCS_ENV)/bin/python packaging/check_site.py
 	@echo "Open build/site/index.html"
 
-# BLENDER: the command of a Blender with a window of 1280 x 800, for the guide; without it, only README and gallery.
+# BLENDER, BLENDER_5_2: commands of a Blender 4.3 and 5.2 with a window of 1280 x 800, for the guide; without them, only
+# README and gallery.
 pictures: $(TEST_ENV)/ready
 	$(TEST_ENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[examples]"
-	$(TEST_ENV)/bin/python packaging/pictures.py $(if $(BLENDER),--blender "$(BLENDER)")
+	$(TEST_ENV)/bin/python packaging/pictures.py $(if $(BLENDER),--blender "$(BLENDER)") \
+		$(if $(BLENDER_5_2),--blender "$(BLENDER_5_2)")
 
 # MESHES: the folder "data" of the paper's program, to draw its own meshes in place of our drawings of them.
 paper: $(TEST_ENV)/ready

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from nestedcages_core.coordinates import outline_map as outlines
     from nestedcages_core.errors import notes as errors
     from nestedcages_core.exchange import pictures
-    from nestedcages_core.geometry import chains, predicates, triangulation
+    from nestedcages_core.geometry import chains, distance, predicates, triangulation
     from nestedcages_core.level import steps
 else:
 
@@ -45,6 +45,7 @@ else:
 
     core = _LazyModule("core")
     chains = _LazyModule("geometry.chains")
+    distance = _LazyModule("geometry.distance")
     outlines = _LazyModule("coordinates.outline_map")
     memory = _LazyModule("cache")
     pictures = _LazyModule("exchange.pictures")
@@ -57,6 +58,7 @@ else:
 __all__ = [
     "chains",
     "core",
+    "distance",
     "errors",
     "memory",
     "outlines",

@@ -71,7 +71,6 @@ def with_contacts(*contacts: Any) -> Callable[[], Settings]:
 
 MECHANISMS: dict[str, Mechanism] = {
     # where cages begin
-    "early stop of losing starts": Mechanism("hierarchy", patches={"level.early_stop:FIRST_LOOK": 10**9}),
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
         "hierarchy",
@@ -103,7 +102,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "clearing: narrow gaps filled": Mechanism(
         "decimation",
-        patches={"decimation.hull.clearing:_without": first},
+        patches={"decimation.hull.clearing:without": first},
     ),
     "filling of gaps like round-off": Mechanism(
         "decimation",
@@ -115,7 +114,7 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "room in small holes": Mechanism(
         "decimation",
-        patches={"decimation.request:with_room": first},
+        patches={"decimation.hull.small_holes:with_room": first},
     ),
     # flow
     "flow: steps with samples at vertices (6 to 1)": Mechanism(

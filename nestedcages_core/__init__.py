@@ -11,26 +11,16 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .contact import AllPairs as AllPairs
-from .contact import Cells as Cells
 from .contact import SequentialQP as SequentialQP
-from .contact import UniformGrid as UniformGrid
 from .contact.reinflation import Reinflation
 from .decimation import LineCycles as LineCycles
 from .decimation import OuterHull as OuterHull
 from .energies import Area as Area
-from .energies import NoEnergy as NoEnergy
-from .energies import WeightedSum as WeightedSum
 from .errors import Fault as Fault
 from .errors import FlowError, InvalidMeshError, NestedCagesError, NestingError, ReinflationError
 from .flow import FlowResult
 from .flow import TwoSidedFlow as TwoSidedFlow
 from .geometry.mesh import Mesh
-from .geometry.quadrature import EvenSamples as EvenSamples
-from .geometry.quadrature import GaussLegendre as GaussLegendre
-from .geometry.quadrature import Midpoint as Midpoint
-from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
-from .geometry.quadrature import RandomSamples as RandomSamples
 from .hierarchy import (
     Hierarchy,
     Level,
@@ -60,6 +50,9 @@ if TYPE_CHECKING:
     from .checker import Verdict as Verdict
     from .checker import check
     from .contact.ipc import IPC as IPC
+    from .contact.pair_search import AllPairs as AllPairs
+    from .contact.pair_search import Cells as Cells
+    from .contact.pair_search import UniformGrid as UniformGrid
     from .contact.step_filter import NoFilter as NoFilter
     from .contact.step_filter import SmallestDistance as SmallestDistance
     from .contact.step_filter import TimeOfImpact as TimeOfImpact
@@ -81,6 +74,8 @@ if TYPE_CHECKING:
     from .energies.choices import InteriorARAP as InteriorARAP
     from .energies.choices import ShapeKeeping as ShapeKeeping
     from .energies.choices import StepDisplacement as StepDisplacement
+    from .energies.no_energy import NoEnergy as NoEnergy
+    from .energies.weighted_sum import WeightedSum as WeightedSum
     from .exchange import Cut as Cut
     from .exchange import Feature as Feature
     from .exchange import character_from_engine_json as character_from_engine_json
@@ -108,6 +103,11 @@ if TYPE_CHECKING:
     from .exchange.pictures import alpha_channel as alpha_channel
     from .exchange.pictures import boundary_of_pixels as boundary_of_pixels
     from .exchange.pictures import collision_outline, read_png
+    from .geometry.quadrature import EvenSamples as EvenSamples
+    from .geometry.quadrature import GaussLegendre as GaussLegendre
+    from .geometry.quadrature import Midpoint as Midpoint
+    from .geometry.quadrature import QuadraticFallOff as QuadraticFallOff
+    from .geometry.quadrature import RandomSamples as RandomSamples
     from .geometry.triangulation import convex_pieces as convex_pieces
     from .motion import AnimatedCagesRun as AnimatedCagesRun
     from .motion import Key as Key
@@ -127,13 +127,12 @@ if TYPE_CHECKING:
     from .published.gurditta_jacobson_2022 import SignedDistanceFlow as SignedDistanceFlow
     from .published.li_2020 import OriginalIPC as OriginalIPC
     from .published.sacht_2015 import ElTopo as ElTopo
-    from .published.sacht_2015 import VelocityFilter as VelocityFilter
     from .published.sellan_2022 import LevelSet as LevelSet
     from .published.settings import AUGMENTED_2022 as AUGMENTED_2022
     from .published.settings import AUGMENTED_2022_REPAIRED as AUGMENTED_2022_REPAIRED
     from .published.settings import NESTED_CAGES_2015 as NESTED_CAGES_2015
     from .published.settings import SIMPLE_2022 as SIMPLE_2022
-    from .solver import ProjectedNewton as ProjectedNewton
+    from .solver.newton import ProjectedNewton as ProjectedNewton
 
 __version__ = "1.0.0"
 
@@ -189,6 +188,20 @@ __all__ = [  # noqa: RUF022 - in the order in which one would explain it
 ]
 
 _LATER = {
+    "geometry.quadrature": (
+        "EvenSamples",
+        "GaussLegendre",
+        "Midpoint",
+        "QuadraticFallOff",
+        "RandomSamples",
+    ),
+    "energies.weighted_sum": ("WeightedSum",),
+    "energies.no_energy": ("NoEnergy",),
+    "contact.pair_search": (
+        "AllPairs",
+        "Cells",
+        "UniformGrid",
+    ),
     "contact.ipc": ("IPC",),
     "contact.step_filter": (
         "NoFilter",
@@ -217,7 +230,7 @@ _LATER = {
         "Mirror",
         "Rotation",
     ),
-    "solver": ("ProjectedNewton",),
+    "solver.newton": ("ProjectedNewton",),
     "batch": ("BatchProgress", "Outcome", "OutcomeFolder", "nested_cages_many"),
     "character": ("Bone", "Character", "Skeleton", "bone_weights", "suggest_bones", "with_joints"),
     "checker": ("Verdict", "check"),
@@ -265,7 +278,7 @@ _LATER = {
         "SignedDistanceFlow",
     ),
     "published.li_2020": ("OriginalIPC",),
-    "published.sacht_2015": ("ElTopo", "VelocityFilter"),
+    "published.sacht_2015": ("ElTopo",),
     "published.sellan_2022": ("LevelSet",),
     "published.settings": ("AUGMENTED_2022", "AUGMENTED_2022_REPAIRED", "NESTED_CAGES_2015", "SIMPLE_2022"),
 }

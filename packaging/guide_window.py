@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -20,6 +20,8 @@ GREEN = (0.27, 0.62, 0.47, 1.0)
 
 Steps = Iterator[float]
 """Seconds to wait, so that Blender can draw, before a picture goes on."""
+
+Picture = Callable[[], Steps]
 
 
 def register_extension() -> ModuleType:
@@ -48,13 +50,14 @@ def override() -> Any:
 
 
 def clear(opened: str = "result") -> Steps:
-    """A new scene, seen from the top, with the sidebar open and one panel open in it besides the first."""
+    """A new scene, seen from the top, with the sidebar open and one panel open in it next to the first."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     panels = sys.modules["nested_cages.addon.ui.panels"]
     panels.unregister()
     for name in ("animation", "rules", "reading", "advanced", "motion", "result", "use"):
         getattr(panels, f"VIEW3D_PT_nested_cages_{name}").bl_options = set() if name == opened else {"DEFAULT_CLOSED"}
     panels.register()
+    subprocess.run(["xdotool", "mousemove", "640", "400"], check=True)  # dialogs open there
     yield 0.5
     _, area, _ = view()
     space = area.spaces.active
@@ -101,6 +104,20 @@ def outline(name: str, points: np.ndarray, *, filled: bool = True) -> Any:
     data, count = bpy.data.meshes.new(name), len(points)
     edges = [] if filled else [(k, (k + 1) % count) for k in range(count)]
     data.from_pydata([(x, y, 0.0) for x, y in points], edges, [list(range(count))] if filled else [])
+    return put(bpy.data.objects.new(name, data))
+
+
+def spline(name: str, points: np.ndarray, *, closed: bool = True, bezier: bool = False) -> Any:
+    """A curve through points (k, 2), with smooth handles if it is a Bezier curve."""
+    data = bpy.data.curves.new(name, "CURVE")
+    made = data.splines.new("BEZIER" if bezier else "POLY")
+    on = made.bezier_points if bezier else made.points
+    on.add(len(points) - 1)
+    for point, (x, y) in zip(on, points, strict=True):
+        point.co = (x, y, 0.0) if bezier else (x, y, 0.0, 1.0)
+        if bezier:
+            point.handle_left_type = point.handle_right_type = "AUTO"
+    made.use_cyclic_u = closed
     return put(bpy.data.objects.new(name, data))
 
 

@@ -1,9 +1,10 @@
 """Makes the pictures of the README, the gallery and the guide again, each by the command that its page names.
 
-    python packaging/pictures.py [NAME ...] [--blender COMMAND]
+    python packaging/pictures.py [NAME ...] [--blender COMMAND ...]
 
-Without names all of them: the gallery from the examples, demo.png, and the clips. With --blender, a Blender with a
-window, those of the guide too. Needs Blender as a Python module, and the extra `examples`.
+Without names all of them: the gallery from the examples, demo.png, and the clips. With --blender, a Blender 4.3 with a
+window, those of the guide too; given once more with a 5.2, also the one that shows
+it. Needs Blender as a Python module, and the extra `examples`.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ def renew(name: str) -> list[Path]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"only these: {', '.join(examples())}")
-    parser.add_argument("--blender", help="command of a Blender with a window, for the guide")
+    parser.add_argument("--blender", action="append", default=[], help="command of a Blender with a window")
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in examples()]
     if unknown:
@@ -54,8 +55,8 @@ def main() -> int:
     for name in options.names or examples():
         for path in renew(name):
             print(f"{path.relative_to(ROOT)} made", flush=True)
-    if options.blender:
-        window = [*shlex.split(options.blender), "--factory-startup", "-p", "0", "0", "1280", "800"]
+    for command in options.blender:
+        window = [*shlex.split(command), "--factory-startup", "-p", "0", "0", "1280", "800"]
         script = str(ROOT / "packaging" / "guide_pictures.py")
         subprocess.run([*window, "--python", script], cwd=ROOT, env=dict(os.environ), check=True)
     return 0

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
-import numpy as np
 
+from ..scene.filling import stored
 from . import shape_keys
 
 # The properties that hide an object.
@@ -109,6 +109,4 @@ def always_show(obj: bpy.types.Object) -> None:
 
 def _keyframes(curve: bpy.types.FCurve) -> tuple[float, ...]:
     """Frame, value, frame, value ..."""
-    found = np.empty(2 * len(curve.keyframe_points), np.float32)
-    curve.keyframe_points.foreach_get("co", found)
-    return tuple(found.tolist())
+    return tuple(stored(curve.keyframe_points, "co", 2).ravel().tolist())

@@ -1,6 +1,6 @@
 """Cages that follow a drawing: its animation, or its edits.
 
-`poses`: the poses of an animated drawing. `moving`: from poses to certified cages as Blender stores them.
-`writing`: cages as keyed shape keys. `editing`: a drawing while it is edited. `live`: following edits.
+`poses`: a drawing on some frames, or while it is edited. `moving`: from poses to cages as Blender stores them.
+`writing`: cages as keyed shape keys. `live`: following edits.
 `claims`: checks after edits.
 """

@@ -6,8 +6,7 @@ What moves the cages too, as a pose does, is no change of the drawing, and is le
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from contextlib import nullcontext
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -175,10 +174,21 @@ def _on_timer() -> float | None:
     """Seconds until the next look; None when there is nothing left to check."""
     if running() is not None:
         return live.REST
-    window = live.window_of("", bpy.context.window_manager.windows)
-    with bpy.context.temp_override(window=window) if window is not None else nullcontext():
-        check_changed(bpy.context, rested=live.REST)
+    found = bpy.context.window_manager.windows
+    for window in {each.scene: each for each in found}.values() if len(found) else (None,):
+        with live.in_window(window):
+            check_changed(bpy.context, rested=live.REST)
+    shown = {each.scene for each in found} or {bpy.context.scene}
+    for name in [name for name in _changed if not _is_shown(name, shown)]:
+        del _changed[name]
     return live.REST if _changed else None
+
+
+def _is_shown(name: str, scenes: Iterable[bpy.types.Scene]) -> bool:
+    """Whether the drawing of an output is in one of some scenes."""
+    collection = bpy.data.collections.get(name)
+    source = ownership.source_of(collection) if collection is not None else None
+    return source is not None and any(scene.objects.get(source.name) == source for scene in scenes)
 
 
 def check_changed(context: bpy.types.Context, rested: float = 0.0) -> None:
@@ -189,9 +199,9 @@ def check_changed(context: bpy.types.Context, rested: float = 0.0) -> None:
         source = ownership.source_of(collection) if collection is not None else None
         if collection is not None and source is not None and source.mode == "EDIT":
             continue  # checked when it is left
-        del _changed[name]
         if collection is None or source is None or context.scene.objects.get(source.name) != source:
-            continue
+            continue  # maybe in another window
+        del _changed[name]
         if following is None or following.identity != source.session_uid:
             _check(context, collection)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +29,7 @@ from ..scene import filling, ownership
 from ..scene.convert import Drawing, ReadingOptions
 from ..scene.plane import scale_of
 from . import writing
-from .editing import drawing_now
+from .poses import drawing_now
 
 # Seconds between checks for something to do, and of work per check while cages are made again.
 LOOK_INTERVAL, REMAKE_SLICE = 0.02, 0.03
@@ -297,13 +297,17 @@ def window_of(scene: str, windows: Any) -> Any:
     return next((window for window in windows if window.scene.name == scene), windows[0] if len(windows) else None)
 
 
+def in_window(window: Any) -> AbstractContextManager[Any]:
+    """The context of a window, which shows its own scene; None: that of now, as in the background."""
+    return bpy.context.temp_override(window=window) if window is not None else nullcontext()
+
+
 def _on_timer() -> float | None:
     """Seconds until the next check; None when Live is off."""
     live = current()
     if live is None:
         return None
-    window = window_of(live.scene, bpy.context.window_manager.windows)
-    with bpy.context.temp_override(window=window) if window is not None else nullcontext():
+    with in_window(window_of(live.scene, bpy.context.window_manager.windows)):
         if live.tick(bpy.context):
             return LOOK_INTERVAL
     stop()

@@ -1,1 +1,1 @@
-"""Import of files and images, export of cages: `importers`, `exporters`, `image_outline`, `cutout`, `silhouette`."""
+"""Import of files and images, export: `importers`, `exporters`, `pieces`, `pictures`, `layered`, `silhouette`."""

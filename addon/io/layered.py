@@ -15,6 +15,7 @@ from ..errors import UserError, told
 from ..generation.job import Progress, Work
 from ..scene import display
 from ..scene.plane import size
+from ..scene.uniting import divided
 from .importers import PIXEL, stored
 
 # Longest edge of a part as a fraction of the drawing's size: straight limbs bend too.
@@ -93,20 +94,9 @@ def _group(known: dict[tuple[str, ...], bpy.types.Collection], groups: tuple[str
 
 def _loops(name: str, mesh: core.Mesh, turn: Points, middle: Points, longest: float) -> tuple[Points, ...]:
     """The loops of a mesh as they are stored, long edges divided."""
-    loops = [_divided(mesh.vertices[loop] * turn - middle, longest) for loop in mesh.loops]
+    loops = [divided(mesh.vertices[loop] * turn - middle, longest) for loop in mesh.loops]
     whole = stored(name, loops)
     return tuple(whole.vertices[loop] for loop in whole.loops)
-
-
-def _divided(loop: Points, longest: float) -> Points:
-    """A loop (k, 2) whose edges are at most so long; an edge gets the same points in both directions."""
-    pieces = []
-    for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
-        count = max(int(np.ceil(np.hypot(*(end - start)) / longest)), 1)
-        first, last = sorted((start.tolist(), end.tolist()))
-        points = np.linspace(first, last, count + 1)
-        pieces.append(points[:-1] if first == start.tolist() else points[:0:-1])
-    return np.concatenate(pieces)
 
 
 def _faces(name: str, paints: list[Paint], materials: dict[tuple[str, Shade], bpy.types.Material]) -> bpy.types.Mesh:

@@ -6,31 +6,12 @@ import bpy
 
 from ..following import live as following_live
 from ..generation.job import running
-from . import (
-    bake,
-    bind,
-    cutout,
-    exporters,
-    fault,
-    follow,
-    generate,
-    handles,
-    image_outline,
-    importers,
-    levels,
-    live,
-    pieces,
-    presets,
-    report,
-    rig,
-    silhouette,
-    verify,
-)
+from . import bake, bind, exporters, follow, generate, importers, levels, parts, pictures, verify
 
-_ROOMS = (generate, verify, fault, bake, bind, handles, rig, report, follow, live, importers, exporters, pieces, levels)
+_ROOMS = (generate, verify, bake, bind, parts, follow, importers, exporters, pictures, levels)
 CLASSES = [
     found
-    for room in (*_ROOMS, image_outline, cutout, silhouette, presets)
+    for room in _ROOMS
     for found in vars(room).values()
     if isinstance(found, type) and issubclass(found, (bpy.types.Operator, bpy.types.FileHandler, bpy.types.Panel))
     if found.__module__ == room.__name__

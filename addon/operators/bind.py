@@ -1,4 +1,4 @@
-"""Bind to Cages: move, key, sculpt or rig a cage, and its contents follow."""
+"""Bind, Rebind, Unbind, handles at the corners of a bound cage, and Adopt."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..binding import binding
+from ..binding import binding, handles
 from ..binding.adoption import adopt, waiting
 from ..binding.field import HARMONIC, LINEAR, NAMES
 from ..errors import UserError, counted
 from ..generation.job import Work
 from ..properties.kinds import choice
-from ..scene import ownership
+from ..scene import filling, ownership
 from ..scene.selection import chosen, scene_of, select
 from .base import Operator, OutputOperator
 
@@ -115,3 +115,39 @@ class OBJECT_OT_nested_cages_adopt(Operator, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> None:
         made = adopt(scene_of(context), chosen(context))
         self.report({"INFO"}, f"{counted(len(made), 'set')} of cages adopted")
+
+
+KIND_ITEMS = (
+    (handles.BONES, "Bones", "One armature with a bone per corner"),
+    (handles.EMPTIES, "Empties", "An empty with a hook per corner"),
+)
+
+
+class OBJECT_OT_nested_cages_add_handles(OutputOperator, bpy.types.Operator):
+    """Add a bone or an empty per corner of the coarsest cage to move that corner and the drawing"""
+
+    bl_label = "Add Handles"
+    purpose = "move it: select cages around it"
+
+    kind: choice("Handles", "What moves a corner", KIND_ITEMS, default=handles.BONES)
+
+    @classmethod
+    def unsuitable(cls, collection: bpy.types.Collection) -> str:
+        if not ownership.is_bound(collection):
+            return "Bind the drawing to its cages first"
+        cage = ownership.members(collection)[-1]
+        if handles.handles_of(cage):
+            return f"'{cage.name}' has handles already"
+        return "" if cage.is_editable else f"'{cage.name}' cannot be changed because it is linked from another file"
+
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[bpy.types.Object]:
+        yield from ()
+        return ownership.members(collection)[-1]
+
+    def finish(self, context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, bpy.types.Object]]) -> None:
+        cages = [cage for _, cage in done]
+        select(context, *handles.add(context, cages, self.kind))
+        if self.kind == handles.BONES:
+            bpy.ops.object.mode_set(mode="POSE")
+        number = sum(len(filling.points_of(filling.mesh_of(cage))) for cage in cages)
+        self.report({"INFO"}, f"{counted(number, 'handle')}: move them, and the drawing follows")

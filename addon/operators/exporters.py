@@ -1,4 +1,4 @@
-"""Cages as other objects and as files."""
+"""Cages as other objects, as convex pieces and as files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..characters import engine
 from ..errors import UserError, counted
-from ..io import exporters
+from ..io import exporters, pieces
 from ..properties.kinds import choice, flag, length, number, text, whole
 from ..scene import convert, ownership
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
@@ -159,3 +159,36 @@ def coarsest(context: bpy.types.Context) -> list[bpy.types.Object]:
     sets = [[obj for obj in ownership.members(each) if obj in found] for each in outputs_of_chosen(context)]
     finer = {obj for objects in sets for obj in objects[:-1] if obj not in selected}
     return [obj for obj in found if obj not in finer]
+
+
+BODY_ITEMS = (
+    ("NONE", "None", "Objects alone"),
+    (pieces.PASSIVE, "Passive", "Each piece is a static rigid body with the shape of its convex hull"),
+    (pieces.ACTIVE, "Active", "One dynamic rigid body per cage, compounded of its pieces"),
+)
+
+
+class OBJECT_OT_nested_cages_pieces(OnOutlines, bpy.types.Operator):
+    """Make objects that tile the selected cages, or the coarsest cage of a drawing, with convex polygons of few
+    vertices, for collisions
+    """
+
+    bl_label = "Convex Pieces"
+
+    most: whole("Vertices", "Maximum number of vertices of a piece; Box2D takes 8", default=8, min=3, soft_max=32)
+    height: length(
+        "Height",
+        "Height of the pieces; 0 makes flat faces, or rigid bodies a fifth of the outline's size high",
+        soft_max=10.0,
+    )
+    body: choice("Rigid Body", "What the pieces do in a simulation", BODY_ITEMS)
+
+    def run(self, context: bpy.types.Context) -> None:
+        objects = coarsest(context)
+        made = pieces.make(context, objects, self.most, self.height, "" if self.body == "NONE" else self.body)
+        if self.body == pieces.ACTIVE:
+            select(context, *(group[0] for group in made))
+        else:
+            select(context, *(obj for group in made for obj in group))
+        number = sum(len(group) - (self.body == pieces.ACTIVE) for group in made)
+        self.report({"INFO"}, f"{counted(number, 'convex piece')} of at most {self.most} vertices")

@@ -1,4 +1,4 @@
-"""Follow Animation: cages around a drawing that moves."""
+"""Follow Animation: cages around a drawing that moves; Live: cages that follow its edits."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from typing import Any
 import bpy
 
 from .. import record
+from ..animation import bake
+from ..binding.adoption import adopt
 from ..errors import UserError, counted
-from ..following import moving, poses, writing
+from ..following import live, moving, poses, writing
 from ..generation.job import Work, part
 from ..generation.levels import OWN, are_counts, parse_levels
 from ..properties import conversion, groups
 from ..properties.kinds import flag, whole
 from ..properties.settings import OperatorProperties
 from ..scene import ownership, units
-from ..scene.selection import collection_of_active, scene_of
-from .base import DialogJobOperator
+from ..scene.selection import chosen, collection_of_active, scene_again, scene_of
+from .base import DialogJobOperator, Operator, redraw
 from .generate import sources, why_nothing
 
 # Approximate fraction of the work for reading the frames.
@@ -104,10 +106,7 @@ class OBJECT_OT_nested_cages_follow(DialogJobOperator, OperatorProperties, bpy.t
             work = moving.stand_still(found, asked) if self.still else moving.follow(found, asked, cyclic=self.cyclic)
             result = yield from part(work, number, len(read), READING_PART)
             results.append(result)
-        after = bpy.data.scenes.get(name)
-        if after is None:
-            raise UserError("The scene of the drawing is gone, so its cages were discarded")
-        for sentence in writing.write(after, results, self.thickness, conversion.used(self)):
+        for sentence in writing.write(scene_again(name), results, self.thickness, conversion.used(self)):
             self.report({"WARNING"}, sentence)
         self._tell(results)
 
@@ -131,3 +130,41 @@ def _has_counts(levels: str, scene: bpy.types.Scene) -> bool:
     """Whether all levels of a text are numbers or shares of vertices."""
     found = parse_levels(levels, units.lengths(scene))
     return OWN not in found and are_counts(found)
+
+
+class OBJECT_OT_nested_cages_live(Operator, bpy.types.Operator):
+    """Let the cages of the active object follow the edits of its drawing, in any mode, until it is switched off or
+    another file is opened. Removes the animation of how the cages form
+    """
+
+    bl_label = "Live"
+    modes = ()
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if live.current() is not None:
+            return ""
+        collection = collection_of_active(context)
+        if collection is None:
+            return "Select a drawing that has cages, or one of its cages"
+        if ownership.source_of(collection) is None:
+            return "The drawing of these cages is gone"
+        return live.why_not(collection)
+
+    def run(self, context: bpy.types.Context) -> None:
+        if live.current() is not None:
+            live.stop()
+            return
+        scene = scene_of(context)
+        adopt(scene, chosen(context)[:1])
+        collection = collection_of_active(context)
+        source = ownership.source_of(collection) if collection is not None else None
+        assert collection is not None and source is not None
+        settings = record.written(collection).settings
+        options = conversion.options(settings, scene)
+        if bake.is_animated(collection):
+            bake.remove(scene, collection)
+            self.report({"INFO"}, "The animation was removed: Generate makes it again")
+        reading = conversion.reading_options(settings)
+        used = conversion.used(settings)
+        live.start(live.Live(scene, source, options, reading, used, lambda: redraw(bpy.context)))

@@ -25,7 +25,7 @@ from ..properties.settings import GenerationProperties, OperatorProperties
 from ..rigging.pose import Pose, unmoved
 from ..scene import convert, ownership, painted
 from ..scene.reading import Lines, lines_of_all
-from ..scene.selection import scene_of
+from ..scene.selection import scene_again, scene_of
 from .base import JobOperator, Operator
 
 # Weight in a vertex group from which on a vertex is pinned.
@@ -70,9 +70,7 @@ class OBJECT_OT_nested_cages_generate(JobOperator, OperatorProperties, bpy.types
             generation = Generation(asked, options)
         yield from part(iter(generation), 0, 1, end=COMPUTED)
         problems += generation.problems
-        scene = bpy.data.scenes.get(name)
-        if scene is None:
-            raise UserError("The scene of the drawing is gone, so its cages were discarded")
+        scene = scene_again(name)
         used = conversion.used(self)
         self.exclusive = True
         yield from self._write(scene, [replace(result, used=used) for result in generation.results])

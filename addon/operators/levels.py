@@ -1,13 +1,19 @@
-"""Buttons next to the list of levels."""
+"""Buttons next to the list of levels, and presets: a table for tasks and published methods, and the user's own."""
 
 from __future__ import annotations
 
-import bpy
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-from ..properties import level_list
-from ..properties.kinds import whole
-from ..properties.settings import settings_of
-from .base import Operator
+import bpy
+from bl_operators.presets import AddPresetBase
+from bl_ui.utils import PresetPanel
+
+from ..errors import UserError
+from ..properties import groups, level_list
+from ..properties.kinds import text, whole
+from ..properties.settings import NAMES, settings_of
+from .base import Named, Operator
 
 
 class LevelOperator(Operator):
@@ -60,3 +66,134 @@ class SCENE_OT_nested_cages_level_move(LevelOperator, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         level_list.move(settings_of(context), self.step)
+
+
+TASKS = "nested_cages"
+METHODS = "nested_cages_methods"
+# Folder of the user's own presets of a kind; name; description; settings that differ from the defaults.
+PRESETS: Mapping[str, Mapping[str, tuple[str, Mapping[str, Any]]]] = {
+    TASKS: {
+        "Collision": (
+            "One outline of very few vertices around each drawing, without the animation of how it forms",
+            {"levels": "12", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
+        ),
+        "Outline": (
+            "Outlines for smaller and smaller scales; each encloses all land of the one before",
+            {"levels": "25%, 8%, 2%", "decimation": "OUTER_HULL", "show_flow": False, "shrink": False},
+        ),
+        "Rig": (
+            "One cage of few, evenly spaced vertices at a hundredth of the drawing's size, to be bound and posed",
+            {"levels": "16", "clearance_share": 1.0, "decimation": "ARC_LENGTH"},
+        ),
+        "Tight": (
+            "Tight cages, with vertex counts relative to the drawing",
+            {"levels": "10%, 3%", "decimation": "OUTER_HULL"},
+        ),
+    },
+    METHODS: {
+        "IPC 2022 Repaired": (
+            "For comparisons, after Gurditta & Jacobson (2022), with fixes",
+            {"levels": "20%", "contact": "PAPER", "starts": 1, "tighten": False, "fall_back": False},
+        ),
+        "Nested Cages 2015": (
+            "For comparisons, after Sacht, Vouga & Jacobson (2015): edge collapse, signed distance flow, El Topo",
+            {"levels": "20%", "decimation": "EDGE_COLLAPSE", "contact": "EL_TOPO"}
+            | {"flow": "SIGNED_DISTANCE_2015", "starts": 1, "tighten": False, "fall_back": False},
+        ),
+        "Simple Cages 2022": (
+            "For comparisons, after Sellán et al. (2022): a level set, decimated, and nothing else",
+            {"levels": "20%", "decimation": "LEVEL_SET_MERGING", "starts": 1, "tighten": False, "fall_back": False}
+            | {"show_flow": False, "shrink": False},
+        ),
+    },
+}
+# What a preset leaves alone: when the animation plays, how cages look, and how drawings are read.
+KEPT = {*groups.FRAMES, *groups.LOOKS, *groups.READING, "ease", "loop_back", "in_turn", "show_result"}
+
+
+class _Presets(PresetPanel):
+    """The presets of the table, and the user's own as Blender lists them."""
+
+    preset_subdir = TASKS
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "scene.nested_cages_preset_add"
+    if TYPE_CHECKING:
+        layout: Any
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column(align=True)
+        column.emboss = "PULLDOWN_MENU"
+        for name in PRESETS[self.preset_subdir]:
+            column.operator("scene.nested_cages_use_preset", text=name).name = name
+        if bpy.utils.preset_paths(self.preset_subdir):
+            super().draw(context)
+            return
+        row = self.layout.row()
+        row.prop(context.window_manager, "preset_name", text="")
+        row.operator(self.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name
+
+
+class NESTEDCAGES_PT_presets(_Presets, bpy.types.Panel):
+    """Presets of the cages' settings."""
+
+    bl_label = "Nested Cages Presets"
+
+
+class NESTEDCAGES_PT_method_presets(_Presets, bpy.types.Panel):
+    """Published methods, for comparisons."""
+
+    bl_label = "Published Methods"
+    preset_subdir = METHODS
+    preset_add_operator = "scene.nested_cages_method_preset_add"
+
+
+class SCENE_OT_nested_cages_use_preset(Operator, bpy.types.Operator):
+    """Set everything that makes a cage as the preset has it"""
+
+    bl_label = "Use Preset"
+    bl_options = {"INTERNAL", "UNDO"}
+    modes = ()
+    during_jobs = True
+
+    name: text("Name", "Name of the preset", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, properties: Any) -> str:
+        found = _preset(properties.name)
+        return found[0] if found is not None else cls.bl_description
+
+    def run(self, context: bpy.types.Context) -> None:
+        settings, found = settings_of(context), _preset(self.name)
+        if found is None:
+            known = ", ".join(name for kind in PRESETS.values() for name in kind)
+            raise UserError(f"There is no preset '{self.name}': choose one of {known}")
+        for name in NAMES:
+            if name not in KEPT:
+                settings.property_unset(name)
+        for name, value in found[1].items():
+            setattr(settings, name, value)
+
+
+def _preset(name: str) -> tuple[str, Mapping[str, Any]] | None:
+    """Description and settings of a preset; None if there is none of that name."""
+    return next((kind[name] for kind in PRESETS.values() if name in kind), None)
+
+
+class SCENE_OT_nested_cages_preset_add(Named, AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
+    """Store the settings under a name, or remove a stored preset"""
+
+    bl_label = "Add Nested Cages Preset"
+    preset_menu = "NESTEDCAGES_PT_presets"
+    preset_subdir = TASKS
+    preset_defines = ("settings = bpy.context.scene.nested_cages",)
+    preset_values = tuple(f"settings.{name}" for name in NAMES)
+
+
+class SCENE_OT_nested_cages_method_preset_add(Named, AddPresetBase, bpy.types.Operator):  # type: ignore[misc]
+    """Store the settings as a method under a name, or remove a stored one"""
+
+    bl_label = "Add Method Preset"
+    preset_menu = "NESTEDCAGES_PT_method_presets"
+    preset_subdir = METHODS
+    preset_defines = SCENE_OT_nested_cages_preset_add.preset_defines
+    preset_values = SCENE_OT_nested_cages_preset_add.preset_values

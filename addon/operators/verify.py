@@ -1,23 +1,26 @@
-"""Verify Cages: check cages again after editing."""
+"""Verify Cages, Select Fault and Write Report."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from .. import record
 from ..animation import bake
 from ..binding.adoption import adopt, waiting
-from ..errors import UserError
+from ..errors import Fault, UserError
 from ..following import claims
 from ..generation.checking import Finding, check, check_animation, same_frame, select_points
 from ..generation.job import Work
+from ..keys import found_object
 from ..properties.kinds import flag
 from ..scene import convert, ownership
+from ..scene.plane import nearest
 from ..scene.selection import chosen, outputs_of_chosen, scene_of, select
-from .base import JobOperator
+from .base import JobOperator, Operator, OutputOperator, last_fault
 
 
 class OBJECT_OT_nested_cages_verify(JobOperator, bpy.types.Operator):
@@ -107,3 +110,111 @@ def _nested(context: bpy.types.Context, hidden: bool = False) -> list[list[bpy.t
         for output in outputs
     ]
     return [objects for objects in found if len(objects) > 1]
+
+
+class OBJECT_OT_nested_cages_select_fault(Operator, bpy.types.Operator):
+    """Enter Edit Mode with the points selected that the last message is about, and zoom to them"""
+
+    bl_label = "Select Fault"
+    modes = ()
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        fault = last_fault()
+        if fault is None:
+            return "No message has named a place yet"
+        obj = found_object(fault.identity)
+        if obj is None or obj.name not in context.view_layer.objects:
+            return "The object of the last message is gone"
+        return "" if obj.is_editable else f"'{obj.name}' cannot be edited because it is linked from another file"
+
+    def run(self, context: bpy.types.Context) -> None:
+        fault = last_fault()
+        obj = found_object(fault.identity) if fault is not None else None
+        assert fault is not None and obj is not None
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        obj.hide_viewport = False
+        obj.hide_set(False)
+        select(context, obj)
+        middle = sum((Vector(place) for place in fault.places), Vector()) / len(fault.places)
+        context.scene.cursor.location = middle
+        if obj.type in {"MESH", "CURVE"}:
+            bpy.ops.object.mode_set(mode="EDIT")
+            if obj.type == "MESH":
+                bpy.ops.mesh.select_all(action="DESELECT")
+            else:
+                bpy.ops.curve.select_all(action="DESELECT")
+            bpy.ops.object.mode_set(mode="OBJECT")
+            _select_points(obj, fault)
+            if obj.type == "MESH":
+                context.tool_settings.mesh_select_mode = (True, False, False)
+            bpy.ops.object.mode_set(mode="EDIT")
+        if context.area is not None and context.area.type == "VIEW_3D" and context.region is not None:
+            if obj.type in {"MESH", "CURVE"}:
+                bpy.ops.view3d.view_selected()
+            else:
+                bpy.ops.view3d.view_center_cursor()
+        names = ", ".join(f"{x:.4g}" for x in (middle.x, middle.y, middle.z))
+        self.report({"INFO"}, f"'{obj.name}' at ({names}), where the 3D cursor is now")
+
+
+def _select_points(obj: bpy.types.Object, fault: Fault) -> None:
+    """Selects the vertices or control points closest to the places of the fault."""
+    if obj.type == "MESH":
+        points = list(obj.data.vertices)
+    else:
+        points = [point for spline in obj.data.splines for point in (*spline.bezier_points, *spline.points)]
+    if not points:
+        return
+    there = np.array([(obj.matrix_world @ Vector(point.co[:3]))[:] for point in points])
+    for index in nearest(np.array(fault.places), there):
+        chosen = points[index]
+        if hasattr(chosen, "select_control_point"):
+            chosen.select_control_point = True
+        else:
+            chosen.select = True
+
+
+NAME = "Nested Cages Report"
+FRAMES = ("first frame", "growing back from frame", "tightening from frame", "result on frame")
+
+
+class OBJECT_OT_nested_cages_report(OutputOperator, bpy.types.Operator):
+    """Write a text with all facts about these cages: certificates, binding errors, times, notes"""
+
+    bl_label = "Write Report"
+    modes = ("OBJECT", "POSE")
+    both = True
+
+    def each(self, _context: bpy.types.Context, collection: bpy.types.Collection) -> Work[list[str]]:
+        yield from ()
+        return list(lines(collection))
+
+    def finish(self, _context: bpy.types.Context, done: Sequence[tuple[bpy.types.Collection, list[str]]]) -> None:
+        text = bpy.data.texts.get(NAME) or bpy.data.texts.new(NAME)
+        text.from_string("\n\n".join("\n".join(found) for _, found in done) + "\n")
+        self.report({"INFO"}, f"Written to the text '{NAME}': open it in a Text Editor")
+
+
+def lines(collection: bpy.types.Collection) -> Iterator[str]:
+    """The lines of the report, level by level."""
+    yield collection.name
+    for obj in ownership.members(collection):
+        found = record.member(obj)
+        numbers: dict[str, float] = {"vertices": len(obj.data.vertices)}
+        if found.role == record.CAGE:
+            numbers |= {"excess": found.excess, "clearance": found.clearance, "seconds": found.seconds}
+            numbers |= {name: frame for name, frame in zip(FRAMES, found.frames, strict=True) if frame >= 0}
+        yield ""
+        yield obj.name
+        for label, value in numbers.items():
+            yield f"    {label}: {value:.6g}"
+        edited = not ownership.is_bound(collection) and record.is_edited(obj)
+        unknown = "" if edited and record.is_judged(obj) else record.EDITED
+        certificate = unknown if edited else record.certificate(found)
+        method, error = record.link(obj)
+        follows = f"{method}, error {error:.1e} at rest" if method else ""
+        said = (found.start, certificate, follows, *record.sentences(found, checks=True))
+        for sentence in filter(None, said):
+            yield f"    {sentence}"

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import core
+from ..core import core, distance
 from ..errors import Fault
 from .plane import Frame, nearest, size
 
@@ -63,8 +63,5 @@ def fault(found: core.Fault, parts: Sequence[Part], frame: Frame) -> Fault | Non
 
 def _distances(loop: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
     """Distances (k,) of a place from the edges of a loop (k, 2)."""
-    along = np.roll(loop, -1, axis=0) - loop
-    length = np.maximum((along * along).sum(axis=1), np.finfo(float).tiny)
-    part = np.clip(((place - loop) * along).sum(axis=1) / length, 0.0, 1.0)
-    found: NDArray[np.float64] = np.linalg.norm(loop + part[:, None] * along - place, axis=1)
+    found: NDArray[np.float64] = distance.point_edge(place, loop, np.roll(loop, -1, axis=0)).distance
     return found

@@ -36,8 +36,11 @@ def material(kind: str, name: str) -> bpy.types.Material:
 
 def _appended(kind: str, name: str) -> Any:
     libraries: Any = bpy.data.libraries
+    before = set(libraries)
     with libraries.load(str(FILE), link=False) as (_, here):
         getattr(here, kind).append(name)
     (found,) = getattr(here, kind)
     found.use_fake_user = False
+    for library in set(libraries) - before:
+        libraries.remove(library)  # what was appended is local
     return found

@@ -135,6 +135,15 @@ def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
     return source if exists(source) else None
 
 
+def hand_over(collection: bpy.types.Collection, drawing: bpy.types.Object) -> None:
+    """Names an output after another one of its drawings; deleted ones leave it."""
+    others = [obj for obj in originals(collection) if obj != drawing]
+    record.fill(record.written(collection).sources, [drawing, *others])
+    for obj in members(collection):
+        record.described(obj).of = drawing
+    record.keep(collection)
+
+
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """The source objects of an output, first the one that it is named after, and those whose silhouette that is;
     without deleted ones.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..errors import UserError
 from . import ownership
 
 
@@ -11,6 +12,14 @@ def scene_of(context: bpy.types.Context) -> bpy.types.Scene:
     """The scene of a context; operators and panels always have one."""
     assert context.scene is not None
     return context.scene
+
+
+def scene_again(name: str) -> bpy.types.Scene:
+    """The scene of that name after a job. Raises: UserError if it is gone."""
+    found = bpy.data.scenes.get(name)
+    if found is None:
+        raise UserError("The scene of the drawing is gone, so its cages were discarded")
+    return found
 
 
 def collection_of_active(context: bpy.types.Context) -> bpy.types.Collection | None:

@@ -52,3 +52,14 @@ def stored(points: Loop) -> Loop:
     rounded = points.astype(np.float32).astype(np.float64)
     kept: Loop = rounded[(rounded != np.roll(rounded, 1, axis=0)).any(axis=1)]
     return kept
+
+
+def divided(loop: Loop, longest: float) -> Loop:
+    """A loop (k, 2) whose edges are at most so long; an edge gets the same points in both directions."""
+    pieces = []
+    for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
+        count = max(int(np.ceil(np.hypot(*(end - start)) / longest)), 1)
+        first, last = sorted((start.tolist(), end.tolist()))
+        points = np.linspace(first, last, count + 1)
+        pieces.append(points[:-1] if first == start.tolist() else points[:0:-1])
+    return np.concatenate(pieces)

@@ -20,7 +20,7 @@ OPERATORS = {
     "rebind": "bind",
     "add_handles": "bind",
     "report": "verify",
-    "select_fault": "refusals",
+    "select_fault": "messages",
     "unbind": "bind",
     "bake_action": "animation",
     "remove_animation": "animation",

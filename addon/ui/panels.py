@@ -13,14 +13,14 @@ from ..generation import output
 from ..generation.job import running
 from ..generation.levels import meanings, parse_levels
 from ..operators.base import last_fault
-from ..operators.presets import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
+from ..operators.levels import NESTEDCAGES_PT_method_presets, NESTEDCAGES_PT_presets
 from ..properties import conversion, groups
 from ..properties.level_list import VALUES
 from ..properties.settings import NestedCagesSettings, copy_values, settings_of
 from ..scene import ownership, units
-from ..scene.counting import loop_sizes
 from ..scene.selection import chosen, collection_of_active, outputs_of_active, scene_of
-from . import character, motion, result
+from ..scene.units import loop_sizes
+from . import result
 
 CATEGORY = "Nested Cages"
 
@@ -149,7 +149,7 @@ class VIEW3D_PT_nested_cages_character(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout: Any = self.layout
-        character.draw(layout, context)
+        result.draw_character(layout, context)
 
 
 class VIEW3D_PT_nested_cages_motion(SidebarPanel, bpy.types.Panel):
@@ -183,7 +183,7 @@ class VIEW3D_PT_nested_cages_result(SidebarPanel, bpy.types.Panel):
         if any(ownership.is_bound(each) or record.of(each).moving for each in found):
             column.operator("object.nested_cages_verify", text="Verify Whole Animation", icon="SEQUENCE").whole = True
         column.operator("object.nested_cages_report", icon="TEXT")
-        motion.draw_live(column, result.NOTE_WIDTH)
+        result.draw_live(column)
 
 
 class VIEW3D_PT_nested_cages_use(SidebarPanel, bpy.types.Panel):

@@ -35,7 +35,6 @@ from nestedcages_core import (
     TimeOfImpact,
     TwoSidedFlow,
     UniformGrid,
-    VelocityFilter,
 )
 from nestedcages_core.energies import Energy
 from nestedcages_core.flow import FlowMethod
@@ -51,7 +50,7 @@ BY_NEWTON = replace(
 )  # fmt: skip
 """The energy of 2022 by projected Newton, its further work."""
 
-ORIGINAL, ONE_PROGRAM = "Nested Cages 2015", "2015, one program"
+ORIGINAL = "Nested Cages 2015"
 WRITTEN, REPAIRED, NEWTON = "2022 as written", "2022 repaired", "2022 by Newton"
 SIMPLE, OURS, DEFAULT = "simple cages 2022", "ours", "nested_cages"
 
@@ -61,7 +60,6 @@ TIGHT = Settings(fallback=None, starts=1, flow=TwoSidedFlow(), contact=IPC(), ti
 WHOLE: dict[str, Settings] = {
     SIMPLE: SIMPLE_2022,
     ORIGINAL: NESTED_CAGES_2015,
-    ONE_PROGRAM: replace(NESTED_CAGES_2015, contact=VelocityFilter()),
     WRITTEN: PUBLISHED,
     REPAIRED: AUGMENTED_2022_REPAIRED,
     NEWTON: replace(AUGMENTED_2022_REPAIRED, contact=BY_NEWTON),
@@ -101,7 +99,6 @@ IPC_2020, ENERGY_2022 = "IPC 2020", "energy of 2022"
 CONTACTS: dict[str, Alone] = {
     "IPC, ours": Alone(IPC()),
     "sequential QP": Alone(SequentialQP(), is_descent=False),
-    "velocity filter": Alone(VelocityFilter()),
     "El Topo": Alone(ElTopo(energy=Area(), final_energy=NoEnergy())),
     IPC_2020: Alone(OriginalIPC()),
     ENERGY_2022: Alone(BY_NEWTON),

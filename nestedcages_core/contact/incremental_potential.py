@@ -11,7 +11,7 @@ from ..energies.containment_energy import ContainmentEnergy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..geometry.distance import PointEdge
-from ..solver import NewtonModel
+from ..solver.base import NewtonModel
 from .barrier_ranges import BarrierRanges
 from .barrier_sum import BarrierSum
 from .ccd import impacts

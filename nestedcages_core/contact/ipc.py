@@ -12,7 +12,8 @@ from ..energies import Area, Energy
 from ..energies.restoring import Restoring
 from ..geometry.arrays import FloatArray
 from ..parameters import check_not_negative, check_part, check_positive
-from ..solver import ProjectedNewton, Solver
+from ..solver.base import Solver
+from ..solver.newton import ProjectedNewton
 from ..tasks import Stage
 from .barrier_ranges import BarrierRanges
 from .base import ContactOutcome

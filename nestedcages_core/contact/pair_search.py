@@ -11,6 +11,8 @@ from ..errors import NestedCagesError
 from ..geometry.arrays import FloatArray
 from .pairs import Bodies, CandidateList, Pairs, find_pairs
 
+__all__ = ["AllPairs", "BroadPhase", "Cells", "UniformGrid"]
+
 MAX_PAIRS = 20_000_000
 """Maximum number of pairs stored: more would not fit into the memory of a small machine."""
 

@@ -14,7 +14,6 @@ from ..geometry.mesh import Mesh, Nesting
 from ..geometry.vectors import cross, norm
 from .base import LEAST_PER_LOOP, Count, checked_budget
 from .hull.apportion import padded
-from .hull.small_holes import with_room
 
 TIE_TOLERANCE = 1e-9
 """Lengths, in diagonals, that differ by less count as equal: far above round-off, far below what a user draws."""
@@ -77,7 +76,11 @@ class Request:
 
     def with_room(self, coarse: Mesh, clearance: float) -> Mesh:
         """The coarse mesh with small polygons in holes that the clearance nearly fills; inside there is space."""
-        return with_room(coarse, self.fine, clearance) if self.side > 0 else coarse
+        if self.side < 0 or not (self.fine.loop_signs < 0).any():
+            return coarse
+        from .hull.small_holes import with_room
+
+        return with_room(coarse, self.fine, clearance)
 
     def nests(self, coarse: Mesh) -> bool:
         """Whether each loop of the coarse mesh lies on the right side of its fine one, by exact predicates."""

@@ -5,16 +5,11 @@ from __future__ import annotations
 from .area import Area, signed_area
 from .base import CageEnergy, Energy
 from .blocks import Blocks
-from .no_energy import NoEnergy
-from .weighted_sum import BoundSum, WeightedSum
 
 __all__ = [  # noqa: RUF022 - in the order of explanation
     "Energy",  # what is chosen: the energy of a cage, once its rest shape is known
     "CageEnergy",  # base class: a new energy is its value, gradient and Hessian
     "Blocks",  # a Hessian, in 2 x 2 blocks over the vertices
     "Area",  # the paper's: the area of the cage
-    "NoEnergy",  # zero: the cage moves only where it is pushed
-    "WeightedSum",  # several of them
-    "BoundSum",  # the same for one cage
     "signed_area",  # area enclosed by oriented loops
 ]

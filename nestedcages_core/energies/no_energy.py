@@ -10,6 +10,8 @@ from ..geometry.arrays import FloatArray, IntArray
 from .base import CageEnergy
 from .blocks import Blocks
 
+__all__ = ["NoEnergy"]
+
 
 @dataclass(frozen=True)
 class NoEnergy(CageEnergy):

@@ -13,6 +13,8 @@ from ..geometry.mesh import Mesh
 from .base import CageEnergy, Energy
 from .blocks import Blocks
 
+__all__ = ["BoundSum", "WeightedSum"]
+
 
 @dataclass(frozen=True)
 class WeightedSum:
@@ -45,6 +47,10 @@ class BoundSum(CageEnergy):
     def after(self, cage: FloatArray) -> BoundSum:
         """The sum for the next step."""
         return BoundSum(tuple((weight, energy.after(cage)) for weight, energy in self.terms))
+
+    def with_area(self, measure: CageEnergy) -> BoundSum:
+        """The sum with another measure in the place of the area."""
+        return BoundSum(tuple((weight, energy.with_area(measure)) for weight, energy in self.terms))
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """Infinite where one of the energies is."""

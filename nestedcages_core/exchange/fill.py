@@ -11,12 +11,11 @@ import numpy as np
 
 from ..errors import InvalidMeshError
 from ..geometry.arrays import BoolArray, FloatArray, IntArray
-from ..geometry.broad_phase import near_pairs
 from ..geometry.loops import enclosing_pairs, extreme_places
 from ..geometry.mesh import Mesh
 from ..geometry.predicates import ON_BOUNDARY, winding_number
 from .crossings import edges_in, spend_crossings
-from .hairlines import has_hairlines, without_hairlines, without_short_edges
+from .hairlines import comes_close, has_hairlines, without_hairlines, without_short_edges
 from .libraries import load_shapely
 from .limits import Budget, no_outline
 
@@ -85,7 +84,7 @@ def solid(
     mesh = None
     with suppress(InvalidMeshError):
         mesh = Mesh.from_loops(loops)
-    if mesh is None or _nearly_touches(mesh) or has_hairlines(mesh, max(seam, spike)):
+    if mesh is None or comes_close(mesh, ROUNDING * mesh.diagonal) or has_hairlines(mesh, max(seam, spike)):
         shapely = load_shapely("shapes that overlap or touch")
         return united(shapely, regions(shapely, cleaned, budget), **options)
     kept = _on_the_rim(mesh, cleaned)
@@ -136,7 +135,7 @@ def united(
     Raises InvalidMeshError where nothing is inside, NestedCagesError beyond the budget.
     """
     spend_crossings(edges_in(shapely, parts), budget)
-    bounds = shapely.total_bounds(parts)
+    bounds = shapely.total_bounds(parts) if len(parts) else np.zeros(4)  # nothing is left of a repair
     size = float(np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]))
     if not size > 0.0:
         raise InvalidMeshError("The shapes have no inside.", code="mesh.empty")
@@ -152,7 +151,7 @@ def united(
         except InvalidMeshError as error:
             failed = failed or error
             continue
-        apart = not _nearly_touches(mesh)
+        apart = not comes_close(mesh, ROUNDING * mesh.diagonal)
         found = mesh if apart or found is None else found
         if apart:
             break
@@ -187,14 +186,6 @@ def _without_remnants(rings: list[FloatArray], width: float) -> Mesh:
     """The mesh of rings without the short edges and specks that closed gaps leave. Raises InvalidMeshError."""
     wide = [without_short_edges(ring, width) for ring in rings if np.ptp(ring, axis=0).max() >= width]
     return Mesh.from_loops(wide or rings)
-
-
-def _nearly_touches(mesh: Mesh) -> bool:
-    """Whether parts of a mesh are as close as rounding, apart from short edges and sharp corners."""
-    vertices, successor = mesh.vertices, mesh.successor
-    vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, ROUNDING * mesh.diagonal)
-    end = successor[edge]
-    return bool(((edge != vertex) & (edge != successor[vertex]) & (end != vertex) & (successor[end] != vertex)).any())
 
 
 def rings_of(shapely: Any, geometry: Any) -> list[FloatArray]:
@@ -248,17 +239,12 @@ def _on_the_rim(mesh: Mesh, areas: Sequence[Painted]) -> BoolArray:
     begins = mesh.loop_order.begins
     own = np.where(mesh.successor[begins] == begins + 1, mesh.loop_signs, -mesh.loop_signs)
     owner = np.repeat(np.arange(len(areas)), [len(area.loops) for area in areas])
-    inner, outer = _nesting(mesh)
+    order = mesh.loop_order
+    inner, outer = enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
     itself = np.arange(len(own))
     outside = _any_painted(inner, outer, own, owner, areas)
     inside = _any_painted(np.concatenate((inner, itself)), np.concatenate((outer, itself)), own, owner, areas)
     return np.asarray(outside != inside)
-
-
-def _nesting(mesh: Mesh) -> tuple[IntArray, IntArray]:
-    """Pairs (inner, outer) of loops, (K,), (K,)."""
-    order = mesh.loop_order
-    return enclosing_pairs(order.vertices[extreme_places(order)], order, order.tree)
 
 
 def _any_painted(

@@ -41,8 +41,8 @@ def has_hairlines(mesh: Mesh, width: float) -> bool:
     if not width > 0.0:
         return False
     vertices, after = mesh.vertices, mesh.successor
-    thickness = [2.0 * abs(area) / length for area, length in zip(mesh.loop_areas, _perimeters(mesh), strict=True)]
-    if min(thickness) < width:
+    perimeters = np.array([mesh.edge_lengths[loop].sum() for loop in mesh.loops])
+    if (2.0 * np.abs(mesh.loop_areas) < width * perimeters).any():
         return True
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
@@ -51,10 +51,15 @@ def has_hairlines(mesh: Mesh, width: float) -> bool:
     turn = np.abs(back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0])
     if bool((((back * on).sum(axis=1) > 0.0) & (turn < 2.0 / MITRE_LIMIT * lengths)).any()):
         return True
+    return comes_close(mesh, width)
+
+
+def comes_close(mesh: Mesh, width: float) -> bool:
+    """Whether parts of a mesh are that close, apart from short edges and sharp corners."""
+    vertices, after = mesh.vertices, mesh.successor
     vertex, edge = near_pairs(vertices, vertices, mesh.edge_ends, width)
     end = after[edge]
-    apart = (edge != vertex) & (end != vertex) & (edge != after[vertex]) & (after[end] != vertex)
-    return bool(apart.any())
+    return bool(((edge != vertex) & (end != vertex) & (edge != after[vertex]) & (after[end] != vertex)).any())
 
 
 def without_hairlines(shapely: Any, region: Any, *, gap: float, spike: float = 0.0) -> Hairlines:
@@ -109,10 +114,6 @@ def without_short_edges(ring: FloatArray, width: float) -> FloatArray:
     return ring[kept] if width > 0.0 and kept.sum() > 2 else ring
 
 
-def _perimeters(mesh: Mesh) -> list[float]:
-    return [float(mesh.edge_lengths[loop].sum()) for loop in mesh.loops]
-
-
 def _fills(shapely: Any, region: Any, width: float) -> list[Any]:
     """What has to be added to a region so that no gap in it is narrower."""
     reach, margin = 0.5 * width, MARGIN * width
@@ -165,7 +166,5 @@ def _parts_at(shapely: Any, parts: Any, found: Any) -> list[Any]:
     """The polygons that have an area in common with others, which are what is narrow beyond rounding."""
     candidates = [part for part in shapely.get_parts(parts) if part.geom_type == "Polygon"]
     places = shapely.point_on_surface(shapely.get_parts(found))
-    return [
-        candidates[k]
-        for k in np.unique(shapely.STRtree(candidates).query(places, predicate="dwithin", distance=0.0)[1])
-    ]
+    touched = shapely.STRtree(candidates).query(places, predicate="dwithin", distance=0.0)[1]
+    return [candidates[k] for k in np.unique(touched)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from .base import FlowMethod, FlowResult, Obstacle
-from .shrinking import shrink
 from .two_sided import TwoSidedFlow
 
-__all__ = ["FlowMethod", "FlowResult", "Obstacle", "TwoSidedFlow", "shrink"]
+__all__ = ["FlowMethod", "FlowResult", "Obstacle", "TwoSidedFlow"]

@@ -23,8 +23,8 @@ STRIP_COST = 5
 ALL_BOXES_LIMIT = 200_000
 """Number of tests of points against boxes up to which a grid takes longer (measured)."""
 
-MAX_CELLS = 1000
-"""Maximum number of cells along the longer side; bounds the pieces of long edges."""
+PIECES, LEAST_CELLS = 0.25, 16
+"""Cells along all edges together, per point and edge, and along the longer side at least (measured)."""
 
 CHUNK_PAIRS = 2_000_000
 """Pairs measured together; bounds the memory to about 300 MB."""
@@ -107,17 +107,16 @@ def _near_pairs_by_cells(
     points: FloatArray, starts: FloatArray, ends: FloatArray, radius: float
 ) -> tuple[IntArray, IntArray]:
     low, high = bounds(np.concatenate([points, starts, ends]))
-    extent = float((high - low).max())
     lengths = np.hypot(*(ends - starts).T)
-    cell = max(radius, extent / MAX_CELLS, 0.5 * min(float(np.median(lengths)), extent / 8.0))
+    pieces = PIECES * (len(points) + len(starts))
+    cell = max(radius, min(float(lengths.sum()) / pieces, float((high - low).max()) / LEAST_CELLS), SMALLEST_LENGTH)
     columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 1).tolist()
 
-    # points sorted by cell; first[c] is where cell c begins
+    # points sorted by cell
     cell_of_point = np.floor((points - low) / cell).astype(np.int64)
     code = cell_of_point[:, 0] * rows + cell_of_point[:, 1]
     order = np.argsort(code, kind="stable")
-    first = np.zeros(columns * rows + 1, np.int64)
-    np.cumsum(np.bincount(code, minlength=columns * rows), out=first[1:])
+    code = code[order]
 
     # pieces of edges, and for each the columns that its neighbourhood covers
     piece_count = np.maximum(np.ceil(lengths / cell).astype(np.int64), 1)
@@ -133,9 +132,8 @@ def _near_pairs_by_cells(
     covered = np.maximum(to_cell[:, 0] - from_cell[:, 0] + 1, 0)
     piece = np.repeat(np.arange(len(edge)), covered)
     column = position_in_group(covered) + from_cell[piece, 0]
-    begin = first[column * rows + from_cell[piece, 1]]
-    stop = first[column * rows + np.maximum(to_cell[piece, 1], from_cell[piece, 1] - 1) + 1]
-    count = np.maximum(stop - begin, 0)
+    begin = np.searchsorted(code, column * rows + from_cell[piece, 1])
+    count = np.maximum(np.searchsorted(code, column * rows + to_cell[piece, 1], "right") - begin, 0)
     occupied = count > 0
     piece, begin, count = piece[occupied], begin[occupied], count[occupied]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
-from ..flow import shrink
+from ..flow.shrinking import shrink
 from ..geometry.arrays import FloatArray
 from ..verification.motion import certify_motion
 from .report import Level

@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..decimation.choices import EdgeCollapse
-from ..energies import Area, NoEnergy
+from ..energies import Area
+from ..energies.no_energy import NoEnergy
 from ..geometry.quadrature import Midpoint
 from ..hierarchy import Settings
 from ..tightening import Tightening

@@ -12,6 +12,8 @@ from ..tasks import Stage
 from .base import Objective, SolverResult
 from .line_search import backtrack
 
+__all__ = ["ProjectedNewton"]
+
 STALLED_AFTER = 12
 """Number of steps that must together gain more than the tolerance of one step; otherwise contact blocks them."""
 

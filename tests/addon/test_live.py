@@ -50,7 +50,7 @@ def switched_on(make, levels="24, 12"):
 
 def holds(core, addon, collection, obj) -> bool:
     """Whether the cages enclose the drawing of now, as stored."""
-    drawing = addon.following.editing.drawing_now(bpy.context, obj, addon.scene.convert.ReadingOptions())
+    drawing = addon.following.poses.drawing_now(bpy.context, obj, addon.scene.convert.ReadingOptions())
     meshes = [drawing.mesh()]
     for member in addon.scene.ownership.members(collection)[1:]:
         meshes.append(core.Mesh(evaluated(member)[:, :2].astype(float), edges_of(member)))
@@ -234,14 +234,14 @@ def test_the_panel_says_whether_the_cages_are_behind(addon, live, tick) -> None:
     layout = SimpleNamespace(operator=lambda *_, **__: None, label=lambda text, **_: said.append(text))
     layout.column = lambda **_: layout
     tick()
-    addon.ui.motion.draw_live(layout, 36)
+    addon.ui.result.draw_live(layout)
     move_points(obj, 1.1)
     bpy.context.view_layer.update()
-    addon.ui.motion.draw_live(layout, 36)
+    addon.ui.result.draw_live(layout)
     tick()
-    addon.ui.motion.draw_live(layout, 36)
+    addon.ui.result.draw_live(layout)
     bpy.ops.object.nested_cages_live()
-    addon.ui.motion.draw_live(layout, 36)
+    addon.ui.result.draw_live(layout)
     assert said == ["Up to date", "Out of date", "Up to date"]
 
 
@@ -258,6 +258,7 @@ def test_a_modifiers_slider_is_followed(addon, core, live, tick) -> None:
         assert not live.current().behind and holds(core, addon, collection, obj)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("levels", "settings"), [("0.05u", {}), ("24, +20%", {}), ("24, 12", {"clearance": 0.05})])
 def test_a_cage_keeps_the_promises_that_it_was_made_with(addon, core, live, tick, levels, settings) -> None:
     """Whatever the panel shows; a step that would break one makes the cages again."""

@@ -31,7 +31,6 @@ EXPECTED = {
     ("contact", "SEQUENTIAL_QP"): "SequentialQP",
     ("contact", "IPC_2020"): "OriginalIPC",
     ("contact", "EL_TOPO"): "ElTopo",
-    ("contact", "VELOCITY_FILTER"): "VelocityFilter",
     ("contact", "PAPER"): "PaperContact",
     ("flow", "TWO_SIDED"): "TwoSidedFlow",
     ("flow", "SIGNED_DISTANCE"): "SignedDistanceFlow",
@@ -126,8 +125,8 @@ def test_the_paper_s_contact_brings_its_partners_and_repairs_are_switches(addon,
     )
 
 
-def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:
-    methods = addon.generation.methods.Methods(contact="VELOCITY_FILTER", energy="SHAPE_KEEPING")
+def test_el_topo_expands_without_an_energy(addon, core) -> None:
+    methods = addon.generation.methods.Methods(contact="EL_TOPO", energy="SHAPE_KEEPING")
     assert methods.settings().contact.energy == core.NoEnergy()
     assert replace(methods, expansion_energy="SAME").settings().contact.energy == core.ShapeKeeping()
     assert replace(methods, contact="IPC").settings().contact.energy == core.ShapeKeeping()
@@ -141,7 +140,6 @@ def test_the_velocity_filter_expands_without_an_energy(addon, core) -> None:
         ({"step_filter": "NONE"}, "'Step Filter' does not apply .* Contact › IPC, Contact › The Paper's"),
         ({"contact": "SEQUENTIAL_QP", "broad_phase": "CELLS"}, "'Broad Phase' does not apply"),
         ({"contact": "SEQUENTIAL_QP", "solver": "GRADIENT_DESCENT"}, "'Solver' does not apply"),
-        ({"contact": "VELOCITY_FILTER", "solver": "PROJECTED_NEWTON"}, "'Solver' does not apply"),
         ({"contact": "SEQUENTIAL_QP", "expansion_energy": "AREA"}, "'While Growing' does not apply"),
         ({"quadrature": "MIDPOINT"}, "'Quadrature' does not apply .* choose Flow › Signed Distance"),
     ],

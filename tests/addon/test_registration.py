@@ -76,7 +76,7 @@ def test_the_operator_and_the_scene_have_the_same_settings(extension, addon) -> 
 PRESETS = ("Collision", "Outline", "Rig", "Tight", "IPC 2022 Repaired", "Nested Cages 2015", "Simple Cages 2022")
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", [*PRESETS[:4], *(pytest.param(name, marks=pytest.mark.slow) for name in PRESETS[4:])])
 def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name) -> None:
     """Whatever was chosen before; cages are equally tight around a drawing of any size."""
     settings = bpy.context.scene.nested_cages
@@ -86,8 +86,8 @@ def test_a_preset_sets_all_that_makes_a_cage_relative_to_the_drawing(addon, name
     for key, value in (own | strange).items():
         setattr(settings, key, value)
     assert bpy.ops.scene.nested_cages_use_preset(name=name) == {"FINISHED"}
-    kept = addon.operators.presets.KEPT
-    (chosen,) = (kind[name][1] for kind in addon.operators.presets.PRESETS.values() if name in kind)
+    kept = addon.operators.levels.KEPT
+    (chosen,) = (kind[name][1] for kind in addon.operators.levels.PRESETS.values() if name in kind)
     for key in addon.properties.settings.NAMES:
         default = settings.bl_rna.properties[key]
         expected = chosen.get(key, default.default_flag if getattr(default, "is_enum_flag", False) else default.default)
@@ -136,6 +136,7 @@ def test_appended_nodes_are_those_of_their_script(addon) -> None:
     assert nodes.group(nodes.FILL) == bpy.data.node_groups[nodes.FILL] and len(bpy.data.node_groups) == len(
         script.GROUPS
     )
+    assert not bpy.data.libraries
     nodes.remove_unused()
     assert {tree.name for tree in bpy.data.node_groups} == {nodes.FILL, nodes.THICKNESS}
 

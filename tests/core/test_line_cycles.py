@@ -30,7 +30,7 @@ from nestedcages_core.decimation.line_cycles.shortest_cycles import Paths
 from nestedcages_core.decimation.line_cycles.turns import Turns
 from nestedcages_core.decimation.request import Request
 from nestedcages_core.tasks import drain
-from shapes import annulus, assert_nested, comb, islands, letter_a, polygon, ring, star
+from shapes import annulus, assert_nested, comb, disc, islands, letter_a, polygon, ring, star
 
 RANDOM = np.random.default_rng(5)
 
@@ -145,6 +145,12 @@ def test_cages_are_the_same_in_every_position(angle: float) -> None:
         )
         excess = [nested_cages(mesh, 20).levels[0].report.excess for mesh in (fine, turned)]
         assert excess[1] == pytest.approx(excess[0], rel=0.01)
+
+
+def test_more_vertices_are_never_worse_where_one_loop_has_long_edges() -> None:
+    fine = Mesh.from_loops([disc(24, 2.0, 0.0, 0.0), disc(40, 1.0, 10.0, 0.0), disc(44, 1.0, 0.0, 10.0)])
+    areas = [LineCycles().decimate(fine, count).area for count in (48, 50, 52, 55)]
+    assert areas == sorted(areas, reverse=True)
 
 
 def test_both_ways_of_starting_lead_to_the_same_cage() -> None:

@@ -20,7 +20,7 @@ from nestedcages_core import (
 from nestedcages_core.geometry.triangulation import Sampling
 from nestedcages_core.published.gurditta_jacobson_2022 import PaperContact, SignedDistanceFlow
 from nestedcages_core.published.li_2020 import OriginalIPC
-from nestedcages_core.published.sacht_2015 import ElTopo, VelocityFilter
+from nestedcages_core.published.sacht_2015 import ElTopo
 
 BAD = {
     "around": (lambda: OnCurve(around=8), "OnCurve: around must be an object such as LineCycles"),  # type: ignore[arg-type]
@@ -48,7 +48,6 @@ PARTS = [
     (OriginalIPC, "energy"),
     (ElTopo, "energy"),
     (ElTopo, "final_energy"),
-    (VelocityFilter, "energy"),
     (SignedDistanceFlow, "quadrature"),
     (LevelSet, "simplification"),
     (Tightening, "solver"),

@@ -18,12 +18,12 @@ from nestedcages_core import (
     nested_cages,
     verify_motion,
 )
-from nestedcages_core.contact import AllPairs, BroadPhase, UniformGrid
+from nestedcages_core.contact.pair_search import AllPairs, BroadPhase, UniformGrid
 from nestedcages_core.contact.pairs import Bodies, find_pairs
 from nestedcages_core.contact.reinflation import Reinflation, reinflate
 from nestedcages_core.contact.step_filter import NoFilter, SmallestDistance, StepFilter, TimeOfImpact
-from nestedcages_core.energies import NoEnergy
 from nestedcages_core.energies.choices.autodiff import points_of
+from nestedcages_core.energies.no_energy import NoEnergy
 from nestedcages_core.level.units import SolverUnits
 from nestedcages_core.published.gurditta_jacobson_2022 import (
     GradientDescent,
@@ -35,7 +35,7 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
 from nestedcages_core.published.gurditta_jacobson_2022.potential import PaperPotential, PaperWeights
 from nestedcages_core.published.gurditta_jacobson_2022.ray_parity import edges_meet, inside_by_parity
 from nestedcages_core.published.settings import AUGMENTED_2022
-from nestedcages_core.solver import Solver
+from nestedcages_core.solver.base import Solver
 from nestedcages_core.tasks import drain
 from shapes import annulus, assert_nested, ring
 

@@ -16,9 +16,9 @@ from nestedcages_core.published.gurditta_jacobson_2022 import (
     SignedDistanceFlow,
 )
 from nestedcages_core.published.li_2020 import OriginalIPC
-from nestedcages_core.published.sacht_2015 import ElTopo, VelocityFilter
+from nestedcages_core.published.sacht_2015 import ElTopo
 from nestedcages_core.published.sellan_2022 import LevelSet
-from nestedcages_core.solver import ProjectedNewton
+from nestedcages_core.solver.newton import ProjectedNewton
 from nestedcages_core.solver.quadratic_program import InteriorPoint
 
 POSITIVE = {
@@ -29,7 +29,6 @@ POSITIVE = {
     SignedDistanceFlow: ("step",),
     ElTopo: ("proximity", "room", "final_proximity", "first_step", "smallest_step", "still"),
     OriginalIPC: ("d_hat", "stiffness", "tolerance"),
-    VelocityFilter: ("proximity", "room", "first_step", "smallest_step", "still", "stride"),
 }
 NOT_NEGATIVE = {
     ProjectedNewton: ("tolerance",),
@@ -44,7 +43,6 @@ COUNTS = {  # and the least count
     SignedDistanceFlow: {"limit": 1},
     ElTopo: {"iterations": 1},
     OriginalIPC: {"iterations": 1},
-    VelocityFilter: {"iterations": 1},
     LevelSet: {"cells": 1},
     RandomSamples: {"samples": 1, "seed": 0, "step": 0},
 }

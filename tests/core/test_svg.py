@@ -279,6 +279,9 @@ def test_blurred_shadows_widen_what_is_painted() -> None:
     assert np.ptp(from_svg(svg(shadow.format("") + rect), opacity=0.5).vertices[:, 0]) == pytest.approx(100.0)
     both = shadow.format('<feOffset dx="50"/><feMerge><feMergeNode/><feMergeNode in="SourceGraphic"/></feMerge>')
     assert np.ptp(from_svg(svg(both + rect), opacity=0.5).vertices[:, 0]) == pytest.approx(150.0)
+    floods = shadow.format('<feFlood flood-opacity="{}" result="b"/><feBlend in="SourceGraphic" in2="b"/>')
+    widths = [np.ptp(from_svg(svg(floods.format(share) + rect)).vertices[:, 0]) for share in (0, 1)]
+    assert widths == pytest.approx([100.0, 300.0])
     unknown = svg_drawing(svg('<filter id="f"><feTurbulence/></filter>' + rect))
     assert unknown.notes == ("Left out: 1 filter.",)
     assert unknown.mesh.area == 10_000.0

@@ -16,8 +16,9 @@ from ...geometry.mesh import Mesh
 from ...geometry.mesh.validation import place as in_words
 from ...tasks import Stage, mapped
 from ..request import Request
-from .clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps, without_small_details
+from .clearing import cleared, without_small_details
 from .hull_moves import Weights
+from .narrow_gaps import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, without_gaps
 from .offset import offsetting
 from .progressive_hull import ProgressiveHull
 

@@ -146,7 +146,7 @@ class Around:
         if any(chain.length == 0.0 for chain in chains):
             raise NoCyclesError("A loop is as small as round-off.", code="count.too_small")
         deserved = weights(chains, target)
-        whole = sum(float(weight.sum()) for weight in deserved)
+        whole, length = sum(float(weight.sum()) for weight in deserved), sum(chain.length for chain in chains)
         found: list[tuple[Lines, IntArray, float, float]] = []
         for chain, weight in zip(chains, deserved, strict=True):
             share = float(weight.sum()) / whole
@@ -154,7 +154,8 @@ class Around:
             at = places(chain, weight, min(count, max(chain.size, 6)))
             if len(chain.pins):
                 at = np.union1d(at, chain.pins)
-            deserved_lines = USUAL_SHARE * target * share
+            # long edges deserve few places, but a line each
+            deserved_lines = USUAL_SHARE * target * max(share, chain.length / length)
             expected = max(float(LEAST_PER_LOOP), min(len(at) / PLACES_PER_VERTEX, deserved_lines))
             lines = candidates(chain, at, LONGEST_STRETCH * len(at) / expected, self.shift)
             yield

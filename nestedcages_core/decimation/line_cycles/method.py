@@ -23,8 +23,7 @@ from ...parameters import check_flag, check_side
 from ...tasks import Stage, drain, mapped
 from ..alike import AsymmetricError, symmetrised
 from ..base import Count, Start
-from ..hull.clearing import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, cleared, without_gaps
-from ..hull.offset import offsetting
+from ..hull.narrow_gaps import CLEARANCE_RESERVE, CLOSED_GAP_WIDTH, HULL_OFFSET, without_gaps
 from ..hull.outer_hull import SOURCE as HULL
 from ..hull.outer_hull import OuterHull
 from ..on_curve import closest_on_curve
@@ -87,6 +86,19 @@ class LineCycles:
     def inside(self) -> LineCycles:
         """The same for meshes inside the fine one."""
         return replace(self, on_curve=False, side=-1)
+
+    def keeping(self, symmetry: Symmetry) -> LineCycles:
+        """The same with a symmetry."""
+        return replace(self, symmetry=symmetry)
+
+    def preferring(self, symmetry: Symmetry) -> LineCycles:
+        """The same with a symmetry where that costs little, unless one is chosen."""
+        chosen = self.symmetry is not None or self.preferred is not None
+        return self if chosen else replace(self, preferred=symmetry)
+
+    def respecting(self, importance: Importance) -> LineCycles:
+        """The same with more lines where vertices matter."""
+        return replace(self, importance=importance)
 
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
@@ -167,6 +179,9 @@ def _next_to_offset(
     method: LineCycles, request: Request, outline: Loops, distance: float, clearance: float
 ) -> Stage[float, tuple[Mesh, int]]:
     """`cycles_around` with lines next to the strict offset, in which gaps are narrow or filled."""
+    from ..hull.clearing import cleared  # few outlines need an offset
+    from ..hull.offset import offsetting
+
     offset, stuck = yield from mapped(offsetting(outline, distance, request.fine.edge_tree), lambda _: 0.0)
     if len(stuck):
         raise NoCyclesError("Gaps are too narrow for an offset.", code="count.too_small")

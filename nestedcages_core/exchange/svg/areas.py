@@ -115,21 +115,16 @@ class Areas:
 
     def _painted(self, shape: Shape, paint: Paint, areas: list[Area], outer: FloatArray) -> list[Area]:
         """The visible parts of areas."""
-        if not paint.opacity > self.options.faintest:
-            return []
-        if paint.gradient is None:
-            return areas
-        alphas = np.array([stop.colour.alpha for stop in paint.gradient.stops]) * paint.opacity
-        if (alphas > self.options.faintest).all():
-            return areas
-        if not (alphas > self.options.faintest).any():
-            return []
+        seen = paint.alphas > self.options.faintest
+        if paint.gradient is None or seen.all() or not seen.any():
+            return areas if seen.all() else []
         shapely = load_shapely("gradients that fade away")
         whole = union_of(shapely, areas, self.budget)
         matrix = outer @ shape.matrix
         box = _box(self._outline(replace(shape, matrix=np.eye(3)), np.eye(3)))
-        seen = visible(shapely, paint.gradient, alphas, self.options.faintest, box, matrix, shapely.bounds(whole))
-        return [self._of_two(shapely.intersection, whole, seen)]
+        gradient, faintest = paint.gradient, self.options.faintest
+        part = visible(shapely, gradient, paint.alphas, faintest, box, matrix, shapely.bounds(whole))
+        return [self._of_two(shapely.intersection, whole, part)]
 
     def _stroked(self, shape: Shape, stroke: Stroke, matrix: FloatArray) -> list[Area]:
         """The area of a stroke."""
@@ -181,8 +176,9 @@ class Areas:
     def _filtered(self, areas: list[Area], group: Group, by: Filter, outer: FloatArray) -> Area:
         """The areas of a group after a filter."""
         shapely = load_shapely("filters")
-        opacity = max(paint.opacity for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint)
-        source = Layer(union_of(shapely, areas, self.budget), opacity)
+        paints = [paint for shape in group.shapes() for paint in (shape.fill, shape.stroke_paint) if paint]
+        sharp = any((paint.alphas > self.options.faintest).all() for paint in paints)
+        source = Layer(union_of(shapely, areas, self.budget), max(paint.opacity for paint in paints), sharp)
         return filtered(shapely, source, by, outer @ by.matrix, self.options.faintest)
 
     def _masked(self, content: Group, outer: FloatArray) -> list[Area]:
@@ -190,7 +186,13 @@ class Areas:
         shapely = load_shapely("masks")
         kept: list[Any] = []
         for shape in content.shapes():
-            for paint, part in self._layers(shape, outer):
+            matrix = outer @ shape.matrix
+            layers: list[tuple[Paint, Sequence[Area]]] = []
+            if shape.fill is not None:
+                layers.append((shape.fill, [self._filled(shape, matrix)]))
+            if shape.stroke is not None and shape.stroke_paint is not None:
+                layers.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
+            for paint, part in layers:
                 light = paint.opacity * paint.colour.luminance
                 if paint.gradient is not None:
                     kept += self._painted(shape, replace(paint, gradient=paint.gradient.as_light()), list(part), outer)
@@ -204,16 +206,6 @@ class Areas:
             clipped = self._clipped(clipped, content, clip, outer)
         return clipped
 
-    def _layers(self, shape: Shape, outer: FloatArray) -> list[tuple[Paint, Sequence[Area]]]:
-        """Fill and stroke of a shape in a mask, each with its area."""
-        matrix = outer @ shape.matrix
-        found: list[tuple[Paint, Sequence[Area]]] = []
-        if shape.fill is not None:
-            found.append((shape.fill, [self._filled(shape, matrix)]))
-        if shape.stroke is not None and shape.stroke_paint is not None:
-            found.append((shape.stroke_paint, self._stroked(shape, shape.stroke, matrix)))
-        return found
-
 
 def _box(outlines: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Lower left and upper right corner."""
@@ -225,7 +217,7 @@ def _is_box_around(area: Any, low: FloatArray, high: FloatArray) -> bool:
     """Whether an area is a rectangle along the axes that covers another one."""
     if not isinstance(area, Painted) or len(area.loops) != 1:
         return False
-    loop = area.loops[0]
-    corners = np.unique(loop, axis=0)
-    is_rectangle = len(corners) == 4 and all(len(np.unique(corners[:, axis])) == 2 for axis in (0, 1))
-    return is_rectangle and bool((loop.min(axis=0) <= low).all() and (loop.max(axis=0) >= high).all())
+    (loop,) = area.loops
+    least, most = loop.min(axis=0), loop.max(axis=0)
+    is_rectangle = len(loop) in (4, 5) and all(len(np.unique(loop[:, axis])) == 2 for axis in (0, 1))
+    return is_rectangle and len(np.unique(loop, axis=0)) == 4 and bool((least <= low).all() and (most >= high).all())

@@ -22,6 +22,9 @@ BOX = 3.0 * np.sqrt(2.0 * np.pi) / 4.0
 BLUR_SEGMENTS = 16
 """Chords of a quarter circle around a blurred corner."""
 
+FADING_REACH = 0.55
+"""Reach of the blur of a shape that fades towards its edge, relative to one that does not (measured)."""
+
 MAX_LAYERS = 256
 """Maximum number of layers of a filter; each merge can double them."""
 
@@ -37,6 +40,8 @@ class Layer(NamedTuple):
 
     region: Any
     alpha: float
+    sharp: bool = True
+    """Whether it ends at its edge, instead of fading away towards it, so that blurring widens it more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +73,7 @@ def filtered(shapely: Any, source: Layer, by: Filter, matrix: FloatArray, fainte
         low, high = np.reshape(region.bounds, (2, 2))
         corners = low + corners * (high - low)
     whole = shapely.box(*corners.ravel())
-    step = _Step(shapely, by.styles, whole, faintest, [Layer(region, source.alpha)])
+    step = _Step(shapely, by.styles, whole, faintest, [source._replace(region=region)])
     for child in by.item:
         if name_of(child) in KNOWN:
             step.last = KNOWN[name_of(child)](step, child)
@@ -113,16 +118,17 @@ class _Step:
             return layers
         unit = np.clip(deviations, LEAST_RATIO * largest, largest)
         found = []
-        for region, alpha in layers:
-            if alpha > self.faintest:
-                region = self.shapely.transform(region, lambda xy: xy / unit)
-                region = self.shapely.buffer(region, _reach(self.faintest / alpha), quad_segs=BLUR_SEGMENTS)
-                found.append(Layer(self.shapely.transform(region, lambda xy: xy * unit), alpha))
+        for layer in layers:
+            if layer.alpha > self.faintest:
+                reach = _reach(self.faintest / layer.alpha) * (1.0 if layer.sharp else FADING_REACH)
+                region = self.shapely.transform(layer.region, lambda xy: xy / unit)
+                region = self.shapely.buffer(region, reach, quad_segs=BLUR_SEGMENTS)
+                found.append(layer._replace(region=self.shapely.transform(region, lambda xy: xy * unit)))
         return found
 
     def offset(self, layers: Layers, item: ET.Element, missing: float = 0.0) -> Layers:
         by = np.array([_numbers(item, key, missing)[0] for key in ("dx", "dy")])
-        return [Layer(self.shapely.transform(region, lambda xy: xy + by), alpha) for region, alpha in layers]
+        return [layer._replace(region=self.shapely.transform(layer.region, lambda xy: xy + by)) for layer in layers]
 
 
 def _reach(share: float) -> float:
@@ -140,7 +146,7 @@ def _numbers(item: ET.Element, key: str, missing: float = 0.0) -> FloatArray:
 
 def _shadow(step: _Step, item: ET.Element) -> Layers:
     source, opacity = step.input(item), share(step.styles.own(item).get("flood-opacity"))
-    shadow = [Layer(region, alpha * opacity) for region, alpha in source]
+    shadow = [layer._replace(alpha=layer.alpha * opacity) for layer in source]
     return [*step.offset(step.blurred(shadow, _numbers(item, "stdDeviation", 2.0)), item, 2.0), *source]
 
 
@@ -149,8 +155,11 @@ def _colour_matrix(step: _Step, item: ET.Element) -> Layers:
     values = numbers(item.get("values", ""))
     if item.get("type", "matrix") != "matrix" or len(values) != 20:
         return step.input(item)
-    faded = [Layer(region, min(max(values[18] * alpha + values[19], 0.0), 1.0)) for region, alpha in step.input(item)]
-    return [Layer(step.whole, min(max(values[19], 0.0), 1.0)), *faded]
+
+    def changed(layer: Layer) -> Layer:
+        return layer._replace(alpha=min(max(values[18] * layer.alpha + values[19], 0.0), 1.0))
+
+    return [changed(Layer(step.whole, 0.0)), *map(changed, step.input(item))]
 
 
 def _composite(step: _Step, item: ET.Element) -> Layers:

@@ -12,7 +12,7 @@ import numpy as np
 from ...geometry.arrays import FloatArray
 from ..libraries import load_css
 from .document import Document
-from .lengths import attribute, link_of, name_of, share
+from .lengths import link_of, measure, name_of, share
 from .style import Style, Styles
 
 URL = re.compile(r"url\(\s*['\"]?\s*(#[^'\")\s]*)\s*['\"]?\s*\)\s*(.*)", re.DOTALL)
@@ -67,6 +67,12 @@ class Paint:
     opacity: float
     colour: Colour = Colour()
     gradient: Gradient | None = None
+
+    @property
+    def alphas(self) -> FloatArray:
+        """Opacities of the stops, or the one of a colour."""
+        stops = self.gradient.stops if self.gradient else ()
+        return self.opacity * np.array([stop.colour.alpha for stop in stops] or [1.0])
 
     @property
     def rgba(self) -> tuple[float, float, float, float]:
@@ -177,15 +183,10 @@ class Paints:
 
     def _numbers(self, given: Mapping[str, str], radial: bool, of_box: bool) -> tuple[float, ...]:
         """Lengths of a gradient; percentages refer to the box or the page."""
-        item = ET.Element("gradient", dict(given))
+        viewport = self.document.viewport.sized(1.0, 1.0) if of_box else self.document.viewport
 
         def length(key: str, default: str) -> float:
-            text = given.get(key) or default
-            if of_box and text.strip().endswith("%"):
-                item.set(key, repr(_per_cent(text)))
-            else:
-                item.set(key, text)
-            return attribute(item, key, self.document.viewport)
+            return measure(given.get(key) or default, key, f"{key} of the gradient", viewport)
 
         if not radial:
             return length("x1", "0%"), length("y1", "0%"), length("x2", "100%"), length("y2", "0%")
@@ -203,10 +204,3 @@ class Paints:
             before = stops[-1].offset if stops else 0.0
             stops.append(Stop(max(share(child.get("offset"), 0.0), before), replace(colour, alpha=alpha)))
         return stops
-
-
-def _per_cent(text: str) -> float:
-    try:
-        return float(text.strip()[:-1]) / 100.0
-    except ValueError:
-        return 0.0

@@ -212,10 +212,7 @@ def _as_outline(shape: Shape) -> Shape | None:
 
 
 def _is_seen(paint: Paint | None, options: SvgOptions) -> bool:
-    if paint is None or not paint.opacity > options.faintest:
-        return False
-    stops = paint.gradient.stops if paint.gradient else ()
-    return not stops or any(paint.opacity * stop.colour.alpha > options.faintest for stop in stops)
+    return paint is not None and bool((paint.alphas > options.faintest).any())
 
 
 def _size(group: Group, page: Box | None) -> float:

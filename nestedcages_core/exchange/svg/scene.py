@@ -61,13 +61,9 @@ class Scene:
         self.budget = Budget(options.limits)
         self.outlines: dict[tuple[ET.Element, Viewport], list[Subpath]] = {}
         check_names(document, options)
-        whole = Context(
-            np.eye(3),
-            document.viewport,
-            in_element=options.element is None,
-            in_layer=not options.layers,
-        )
         self.root = Group()
+        in_element, in_layer = options.element is None, not options.layers
+        whole = Context(np.eye(3), document.viewport, in_element=in_element, in_layer=in_layer)
         self._add(document.root, whole, self.root)
 
     def _add(self, item: ET.Element, around: Context, to: Group) -> None:
@@ -211,11 +207,7 @@ class Scene:
         )
         marked = any(style.get(f"marker-{place}", "none") != "none" for place in PLACES)
         if marked and name_of(item) in MARKED:
-            width = (
-                stroke.width
-                if stroke
-                else measure(style.get("stroke-width", "1"), "r", "stroke-width", context.viewport, 1.0)
-            )
+            width = measure(style.get("stroke-width", "1"), "r", "stroke-width", context.viewport, 1.0)
             for vertex in vertices(subpaths):
                 self._add_marker(vertex, width, context, group)
 

@@ -19,7 +19,7 @@ from ...contact.step_filter import NoFilter, StepFilter
 from ...energies import Area, Energy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_flag, check_part, check_positive
-from ...solver import Solver
+from ...solver.base import Solver
 from ...tasks import Stage
 from .flow import PAPER_DIAGONAL
 from .gradient_descent import GradientDescent

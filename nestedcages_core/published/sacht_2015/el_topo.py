@@ -16,7 +16,8 @@ import numpy as np
 from ...contact.base import ContactOutcome
 from ...contact.ccd import HIT_DISTANCE, impacts
 from ...contact.pairs import Bodies, CandidateList, Pairs
-from ...energies import Area, Energy, NoEnergy
+from ...energies import Area, Energy
+from ...energies.no_energy import NoEnergy
 from ...geometry.arrays import FloatArray
 from ...parameters import check_count, check_part, check_positive
 from ...tasks import Stage

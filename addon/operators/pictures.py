@@ -1,4 +1,4 @@
-"""Cutout: pictures as meshes that their cages move."""
+"""Pictures: cutouts as meshes that their cages move, and outlines of images."""
 
 from __future__ import annotations
 
@@ -19,19 +19,40 @@ from ..generation import output
 from ..generation.generate import Generation, Options, Request, Result
 from ..generation.job import Work, completed
 from ..generation.levels import parse_levels
-from ..io import cutout
-from ..io.cutout import Canvas
-from ..io.image_outline import Picture
+from ..io import pictures
+from ..io.pictures import Canvas, Picture
 from ..keys import found_object
-from ..properties import conversion, picture
-from ..properties.kinds import flag, text, whole
-from ..properties.picture import PictureProperties
+from ..properties import conversion
+from ..properties.kinds import flag, number, text, whole
 from ..properties.settings import settings_of
 from ..scene import ownership, units
 from ..scene.convert import Drawing
 from ..scene.filling import mesh_of
 from ..scene.selection import scene_of, select
 from .base import DialogJobOperator
+
+
+class PictureProperties:
+    """Properties of operators on pictures: how to outline opaque pixels."""
+
+    padding: number(
+        "Padding",
+        "Distance in pixels between the outline and opaque pixels; none, unless set, around an opaque tile",
+        default=1.0,
+        min=0.0,
+        soft_max=32.0,
+    )
+    threshold: number("Threshold", "Opacity above which a pixel counts as opaque", min=0.0, max=1.0, subtype="FACTOR")
+    holes: flag("Holes", "Keep holes open instead of filling them")
+
+
+# Their names, which are those of the core's options.
+NAMES = tuple(PictureProperties.__annotations__)
+
+
+def values(owner: Any) -> dict[str, Any]:
+    """The options for ``Picture.outline`` of an operator with these properties."""
+    return {name: getattr(owner, name) for name in NAMES} | {"tile": not owner.properties.is_property_set("padding")}
 
 
 @dataclass(frozen=True)
@@ -77,7 +98,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
-        for name in ("vertices", *picture.NAMES, "levels", "bind", "handles"):
+        for name in ("vertices", *NAMES, "levels", "bind", "handles"):
             self.layout.prop(self, name)
 
     def work(self, context: bpy.types.Context) -> Work[None]:
@@ -89,7 +110,7 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
         for part in parts:
             try:
                 frame, shown = part.canvas.frame(), Picture.of(part.image)
-                found = yield from shown.outline(self.vertices, **picture.values(self))
+                found = yield from shown.outline(self.vertices, **values(self))
                 points = part.canvas.placed(np.asarray(found.vertices) / shown.size)
                 drawing = Drawing(_stem(part.image), frame, tuple(points[loop] for loop in found.loops))
                 drawing.mesh()
@@ -112,8 +133,8 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
         try:
             for part, result in zip(parts, generation.results, strict=True):
                 shown_by, drawing = found_object(part.shown_by), result.drawing
-                data = cutout.filled(drawing.name, drawing.mesh(), part.canvas, part.image)
-                made.append(cutout.place(context, drawing.name, data, drawing.frame, shown_by))
+                data = pictures.filled(drawing.name, drawing.mesh(), part.canvas, part.image)
+                made.append(pictures.place(context, drawing.name, data, drawing.frame, shown_by))
             context.view_layer.update()
             self._write(context, made, generation.results)
         except BaseException:
@@ -171,23 +192,23 @@ class OBJECT_OT_nested_cages_cutout(DialogJobOperator, PictureProperties, Import
         if self.filepath or self.files:
             folder = Path(bpy.path.abspath(self.directory))
             several = [folder / item.name for item in self.files if item.name]
-            images = [cutout.load(path) for path in several or [Path(bpy.path.abspath(self.filepath))]]
-            places = cutout.side_by_side([_size(image) for image in images])
+            images = [pictures.load(path) for path in several or [Path(bpy.path.abspath(self.filepath))]]
+            places = pictures.side_by_side([_size(image) for image in images])
             return [Part(image, place, None) for image, place in zip(images, places, strict=True)]
         shown = _shown(context)
         if not shown:
             raise UserError("Choose a picture file, or select image planes or image empties")
         return [
-            Part(image, cutout.canvas_of(obj, _size(image)), obj.session_uid)
+            Part(image, pictures.canvas_of(obj, _size(image)), obj.session_uid)
             for obj in shown
-            if (image := cutout.image_on(obj)) is not None
+            if (image := pictures.image_on(obj)) is not None
         ]
 
 
 def _shown(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The selected objects that show a picture and are not cutouts, the active one first."""
     active = context.view_layer.objects.active
-    found = [obj for obj in context.selected_objects if cutout.image_on(obj) is not None]
+    found = [obj for obj in context.selected_objects if pictures.image_on(obj) is not None]
     return sorted(found, key=lambda obj: (obj is not active, obj.name))
 
 
@@ -202,3 +223,40 @@ def _size(image: bpy.types.Image) -> tuple[int, int]:
 def _stem(image: bpy.types.Image) -> str:
     """The name of an image without file extension."""
     return Path(image.name).stem or image.name
+
+
+class OBJECT_OT_nested_cages_from_image(DialogJobOperator, PictureProperties, bpy.types.Operator):
+    """Make a collision outline of few vertices around all opaque pixels of an image"""
+
+    bl_label = "Outline of Image"
+
+    image: text("Image", "Image with an alpha channel; empty takes that of the active image empty")
+    vertices: whole("Vertices", "Vertex count of the outline", default=16, min=3, soft_max=256)
+
+    @classmethod
+    def unavailable(cls, _context: bpy.types.Context) -> str:
+        return "" if bpy.data.images else "Load an image with an alpha channel, or drag one into the 3D view"
+
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
+        found = pictures.image_of(context)
+        if not self.image and found is not None:
+            self.image = found.name
+        return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop_search(self, "image", bpy.data, "images")
+        for name in ("vertices", *NAMES):
+            self.layout.prop(self, name)
+
+    def work(self, context: bpy.types.Context) -> Work[None]:
+        image = bpy.data.images.get(self.image) if self.image else pictures.image_of(context)
+        if image is None:
+            raise UserError("Choose an image: none is named, and the active object is no image empty")
+        active = context.view_layer.objects.active
+        shows_it = active is not None and active.type == "EMPTY" and active.data == image
+        shown, target = Picture.of(image), active.session_uid if shows_it else None
+        mesh = yield from shown.outline(self.vertices, **values(self))
+        obj = pictures.place_outline(context, shown, mesh, found_object(target))
+        select(context, obj)
+        self.report({"INFO"}, f"{len(mesh.vertices)} vertices around all opaque pixels of '{shown.name}'")

@@ -1,4 +1,4 @@
-"""A picture as a flat mesh that shows it: its outline filled with triangles, with texture coordinates and material."""
+"""Pictures in the scene: flat meshes that show them, and collision outlines from their alpha channel."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from mathutils import Matrix, Vector
 from mathutils.geometry import delaunay_2d_cdt
 from numpy.typing import NDArray
 
-from ..core import core, predicates
+from ..core import core, distance, memory, pictures, predicates, tasks
 from ..errors import UserError
-from ..scene import filling, nodes, ownership
+from ..generation.generate import STAGES
+from ..generation.job import Progress, Work
+from ..generation.memory import known
+from ..scene import display, filling, nodes, ownership, placement
 from ..scene.plane import PLANARITY, Frame, world_matrix
 from ..scene.selection import scene_of
 
@@ -114,10 +117,8 @@ def _on_faces(obj: bpy.types.Object, matrix: Points) -> Canvas:
     mesh = filling.mesh_of(obj)
     if mesh.uv_layers.active is None:
         raise UserError(f"'{obj.name}' has no texture coordinates, so where its picture lies is not known")
-    uv, corners = np.empty((len(mesh.loops), 2), np.float32), np.empty(len(mesh.loops), np.int32)
-    mesh.uv_layers.active.data.foreach_get("uv", uv.ravel())
-    mesh.loops.foreach_get("vertex_index", corners)
-    points = filling.points_of(mesh)[corners]
+    uv = filling.stored(mesh.uv_layers.active.data, "uv", 2)
+    points = filling.points_of(mesh)[filling.stored(mesh.loops, "vertex_index", 1, np.int32).ravel()]
     parts = np.column_stack([uv, np.ones(len(uv))]).astype(np.float64)
     found, _, rank, _ = np.linalg.lstsq(parts, points, rcond=None)
     if rank < 3 or np.abs(parts @ found - points).max() > PLANARITY * np.ptp(points, axis=0).max():
@@ -135,8 +136,7 @@ def filled(name: str, outline: core.Mesh, canvas: Canvas, image: bpy.types.Image
     sides = np.array([np.linalg.norm(canvas.width), np.linalg.norm(canvas.height)])
     parts = points / sides + 0.5
     layer = data.uv_layers.new(name="UVMap")
-    used = np.empty(len(data.loops), np.int32)
-    data.loops.foreach_get("vertex_index", used)
+    used = filling.stored(data.loops, "vertex_index", 1, np.int32).ravel()
     layer.data.foreach_set("uv", parts[used].astype(np.float32).ravel())
     data.materials.append(material_of(image))
     data.update()
@@ -152,7 +152,8 @@ def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     starts, ends = border[outline.edges[:, 0]], border[outline.edges[:, 1]]
     inside = predicates.winding_number(grid, starts, ends) == 1
-    inner = grid[inside & (_distances(grid, starts, ends) > OUTLINE_DISTANCE * cell)]
+    far = distance.point_edge(grid[:, None], starts, ends).distance.min(axis=1) > OUTLINE_DISTANCE * cell
+    inner = grid[inside & far]
     inner = inner.astype(np.float32).astype(np.float64)
     points = np.concatenate([border, inner])
     found = delaunay_2d_cdt([Vector(point) for point in points], outline.edges.tolist(), [], 0, 0.0)
@@ -161,15 +162,6 @@ def _triangles(outline: core.Mesh) -> tuple[Points, NDArray[np.int64]]:
     middles = points[triangles].mean(axis=1)
     kept = (triangles >= 0).all(axis=1) & (predicates.winding_number(middles, starts, ends) == 1)
     return points, triangles[kept]
-
-
-def _distances(points: Points, starts: Points, ends: Points) -> Points:
-    """Distance (n,) of points to the nearest of the segments from starts to ends, (m, 2) each."""
-    along = ends - starts
-    offset = points[:, None] - starts
-    part = np.clip((offset * along).sum(axis=2) / (along * along).sum(axis=1), 0.0, 1.0)
-    gaps: Points = np.linalg.norm(offset - part[..., None] * along, axis=2).min(axis=1)
-    return gaps
 
 
 def material_of(image: bpy.types.Image) -> bpy.types.Material:
@@ -197,3 +189,85 @@ def place(
     (ownership.home_of(scene_of(context), beside) if beside is not None else context.collection).objects.link(obj)
     obj.matrix_world = Matrix(frame.matrix.tolist())
     return obj
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The opacity of an image: name and alpha (H, W), the top row first."""
+
+    name: str
+    alpha: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, image: bpy.types.Image) -> Picture:
+        """The opacity of a Blender image. Raises: UserError if it has none."""
+        width, height = image.size
+        if not width or not height:
+            raise UserError(f"The image '{image.name}' has no pixels: its file may be missing")
+        if image.channels not in (2, 4):
+            raise UserError(f"The image '{image.name}' has no alpha channel: save it as RGBA, or choose another image")
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)  # type: ignore[attr-defined]  # a number in the stubs
+        return cls(image.name, pixels.reshape(height, width, image.channels)[::-1, :, -1])
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        height, width = self.alpha.shape
+        return width, height
+
+    def outline(self, vertices: int, *, tile: bool = False, **options: Any) -> Work[core.Mesh]:
+        """A mesh around all opaque pixels, in pixels with y upwards from the bottom. Raises: UserError.
+
+        tile: whether a picture that is opaque as a whole gets its own edge, without padding. options: padding,
+        threshold and holes of ``picture_cages``.
+        """
+        if tile and bool((self.alpha > options["threshold"]).all()):
+            width, height = self.size
+            return core.Mesh.from_loops([[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]])
+        key = memory.key_of("picture", self.alpha, vertices, tuple(sorted(options.items())))
+        traced: core.Mesh | None = known().get(key)
+        if traced is not None:
+            return traced
+        yield Progress(0.0, f"'{self.name}': tracing pixels")
+        try:
+            made = yield from tasks.mapped(
+                pictures.picture_cages_run(self.alpha, [vertices], **options),
+                lambda step: Progress(step.fraction, f"'{self.name}': {STAGES[step.stage]}"),
+            )
+            found = made.cages[0]
+            traced = core.Mesh(found.vertices * (1.0, -1.0) + (0.0, self.size[1]), found.edges)
+            known().put(key, traced, found.vertices.nbytes)
+            return traced
+        except core.NestedCagesError as error:
+            raise UserError(f"'{self.name}': {error}") from error
+
+
+def place_outline(
+    context: bpy.types.Context, picture: Picture, mesh: core.Mesh, target: bpy.types.Object | None = None
+) -> bpy.types.Object:
+    """A new object with the outline as a wire over the image, as shown by an image empty of size 1 or by `target`.
+
+    The longer side of the picture is one unit, and its middle is the object's origin.
+    """
+    unit, offset = 1.0 / max(picture.size), (-0.5, -0.5)
+    if target is not None:
+        unit, offset = unit * target.empty_display_size, (target.empty_image_offset[0], target.empty_image_offset[1])
+    points = (mesh.vertices + np.array(offset) * picture.size) * unit
+    name = f"{picture.name} Outline"
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(np.column_stack([points, np.zeros(len(points))]).tolist(), mesh.edges.tolist(), [])
+    obj = bpy.data.objects.new(name, data)
+    display.apply_display(obj, 1)
+    (ownership.home_of(scene_of(context), target) if target is not None else context.collection).objects.link(obj)
+    if target is not None:
+        placement.stand_as(target, obj)
+    return obj
+
+
+def image_of(context: bpy.types.Context) -> bpy.types.Image | None:
+    """The image of the active image empty, or of an image editor."""
+    obj = context.view_layer.objects.active
+    if obj is not None and obj.type == "EMPTY" and isinstance(obj.data, bpy.types.Image):
+        return obj.data
+    return getattr(context.space_data, "image", None)

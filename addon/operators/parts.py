@@ -1,4 +1,4 @@
-"""Rig with Armature and Suggest Bones: many drawings in one cage that bones move."""
+"""Operators on all that the selected drawings paint: Rig with Armature, Suggest Bones and Silhouette."""
 
 from __future__ import annotations
 
@@ -7,16 +7,18 @@ from collections.abc import Sequence
 import bpy
 
 from ..binding import field
+from ..binding.adoption import adopt
 from ..characters import bones, drawing, rig
 from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
+from ..io import silhouette
 from ..keys import found_object
-from ..properties.kinds import length, number, whole
+from ..properties.kinds import choice, flag, length, number, whole
 from ..scene import ownership
 from ..scene.areas import paints
 from ..scene.convert import Drawing
-from ..scene.selection import select
+from ..scene.selection import chosen, scene_of, select
 from .base import JobOperator
 
 
@@ -42,7 +44,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
 
     bl_label = "Rig with Armature"
 
-    vertices: whole("Vertices", "Vertices of the cage besides those at joints; 0: as many as its loops need", min=0)
+    vertices: whole("Vertices", "Vertices of the cage apart from those at joints; 0: as many as its loops need", min=0)
 
     @classmethod
     def unavailable(cls, context: bpy.types.Context) -> str:
@@ -53,6 +55,7 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
         assert armature is not None
+        adopt(scene_of(context), chosen(context))
         identity, parts = armature.session_uid, _drawings(context)
         whole, problems = self.united(context, parts)
         yield Progress(0.0, "uniting painted areas")
@@ -122,3 +125,51 @@ def _armature(context: bpy.types.Context) -> bpy.types.Object | None:
     active = context.view_layer.objects.active
     found = [obj for obj in context.selected_objects if obj.type == "ARMATURE"]
     return active if active in found else next(iter(found), None)
+
+
+PLANE_ITEMS = (
+    ("ACTIVE", "Active Object", "The plane that the active object lies in"),
+    ("VIEW", "View", "As the 3D view shows it"),
+    ("TOP", "Top", "The x and y axes of the world"),
+    ("FRONT", "Front", "The x and z axes of the world"),
+    ("RIGHT", "Right", "The y and z axes of the world"),
+)
+
+
+class OBJECT_OT_nested_cages_silhouette(JobOperator, bpy.types.Operator):
+    """Unite the selected objects, layers and strokes into one flat outline, even if they overlap or lie at different
+    depths
+    """
+
+    bl_label = "Silhouette"
+
+    plane: choice("Plane", "Plane to project onto", PLANE_ITEMS, default="ACTIVE")
+    strokes: flag(
+        "Stroke Width",
+        "Include the width of Grease Pencil strokes; otherwise closed strokes are areas and open ones are left out",
+        default=True,
+    )
+    fill_holes: flag("Fill Holes", "Leave holes out")
+    gap: length("Join Gaps", "Join parts that are closer than this")
+
+    @classmethod
+    def unavailable(cls, context: bpy.types.Context) -> str:
+        if any(map(paints, context.selected_objects)):
+            return ""
+        return "Select meshes, curves, texts or Grease Pencil drawings"
+
+    def work(self, context: bpy.types.Context) -> Work[None]:
+        chosen = [obj for obj in context.selected_objects if paints(obj)]
+        active = context.view_layer.objects.active
+        objects = sorted(chosen, key=lambda obj: (obj is not active, obj.name))
+        frame = silhouette.plane_of(context, objects[0], self.plane)
+        options = silhouette.Options(strokes=self.strokes, fill_holes=self.fill_holes, gap=self.gap)
+        identities = [obj.session_uid for obj in objects]
+        loops, problems = yield from silhouette.outline(context, objects, frame, options)
+        parts = [part for each in identities if (part := found_object(each)) is not None]
+        if not parts or parts[0].session_uid != identities[0]:
+            raise UserError("The active object was deleted meanwhile, so its silhouette was discarded")
+        made = silhouette.place(context, parts[0], frame, loops, parts)
+        select(context, made)
+        self.tell_skipped(problems, "object")
+        self.report({"INFO"}, f"'{made.name}': {sum(map(len, loops))} vertices in {counted(len(loops), 'loop')}")
