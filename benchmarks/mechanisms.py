@@ -71,7 +71,6 @@ def with_contacts(*contacts: Any) -> Callable[[], Settings]:
 
 MECHANISMS: dict[str, Mechanism] = {
     # where cages begin
-    "early stop of losing starts": Mechanism("hierarchy", patches={"level.early_stop:FIRST_LOOK": 10**9}),
     "the hull as fallback": Mechanism("hierarchy", partial(Settings, fallback=None)),
     "untightened cage as last resort": Mechanism(
         "hierarchy",

@@ -320,6 +320,19 @@ def test_rooms_import_only_from_rooms_before_them() -> None:
     assert room_violations(sources) == []
 
 
+def test_kernel_and_needs_ask_for_no_class_of_a_method() -> None:
+    methods = {"Area", "ArcLength", "IPC", "LineCycles", "OuterHull", "SequentialQP", "Tightening", "TwoSidedFlow"}
+    asked = [
+        (path, node.lineno)
+        for path, source in python_files(ROOT / CORE).items()
+        if path.split("/")[0] in {"level", "needs", "tolerance"}
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"
+        if methods & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
+    ]
+    assert asked == []
+
+
 def test_no_circle_inside_the_core() -> None:
     assert circle(python_files(ROOT / CORE)) is None
 

@@ -6,26 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import bpy
-import numpy as np
 
 from .. import record
 from ..errors import UserError
 from ..scene import ownership
 from . import shape_keys, stage, timeline, visibility
-
-# The properties of a keyframe: names, numbers per keyframe and their type.
-KEYFRAME = (
-    ("co", 2, np.float32),
-    ("handle_left", 2, np.float32),
-    ("handle_right", 2, np.float32),
-    ("handle_left_type", 1, np.int32),
-    ("handle_right_type", 1, np.int32),
-    ("interpolation", 1, np.int32),
-    ("easing", 1, np.int32),
-    ("amplitude", 1, np.float32),
-    ("back", 1, np.float32),
-    ("period", 1, np.float32),
-)
 
 
 def is_animated(collection: bpy.types.Collection) -> bool:
@@ -58,7 +43,8 @@ def bake(collection: bpy.types.Collection) -> bpy.types.Action:
         data.action = whole
         data.action_slot = slot
         for curve in curves:
-            copy_keyframes(curve, whole.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index))
+            made = whole.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index)
+            shape_keys.copy_keyframes(curve, made)
         if old.users == 0:
             bpy.data.actions.remove(old)
     return whole
@@ -86,18 +72,6 @@ def forget_times(obj: bpy.types.Object) -> None:
     """Removes what an object says about its animation."""
     record.described(obj).property_unset("phases")
     record.described(obj).property_unset("frames")
-
-
-def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
-    """Copies the keyframes of an F-curve to an empty one."""
-    count = len(source.keyframe_points)
-    target.extrapolation = source.extrapolation
-    target.keyframe_points.add(count)
-    for name, width, kind in KEYFRAME:
-        values = np.empty(count * width, kind)
-        source.keyframe_points.foreach_get(name, values)
-        target.keyframe_points.foreach_set(name, values)
-    target.update()
 
 
 def _owners(collection: bpy.types.Collection) -> Iterator[tuple[Any, str]]:

@@ -7,6 +7,7 @@ interpolation, so the evaluated mesh is the step on its frame and the linear ble
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -14,10 +15,26 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.filling import stored
+
 # Names of the shape keys that `add_steps` makes; other keys are the artist's.
 STEP = re.compile(r"Level \d+ Step \d+(\.\d+)?")
 # Blender's numbers for the interpolation of a keyframe.
 CONSTANT, LINEAR = 0, 1
+
+# The properties of a keyframe: names, numbers per keyframe and their type.
+KEYFRAME = (
+    ("co", 2, np.float32),
+    ("handle_left", 2, np.float32),
+    ("handle_right", 2, np.float32),
+    ("handle_left_type", 1, np.int32),
+    ("handle_right_type", 1, np.int32),
+    ("interpolation", 1, np.int32),
+    ("easing", 1, np.int32),
+    ("amplitude", 1, np.float32),
+    ("back", 1, np.float32),
+    ("period", 1, np.float32),
+)
 
 
 def add_basis(obj: bpy.types.Object) -> None:
@@ -41,8 +58,7 @@ def add_steps(
     the last; `from_rest`: the mesh itself shows until one frame before the first. The steps play once more on the
     frames `back` (S,), which decrease and are later than all `frames`.
     """
-    basis = np.empty((steps.shape[1], 3), np.float32)
-    obj.data.vertices.foreach_get("co", basis.ravel())
+    basis = stored(obj.data.vertices, "co", 3)
     coordinates = basis.copy()
     runs = _runs_of_equal(steps)
     at_rest = (steps == basis[:, :2]).all(axis=(1, 2))
@@ -93,8 +109,7 @@ def remove_steps(obj: bpy.types.Object) -> None:
         obj.shape_key_remove(key)
     if len(shapes.key_blocks) == 1:
         remove_animation(shapes)
-        home = np.empty((len(obj.data.vertices), 3), np.float32)
-        shapes.reference_key.points.foreach_get("co", home.ravel())
+        home = stored(shapes.reference_key.points, "co", 3)
         obj.shape_key_clear()
         obj.data.vertices.foreach_set("co", home.ravel())
     obj.data.update()
@@ -171,18 +186,18 @@ def discard(
 ) -> None:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
-    Each kind in one pass over the file: removing blocks one by one takes as many passes.
+    In one pass over the file: removing blocks one by one, or kind by kind, takes as many passes.
     """
-    gone, old = list(objects), set(meshes)
-    animated: list[Any] = [*gone, *old, *(mesh.shape_keys for mesh in old if mesh.shape_keys is not None)]
+    gone, old = set(objects), set(meshes)
+    shown = Counter(obj.data for obj in gone)
+    unused = [mesh for mesh in old if mesh.users == shown[mesh]]
+    shapes = [mesh.shape_keys for mesh in unused if mesh.shape_keys is not None]
+    animated: list[Any] = [*gone, *unused, *shapes]
     data = [owner.animation_data for owner in animated if owner.animation_data is not None]
-    played = {*actions, *(found.action for found in data)} - {None}
-    if gone:  # an empty pass takes as long as any
-        bpy.data.batch_remove(gone)
-    if unused := [mesh for mesh in old if mesh.users == 0]:
-        bpy.data.batch_remove(unused)
-    if idle := [action for action in played if action is not None and action.users == 0]:
-        bpy.data.batch_remove(idle)
+    played = Counter(found.action for found in data if found.action is not None)
+    idle = [action for action in {*actions, *played} if action is not None and action.users == played[action]]
+    if blocks := [*gone, *unused, *idle]:  # an empty pass takes as long as any
+        bpy.data.batch_remove(blocks)
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
@@ -190,3 +205,68 @@ def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:
     changes = np.flatnonzero((steps[1:] != steps[:-1]).any(axis=(1, 2))) + 1
     firsts = [0, *changes.tolist()]
     return list(zip(firsts, [*(first - 1 for first in firsts[1:]), len(steps) - 1], strict=True))
+
+
+def copy_keyframes(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
+    """Copies the keyframes of an F-curve to an empty one."""
+    count = len(source.keyframe_points)
+    target.extrapolation = source.extrapolation
+    target.keyframe_points.add(count)
+    for name, width, kind in KEYFRAME:
+        target.keyframe_points.foreach_set(name, stored(source.keyframe_points, name, width, kind).ravel())
+    target.update()
+
+
+def has_steps(owner: bpy.types.Key | None) -> bool:
+    """Whether the action of shape keys plays steps of our animation."""
+    animated = owner is not None and owner.animation_data is not None and owner.animation_data.action is not None
+    return animated and any(is_step(curve.data_path) for curve in curves_of(owner))
+
+
+def give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> None:
+    """Transfers the animation of the artist's old shape keys to the new ones, whose own steps stay."""
+    if old is None or old.animation_data is None:
+        return
+    action = old.animation_data.action
+    curves = list(curves_of(old)) if action is not None else []
+    own = [curve for curve in curves if not is_step(curve.data_path)]
+    animation = new.animation_data or new.animation_data_create()
+    if own and animation.action is not None:
+        _merge(animation.action, new, own)
+    elif own:
+        _take_action(old, new, "" if len(own) == len(curves) else name)
+    for driver in [driver for driver in animation.drivers if not is_step(driver.data_path)]:
+        animation.drivers.remove(driver)
+    for driver in old.animation_data.drivers:
+        made = animation.drivers.from_existing(src_driver=driver)
+        for target in (target for variable in made.driver.variables for target in variable.targets):
+            if target.id == old:
+                target.id = new
+
+
+def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
+    """Gives new shape keys the action of the old ones; if that plays steps too, a copy without them, of the same
+    name."""
+    action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
+    if copy:
+        action = action.copy()
+        action.name = copy
+    new.animation_data.action = action
+    if slot is not None:
+        new.animation_data.action_slot = next(found for found in action.slots if found.handle == slot.handle)
+    curves = curves_of(new)
+    for curve in [curve for curve in curves if is_step(curve.data_path)]:
+        curves.remove(curve)
+
+
+def _merge(action: Any, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
+    """Replaces the F-curves of an owner's action, except those of steps, by copies of others."""
+    there = curves_of(owner)
+    for curve in [curve for curve in there if not is_step(curve.data_path)]:
+        there.remove(curve)
+    for curve in curves:
+        if hasattr(action, "fcurve_ensure_for_datablock"):
+            made = action.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index)
+        else:
+            made = action.fcurves.new(curve.data_path, index=curve.array_index)
+        copy_keyframes(curve, made)

@@ -18,12 +18,15 @@ from . import field
 
 
 def waiting(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
-    """The objects without a set whose drawing one of some objects is, or has in common with them."""
-    drawings = {record.described(obj).of or obj for obj in objects}
-    if not drawings:
+    """The objects without a set whose drawing one of some objects is, shares, or is a part of."""
+    near = {record.described(obj).of or obj for obj in objects}
+    if not near:
         return []
-    found = [each for each in bpy.data.objects if record.described(each).of in drawings]
-    return [each for each in found if _is_waiting(each)]
+    found = [each for each in bpy.data.objects if record.described(each).of is not None and _is_waiting(each)]
+    drawings = {
+        own.of for own in map(record.described, found) if near & {own.of, *(p.object for p in own.kept.sources)}
+    }
+    return [each for each in found if record.described(each).of in drawings]
 
 
 def _is_waiting(obj: bpy.types.Object) -> bool:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,18 +15,17 @@ import bpy
 import numpy as np
 
 from .. import keys, record
-from ..animation import stage, visibility
+from ..animation import stage
 from ..animation.shape_keys import remove_mesh
 from ..core import core
 from ..errors import UserError, counted
 from ..generation.job import Progress, Work, completed
 from ..rigging.pose import unshaped
-from ..rigging.rig import Rig
-from ..scene import display, filling, nodes, ownership
+from ..scene import display, filling, nodes, ownership, placement
 from ..scene.areas import paints
 from ..scene.plane import PLANARITY, scale_of, size, space_to_space, transform
 from ..scene.selection import scene_of
-from . import field, legacy
+from . import field, shown
 
 # Relative change of a clearance that is more than round-off.
 CHANGED = 1e-3
@@ -63,9 +61,9 @@ def bind(context: bpy.types.Context, collection: bpy.types.Collection, method: s
     try:
         stage.leave(collection)
         for obj in levels:
-            _park(obj)
+            shown.park(obj)
         context.view_layer.update()
-        _fill(levels)
+        shown.fill(levels)
         return (yield from _connect(context, collection, levels, method))
     except BaseException:
         unbind(collection)
@@ -85,7 +83,7 @@ def rebind(context: bpy.types.Context, collection: bpy.types.Collection, method:
         _check_enclosed(inner, cage)
     yield Progress(1.0 - 1.0 / len(levels), STAGE)
     _disconnect(collection, levels)
-    _fill(levels)
+    shown.fill(levels)
     return completed(_connect(context, collection, levels, method))
 
 
@@ -106,8 +104,12 @@ def take_in(context: bpy.types.Context, collection: bpy.types.Collection) -> Wor
     if made is None:
         raise UserError(f"'{collection.name}' was bound by an earlier version: press Rebind first")
     parts = newcomers(context, collection)
+    coarsest = ownership.members(collection)[-1]
+    armature = next((m.object for m in coarsest.modifiers if isinstance(m, bpy.types.ArmatureModifier)), None)
     for part in parts:
         field.follow(part, made, in_place=False)
+        if armature is not None:
+            placement.attach(part, armature)
         record.written(collection).sources.add().object = part
     record.keep(collection)
     yield from ()
@@ -120,7 +122,7 @@ def unbind(collection: bpy.types.Collection) -> list[str]:
     """
     levels = ownership.members(collection)
     _disconnect(collection, levels)
-    lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in _unpark(obj)]
+    lost = [f"'{obj.name}': {what} could not be kept" for obj in levels for what in shown.unpark(obj)]
     record.bind(collection, "")
     stage.enter(collection)
     return lost
@@ -158,61 +160,6 @@ def _levels(context: bpy.types.Context, collection: bpy.types.Collection) -> lis
         if obj.name not in context.view_layer.objects:
             raise UserError(f"'{obj.name}' is not in this view layer: tick its collection in the Outliner")
     return levels
-
-
-def _park(obj: bpy.types.Object) -> None:
-    """Gives an object a copy of its mesh without the steps of our animation, and keeps the original mesh. Its own
-    action keeps playing, but no longer hides it.
-    """
-    hidden = (obj.hide_render, obj.hide_viewport, obj.hide_get())
-    mesh, rig = filling.mesh_of(obj), Rig.of(obj)
-    record.set_before(obj, record.Before(mesh, obj.matrix_basis, hidden))
-    visibility.mute(obj, True)
-    plain = bpy.data.meshes.new(mesh.name)
-    plain.from_pydata(filling.points_of(mesh).tolist(), filling.loop_edges(mesh).tolist(), [])
-    obj.data = plain
-    rig.give(obj, same_vertices=True)
-    obj.hide_viewport = False
-    obj.hide_set(False)
-
-
-def _unpark(obj: bpy.types.Object) -> list[str]:
-    """Gives an object its original mesh back, with the work done on it since; returns what could not be transferred."""
-    mesh, matrix, hidden, action = record.before(obj)
-    if mesh is None:
-        return []
-    posed, rig = filling.mesh_of(obj), Rig.of(obj)
-    obj.data = mesh
-    lost = rig.give(obj, same_vertices=True)
-    remove_mesh(posed)
-    animation = obj.animation_data or obj.animation_data_create() if action is not None else None
-    if animation is not None and animation.action is None:
-        animation.action = action
-        if getattr(animation, "action_slot", True) is None and animation.action_suitable_slots:
-            animation.action_slot = animation.action_suitable_slots[0]
-    visibility.mute(obj, False)
-    record.set_before(obj, record.Before())
-    if matrix is not None and obj.matrix_basis != matrix:
-        obj.matrix_basis = matrix
-    if hidden:
-        obj.hide_render = hidden[0]
-    if len(hidden) > 1:  # earlier versions stored the first alone
-        obj.hide_viewport = hidden[1]
-        with suppress(RuntimeError):  # not in this view layer
-            obj.hide_set(hidden[2])
-    return lost
-
-
-def _fill(levels: list[bpy.types.Object]) -> None:
-    """Gives the cages triangles inside their outlines. Raises: UserError."""
-    for cage in levels[1:]:
-        old, shape, rig = filling.mesh_of(cage), filling.outline(cage), Rig.of(cage)
-        name = old.name
-        cage.data = filling.filled(name, filling.points_of(old), shape)
-        rig.give(cage, same_vertices=True)
-        remove_mesh(old)
-        cage.data.name = name
-        cage.hide_render = True  # as wires they did not show in renders
 
 
 def _check_enclosed(inner: bpy.types.Object, cage: bpy.types.Object) -> core.Certificate:
@@ -265,7 +212,7 @@ def _connect(
     for obj in levels:
         mesh = filling.mesh_of(obj)
         filling.add_attribute(mesh, keys.REST, "FLOAT_VECTOR", filling.points_of(mesh).astype(np.float32))
-        _take_lines_out(obj, collection)
+        shown.take_lines_out(obj, collection)
     for obj, made_link in zip(levels, links, strict=False):
         record.set_link(obj, field.NAMES[kind], made_link.rest)
     return Binding(tuple(links), _take_along(context, originals, space, levels))
@@ -274,8 +221,8 @@ def _connect(
 def _error(context: bpy.types.Context, obj: bpy.types.Object) -> float:
     """Largest displacement of the vertices of a bound object at rest, as a fraction of its size. Raises: UserError."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    points, shown = (filling.points_of(filling.mesh_of(each)) for each in (obj, evaluated))
-    error = float(np.abs(shown - points).max()) / size(points)
+    points, displayed = (filling.points_of(filling.mesh_of(each)) for each in (obj, evaluated))
+    error = float(np.abs(displayed - points).max()) / size(points)
     if not error <= REST_ERROR:
         raise UserError(f"'{obj.name}' cannot follow its cage: it would move by {error:.1e} of its size at rest")
     return error
@@ -316,14 +263,14 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
     fields = ownership.helpers(collection)
     for obj in levels:
         field.release(obj)
-        legacy.release(obj)
+        shown.release_earlier(obj)
         display.render_lines(obj, True)
         record.set_link(obj, "", 0.0)
     for obj in [
         obj for obj in bpy.data.objects if field.followed(obj) in fields and not record.is_helper(obj, record.PROXY)
     ]:
         field.release(obj)
-    legacy.release_originals(collection)
+    shown.release_originals(collection)
     for helper in fields:
         owner, thickness = record.lines_of(helper)
         if lines_back and owner is not None:
@@ -333,21 +280,3 @@ def _disconnect(collection: bpy.types.Collection, levels: list[bpy.types.Object]
             display.remove_modifier(helper, modifier)
         bpy.data.objects.remove(helper)
         remove_mesh(mesh)
-
-
-def _take_lines_out(obj: bpy.types.Object, collection: bpy.types.Collection) -> None:
-    """Moves thick lines to a helper object, because followers of an object need its plain shape in renders."""
-    display.render_lines(obj, False)
-    thickness = display.thickness_of(obj)
-    if thickness <= 0.0:
-        return
-    display.set_thickness(obj, 0.0)
-    name = f"{obj.name} Lines"
-    helper = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    record.make_helper(helper, record.LINES, obj, thickness)
-    helper.hide_viewport = helper.hide_select = True
-    helper.parent = obj
-    collection.objects.link(helper)
-    display.add_nodes_modifier(helper, nodes.EDGES, nodes.group(nodes.EDGES), {"Object": obj})
-    helper.color = obj.color
-    display.set_thickness(helper, thickness)

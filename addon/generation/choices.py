@@ -1,7 +1,4 @@
-"""The available methods: name, description, and the object of the core.
-
-Their keys appear nowhere else in the add-on.
-"""
+"""The available methods: name, description, and the object of the core. Their keys appear only here."""
 
 from __future__ import annotations
 
@@ -129,9 +126,7 @@ ENERGIES = {
         "Least Motion", "As close to the coarse mesh as possible", lambda _: core.InitialDisplacement()
     ),
     "STEP_DISPLACEMENT": Choice(
-        "Least Step",
-        "Moves as little as possible from each step to the next",
-        lambda _: core.StepDisplacement(),
+        "Least Step", "Moves as little as possible from each step to the next", lambda _: core.StepDisplacement()
     ),
     "BOUNDARY_ARAP": Choice(
         "Rigid Outline",
@@ -146,17 +141,10 @@ ENERGIES = {
     "NONE": Choice("None", "Moves only where contact pushes it: loose, for comparisons", lambda _: core.NoEnergy()),
 }
 
-EXPANSION_ENERGIES = {
-    "SAME": Choice("Same Energy", "The same energy as the finished cage", lambda _: None),
-    **ENERGIES,
-}
+EXPANSION_ENERGIES = {"SAME": Choice("Same Energy", "The same energy as the finished cage", lambda _: None), **ENERGIES}
 
 CONTACTS = {
-    AUTOMATIC: Choice(
-        "Automatic",
-        "Sequential quadratic programs, backed by IPC: for everyday use",
-        lambda _: None,
-    ),
+    AUTOMATIC: Choice("Automatic", "Sequential quadratic programs, backed by IPC: for everyday use", lambda _: None),
     "IPC": Choice(
         "IPC",
         "Barriers that adapt to the gaps push the cage out: smooth motion, for small and medium drawings",
@@ -198,12 +186,7 @@ CONTACTS = {
             broad_phase=chosen.part("broad_phase"),
         ),
         uses=("expansion_energy", "solver", "step_filter", "broad_phase", "repairs"),
-        partners={
-            "flow": "PAPER",
-            "solver": "GRADIENT_DESCENT",
-            "step_filter": "NONE",
-            "broad_phase": "ALL_PAIRS",
-        },
+        partners={"flow": "PAPER", "solver": "GRADIENT_DESCENT", "step_filter": "NONE", "broad_phase": "ALL_PAIRS"},
     ),
 }
 
@@ -227,10 +210,7 @@ FLOWS = {
     "PAPER": Choice(
         "The Paper's",
         "The flow of the paper's program, with optional repairs. For comparisons",
-        lambda chosen: replace(
-            published_2022(chosen).flow,
-            exact_parity="PARITY" in chosen.repairs,
-        ),
+        lambda chosen: replace(published_2022(chosen).flow, exact_parity="PARITY" in chosen.repairs),
         uses=("repairs",),
     ),
 }
@@ -242,9 +222,7 @@ QUADRATURES = {
         lambda _: core.QuadraticFallOff(),
     ),
     "MIDPOINT": Choice(
-        "Midpoints",
-        "One sample in the middle of each edge, as in Nested Cages (2015)",
-        lambda _: core.Midpoint(),
+        "Midpoints", "One sample in the middle of each edge, as in Nested Cages (2015)", lambda _: core.Midpoint()
     ),
     "GAUSS_1": Choice("Gauss, 1 Point", "One Gauss point per edge", lambda _: core.GaussLegendre(1)),
     "GAUSS_2": Choice("Gauss, 2 Points", "Two Gauss points per edge", lambda _: core.GaussLegendre(2)),
@@ -286,9 +264,7 @@ STEP_FILTERS = {
 BROAD_PHASES = {
     "CELLS": Choice("Uniform Grid", "Pairs near each other, kept while little moves", lambda _: core.UniformGrid()),
     "ALL_PAIRS": Choice(
-        "All Pairs",
-        "Every point with every edge, as in the paper: slow, for comparisons",
-        lambda _: core.AllPairs(),
+        "All Pairs", "Every point with every edge, as in the paper: slow, for comparisons", lambda _: core.AllPairs()
     ),
 }
 

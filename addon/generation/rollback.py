@@ -12,7 +12,7 @@ from .. import keys, record
 from ..animation import shape_keys
 from ..animation.visibility import VISIBILITY, VisibilityAnimation, detach
 from ..rigging.pose import Placement
-from ..rigging.rig import has_steps, hooks_of
+from ..rigging.rig import hooks_of
 from ..scene import display
 from ..scene.filling import mesh_of
 from ..scene.ownership import members
@@ -38,7 +38,7 @@ class Rollback:
         """Removes our animation from an object, and frees the names of its mesh, which is about to be replaced."""
         for mesh in (obj.data, record.before(obj).mesh):
             shapes = mesh.shape_keys if mesh is not None else None
-            for block in (mesh, shapes, _action(shapes) if has_steps(shapes) else None):
+            for block in (mesh, shapes, _action(shapes) if shape_keys.has_steps(shapes) else None):
                 self._rename(block)
         visibility = detach(obj)
         if visibility.action is not None and not visibility.kept:

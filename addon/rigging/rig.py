@@ -7,7 +7,6 @@ custom properties; and so are vertex indices in hooks and vertex parents.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,10 +16,9 @@ from numpy.typing import NDArray
 
 from .. import keys, record
 from ..animation import shape_keys
-from ..animation.bake import copy_keyframes
 from ..core import outlines
 from ..scene import display, placement
-from ..scene.filling import loop_edges, mesh_of, points_of
+from ..scene.filling import loop_edges, mesh_of, points_of, stored
 
 Points = NDArray[np.float64]
 
@@ -153,7 +151,7 @@ class Rig:
         shape_keys.add_basis(obj)
         block: Any = obj.data.shape_keys
         block.use_relative = True
-        basis = _points(block.reference_key)
+        basis = points_of(block.reference_key)
         block.reference_key.name = next((key.name for key in self.keys if not len(key.offsets)), "Basis")
         made: dict[str, Any] = {
             key.name: obj.shape_key_add(name=key.name, from_mix=False) for key in self.keys if len(key.offsets)
@@ -171,7 +169,7 @@ class Rig:
             for attribute, value in known[name].values.items():
                 setattr(target, attribute, value)
             target.relative_key = block.key_blocks.get(known[name].relative_to, block.reference_key)
-        _give_animation(self.key_block, block, f"{obj.name} Steps")
+        shape_keys.give_animation(self.key_block, block, f"{obj.name} Steps")
         index = block.key_blocks.find(self.active_key)
         obj.active_shape_key_index = max(index, 0)
 
@@ -206,22 +204,14 @@ def rest_points(mesh: bpy.types.Mesh) -> Points:
     """Vertices (n, 3) of a mesh at rest: as bound, or of the basis of its shape keys."""
     attribute: Any = mesh.attributes.get(keys.REST)
     if attribute is not None and attribute.data_type == "FLOAT_VECTOR" and attribute.domain == "POINT":
-        found = np.empty((len(mesh.vertices), 3), np.float32)
-        attribute.data.foreach_get("vector", found.ravel())
-        return found.astype(np.float64)
-    return points_of(mesh) if mesh.shape_keys is None else _points(mesh.shape_keys.reference_key)
+        return stored(attribute.data, "vector", 3).astype(np.float64)
+    return points_of(mesh if mesh.shape_keys is None else mesh.shape_keys.reference_key)
 
 
 def artists_keys(block: bpy.types.Key | None) -> list[bpy.types.ShapeKey]:
     """The shape keys of a mesh that are neither its basis nor steps of our animation."""
     found = block.key_blocks if block is not None else ()
     return [key for key in found if key != block.reference_key and not shape_keys.STEP.fullmatch(key.name)]
-
-
-def _points(key: bpy.types.ShapeKey) -> Points:
-    found = np.empty((len(key.points), 3), np.float32)
-    key.points.foreach_get("co", found.ravel())
-    return found.astype(np.float64)
 
 
 def _groups(obj: bpy.types.Object) -> tuple[Group, ...]:
@@ -250,7 +240,7 @@ def _shape_keys(block: bpy.types.Key | None) -> tuple[ShapeKey, ...]:
 
 def _shape_key(key: bpy.types.ShapeKey) -> ShapeKey:
     values = {name: getattr(key, name) for name in KEY_VALUES if hasattr(key, name)}
-    return ShapeKey(key.name, _points(key) - _points(key.relative_key), key.relative_key.name, values)
+    return ShapeKey(key.name, points_of(key) - points_of(key.relative_key), key.relative_key.name, values)
 
 
 def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], list[str]]:
@@ -263,64 +253,8 @@ def _attributes(mesh: bpy.types.Mesh) -> tuple[dict[str, tuple[str, Points]], li
         if name.startswith((".", keys.PREFIX)) or name in BUILT_IN:
             continue
         if attribute.domain == "POINT" and kind in WIDTHS:
-            values = np.empty((len(mesh.vertices), WIDTHS[kind]), np.float32)
-            attribute.data.foreach_get(PROPERTY_OF.get(kind, "color"), values.ravel())
+            values = stored(attribute.data, PROPERTY_OF.get(kind, "color"), WIDTHS[kind])
             found[name] = (kind, values.astype(np.float64))
         else:
             others.append(f"the attribute '{name}'")
     return found, others
-
-
-def has_steps(owner: bpy.types.Key | None) -> bool:
-    """Whether the action of shape keys plays steps of our animation."""
-    animated = owner is not None and owner.animation_data is not None and owner.animation_data.action is not None
-    return animated and any(shape_keys.is_step(curve.data_path) for curve in shape_keys.curves_of(owner))
-
-
-def _give_animation(old: bpy.types.Key | None, new: bpy.types.Key, name: str) -> None:
-    """Transfers the animation of the artist's old shape keys to the new ones, whose own steps stay."""
-    if old is None or old.animation_data is None:
-        return
-    action = old.animation_data.action
-    curves = list(shape_keys.curves_of(old)) if action is not None else []
-    own = [curve for curve in curves if not shape_keys.is_step(curve.data_path)]
-    animation = new.animation_data or new.animation_data_create()
-    if own and animation.action is not None:
-        _merge(animation.action, new, own)
-    elif own:
-        _take_action(old, new, "" if len(own) == len(curves) else name)
-    for driver in [driver for driver in animation.drivers if not shape_keys.is_step(driver.data_path)]:
-        animation.drivers.remove(driver)
-    for driver in old.animation_data.drivers:
-        made = animation.drivers.from_existing(src_driver=driver)
-        for target in (target for variable in made.driver.variables for target in variable.targets):
-            if target.id == old:
-                target.id = new
-
-
-def _take_action(old: bpy.types.Key, new: bpy.types.Key, copy: str) -> None:
-    """Gives new shape keys the action of the old ones; if that plays steps too, a copy without them, of the same
-    name."""
-    action, slot = old.animation_data.action, getattr(old.animation_data, "action_slot", None)
-    if copy:
-        action = action.copy()
-        action.name = copy
-    new.animation_data.action = action
-    if slot is not None:
-        new.animation_data.action_slot = next(found for found in action.slots if found.handle == slot.handle)
-    curves = shape_keys.curves_of(new)
-    for curve in [curve for curve in curves if shape_keys.is_step(curve.data_path)]:
-        curves.remove(curve)
-
-
-def _merge(action: Any, owner: bpy.types.Key, curves: Iterable[bpy.types.FCurve]) -> None:
-    """Replaces the F-curves of an owner's action, except those of steps, by copies of others."""
-    there = shape_keys.curves_of(owner)
-    for curve in [curve for curve in there if not shape_keys.is_step(curve.data_path)]:
-        there.remove(curve)
-    for curve in curves:
-        if hasattr(action, "fcurve_ensure_for_datablock"):
-            made = action.fcurve_ensure_for_datablock(owner, curve.data_path, index=curve.array_index)
-        else:
-            made = action.fcurves.new(curve.data_path, index=curve.array_index)
-        copy_keyframes(curve, made)

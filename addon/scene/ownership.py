@@ -81,6 +81,9 @@ def exists(obj: bpy.types.Object | None) -> bool:
     """Whether an object is in a scene: deleted ones may still be referred to."""
     if obj is None:
         return False
+    # Blender knows at once whether it shows an object, but goes through all of a scene to find one by name.
+    if obj.visible_get():
+        return True
     return any(scene.objects.get(obj.name) == obj for scene in bpy.data.scenes) or bool(obj.users_scene)
 
 
@@ -130,6 +133,15 @@ def source_of(collection: bpy.types.Collection) -> bpy.types.Object | None:
     found = record.of(collection).sources
     source: bpy.types.Object | None = found[0].object if len(found) else None
     return source if exists(source) else None
+
+
+def hand_over(collection: bpy.types.Collection, drawing: bpy.types.Object) -> None:
+    """Names an output after another one of its drawings; deleted ones leave it."""
+    others = [obj for obj in originals(collection) if obj != drawing]
+    record.fill(record.written(collection).sources, [drawing, *others])
+    for obj in members(collection):
+        record.described(obj).of = drawing
+    record.keep(collection)
 
 
 def originals(collection: bpy.types.Collection) -> list[bpy.types.Object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,6 +19,12 @@ class Area(CageEnergy):
 
     Holes run clockwise, so their area counts negatively: the sum is the area of the solid.
     """
+
+    is_area: ClassVar[bool] = True
+
+    def with_area(self, measure: CageEnergy) -> CageEnergy:
+        """The measure."""
+        return measure
 
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """The enclosed area, a length²; infinite where negative."""

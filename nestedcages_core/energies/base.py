@@ -22,7 +22,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -45,12 +45,19 @@ class CageEnergy(ABC):
     Energies without a rest shape are their own choice; those without memory of the steps are their own successors.
     """
 
+    is_area: ClassVar[bool] = False
+    """Whether it is the area of the cage and nothing else."""
+
     def at(self, coarse: Mesh) -> CageEnergy:
         """The energy of a cage whose rest shape is the coarse mesh."""
         return self
 
     def after(self, cage: FloatArray) -> CageEnergy:
         """The energy of the next step, which starts with the cage's vertices (m, 2)."""
+        return self
+
+    def with_area(self, measure: CageEnergy) -> CageEnergy:
+        """The energy with another measure in the place of the area of the cage, if that is a part of it."""
         return self
 
     @abstractmethod

@@ -48,6 +48,10 @@ class BoundSum(CageEnergy):
         """The sum for the next step."""
         return BoundSum(tuple((weight, energy.after(cage)) for weight, energy in self.terms))
 
+    def with_area(self, measure: CageEnergy) -> BoundSum:
+        """The sum with another measure in the place of the area."""
+        return BoundSum(tuple((weight, energy.with_area(measure)) for weight, energy in self.terms))
+
     def value(self, vertices: FloatArray, successor: IntArray) -> float:
         """Infinite where one of the energies is."""
         return float(sum(weight * energy.value(vertices, successor) for weight, energy in self.terms))

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..decimation import LineCycles
 from ..errors import Fault
 from ..geometry.group import Symmetry
 from ..geometry.mesh import Mesh
@@ -15,15 +14,16 @@ from ..level.plan import Need
 from .settings import Settings, type_name
 
 
-def _preferring_symmetry(settings: Settings, decimation: LineCycles, about: Mesh) -> Settings:
-    """The settings with line cycles that take the mirror of a drawing where that costs little."""
-    axis = mirror_axis(about)
-    if axis is None or decimation.symmetry is not None or decimation.preferred is not None:
+def _preferring_symmetry(settings: Settings, about: Mesh) -> Settings:
+    """The settings with a decimation that takes the mirror of a drawing where that costs little."""
+    preferring = getattr(settings.decimation, "preferring", None)
+    axis = None if preferring is None else mirror_axis(about)
+    if axis is None or preferring is None:
         return settings
     from ..needs.symmetry import Mirror
 
     point, direction = (tuple(each.tolist()) for each in axis)
-    return replace(settings, decimation=replace(decimation, preferred=Mirror(point, direction)))
+    return replace(settings, decimation=preferring(Mirror(point, direction)))
 
 
 def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tuple[Fault, ...]]:
@@ -49,8 +49,8 @@ def needs_of(settings: Settings, about: Mesh) -> tuple[Settings, list[Need], tup
             remarks += moved
         if group is not None:
             settings = keeping(settings, group)
-    elif isinstance(settings.decimation, LineCycles) and not settings.has_priorities and numbers is None:
-        settings = _preferring_symmetry(settings, settings.decimation, about)
+    elif not settings.has_priorities and numbers is None:
+        settings = _preferring_symmetry(settings, about)
     if settings.has_priorities:
         from ..needs.priorities.need import Priorities
 

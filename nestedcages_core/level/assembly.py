@@ -46,7 +46,7 @@ class CageInProgress:
     is_measure: bool = False
     """Whether the energy, not the excess, ranks cages."""
     rank: float = np.inf
-    """Rank of the tightened cage, see `_rank`; infinite if it was given up."""
+    """Rank of the tightened cage, see `_rank`; infinite before."""
     counts: Mapping[str, int] = field(default_factory=dict)
 
     @property

@@ -13,7 +13,6 @@ import numpy as np
 
 from ..contact import Contact, SequentialQP
 from ..decimation import Count, CurveStarts, Decimation, OuterHull, Start
-from ..energies import Area
 from ..errors import FlowError, NestingError
 from ..flow import FlowMethod
 from ..flow.loop_matching import match_loops
@@ -103,7 +102,7 @@ def attempts(
         if may_fall_back and _prefers_curve(decimation):
             flow = getattr(flow, "quick", flow)
         last = Attempt(decimation, wanted, starts, flow, contacts, clearances, may_fall_back=may_fall_back)
-    last = replace(last, seeks_area=isinstance(settings.energy, Area))
+    last = replace(last, seeks_area=getattr(settings.energy, "is_area", False))
     yield last
     if settings.fallback is not None and settings.fallback != last.source:
         counts = _counts(fine, wanted)
@@ -165,7 +164,12 @@ def contacts_for(settings: Choices) -> tuple[Contact, ...]:
         return (settings.contact,)
     from ..contact.ipc import IPC
 
-    return SequentialQP(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
+    return default_contact(), IPC(energy=settings.energy, max_pairs=MAX_IPC_PAIRS)
+
+
+def default_contact() -> Contact:
+    """The contact that is tried first."""
+    return SequentialQP()
 
 
 def _prefers_curve(source: Mesh | Decimation) -> bool:

@@ -13,7 +13,7 @@ from ..contact.reinflation import Reinflation, reinflate
 from ..decimation import CurveStarts, SeveralStarts, Start
 from ..decimation.base import shared_anew
 from ..decimation.hull.outer_hull import SOURCE as HULL
-from ..energies import Area, signed_area
+from ..energies import signed_area
 from ..errors import Fault, FlowError, NestedCagesError, NestingError, ReinflationError, note
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
@@ -25,7 +25,6 @@ from ..verification.motion import certifying
 from .assembly import Assembly, CageInProgress, collides, deviations, failed, in_words, is_only_too_close
 from .attempts import PAPER_PREFERENCE, Attempt, attempts, in_turn
 from .choices import Choices
-from .early_stop import EarlyStop
 from .plan import Plan
 from .progress import LevelProgress
 from .report import Level, Progress
@@ -150,13 +149,12 @@ class LevelBuilder:
         while start is not None:
             tried.append(start.source)
             self.progress.next_start(len(self.starts))
-            best, rank = min((cage.rank for cage in cages), default=np.inf), np.inf
+            rank = np.inf
             try:
                 cage = yield from self._reinflated(attempt, start)
-                cage = yield from self._tightened(cage, attempt.clearances[0], best)
-                if np.isfinite(cage.rank):
-                    cages.append(cage)
-                    rank = cage.rank
+                cage = yield from self._tightened(cage, attempt.clearances[0])
+                cages.append(cage)
+                rank = cage.rank
             except FAILURES as error:
                 logger.debug("start from %s failed: %s", start.source, error)
                 errors.append(start.makeshift_for or error)
@@ -236,12 +234,7 @@ class LevelBuilder:
 
     def _bound(self, attempt: Attempt, cage: CageInProgress) -> CageInProgress:
         """The cage with its energy."""
-        energy = self.settings.energy.at(cage.unit_coarse)
-        if self.plan.inside:
-            from ..energies.inwards import inwards
-
-            energy = inwards(energy, self.unit_fine.area)
-        clearance = self.units.clearance(attempt.clearances[0])
+        energy, clearance = self.settings.energy.at(cage.unit_coarse), self.units.clearance(attempt.clearances[0])
         energy, is_measure = self.plan.energy(energy, cage.unit_coarse, self.units, clearance)
         return replace(cage, energy=energy, is_measure=is_measure)
 
@@ -250,14 +243,11 @@ class LevelBuilder:
 
         return made_alike(start, group, inside=self.plan.inside)
 
-    def _tightened(
-        self, cage: CageInProgress, clearance: float, best: float = np.inf
-    ) -> Stage[Progress, CageInProgress]:
-        """The cage tightened at a clearance in the input's units, unless it cannot get a rank below ``best``."""
+    def _tightened(self, cage: CageInProgress, clearance: float) -> Stage[Progress, CageInProgress]:
+        """The cage tightened at a clearance in the input's units."""
         yield from self.progress.begin("tightening")
         start = cage.untightened.cage_steps[-1]
         assert cage.energy is not None
-        early_stop = EarlyStop(best, self._rank(cage, start))
         steps: list[FloatArray] = []
         tie = None if cage.alike is None else cage.alike.tie
         tightening = self.settings.tightening.run(
@@ -273,8 +263,6 @@ class LevelBuilder:
             except StopIteration as end:
                 outcome = end.value
                 break
-            if early_stop.cannot_improve(self._rank(cage, steps[-1])):
-                return cage
             fraction = 1.0 - 1.0 / (1.0 + 0.1 * len(steps))
             yield from self.progress.show(fraction, f"tightening, step {len(steps)}")
         return replace(
@@ -286,10 +274,10 @@ class LevelBuilder:
 
     def _rank(self, cage: CageInProgress, vertices: FloatArray) -> float:
         """The excess of a cage, lost area if inside, or the energy with the terms of needs: smaller is better."""
-        successor = cage.unit_coarse.loop_order.walked(self.plan.side).successor
+        successor = cage.unit_coarse.successor
         if cage.is_measure and cage.energy is not None:
             return cage.energy.after(vertices).value(vertices, successor) / self.unit_fine.area
-        excess = self.plan.side * (abs(signed_area(vertices, successor)) / self.unit_fine.area - 1.0)
+        excess = self.plan.side * (signed_area(vertices, successor) / self.unit_fine.area - 1.0)
         return excess if self.plan.inside or len(cage.flow.steps) > 1 else (1.0 + PAPER_PREFERENCE) * excess
 
     def _certified(self, attempt: Attempt, cage: CageInProgress, notes: tuple[Fault, ...]) -> Stage[Progress, Level]:
@@ -314,7 +302,7 @@ class LevelBuilder:
             assert motion.step is not None
             raise NestingError(collides(motion.step, self.plan))
         notes = (*notes, *deviations(self.plan, result, clearance, wanted))
-        if len(reinflation.cage_steps) == 1 and not isinstance(self.settings.energy, Area):
+        if len(reinflation.cage_steps) == 1 and not getattr(self.settings.energy, "is_area", False):
             notes = (*notes, note("note.energy", energy=type(self.settings.energy).__name__))
         start = "flow" if len(flow.steps) > 1 else cage.start.source
         counts = {"flow": flow.iterations, "reinflation": reinflation.iterations, **cage.counts}

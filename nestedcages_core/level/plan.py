@@ -178,6 +178,10 @@ class Plan:
     def energy(self, energy: CageEnergy, coarse: Mesh, units: SolverUnits, clearance: float) -> tuple[CageEnergy, bool]:
         """The energy with the terms of all needs, and whether there are any; see `Need.energy`."""
         changed = False
+        if self.inside:
+            from ..energies.lost_area import LostArea
+
+            energy = energy.with_area(LostArea(units.from_input(self.fine).area))
         for need in self.needs:
             other = need.energy(self, energy, coarse, units, clearance)
             if other is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from ..contact.pairs import Bodies
 from ..contact.reinflation import Reinflation
 from ..energies import Area, Energy
-from ..energies.inwards import inwards
+from ..energies.lost_area import LostArea
 from ..errors import Fault, NestingError
 from ..flow import FlowResult
 from ..geometry.arrays import FloatArray
@@ -122,9 +122,8 @@ class Settling:
         """The level tightened with more clearance."""
         units = SolverUnits.of(level.fine)
         cage, fine = units.from_input(level.cage), units.from_input(level.fine)
-        bodies, energy = Bodies.of(cage, fine, side=self.plan.side), Area().at(cage)
-        if level.inside:
-            energy = inwards(energy, fine.area)
+        bodies = Bodies.of(cage, fine, side=self.plan.side)
+        energy = LostArea(fine.area) if level.inside else Area()
         clearance = units.clearance(level.report.wanted_clearance + self.rooms[0])
         run = self.choices.tightening.run(bodies, cage.vertices, fine.vertices, clearance=clearance, energy=energy)
         wider = [units.to_input(step) for step in run]
@@ -155,19 +154,14 @@ def placements(plan: Plan, energy: Energy, cage: Mesh, wanted: float) -> Stage[f
 
 def _edge_cost(plan: Plan, energy: Energy, cage: Mesh, units: SolverUnits, wanted: float) -> EdgeCost | None:
     """What edges add to the energy of a plan; None if that is the area."""
-    unit_cage, inside = units.from_input(cage), plan.inside
-    bound = energy.at(unit_cage)
-    bound = inwards(bound, units.from_input(plan.fine).area) if inside else bound
-    bound, is_measure = plan.energy(bound, unit_cage, units, units.clearance(wanted))
+    unit_cage = units.from_input(cage)
+    bound, is_measure = plan.energy(energy.at(unit_cage), unit_cage, units, units.clearance(wanted))
     if not is_measure:
         return None
     at_cage, area = bound.after(unit_cage.vertices), units.scale * units.scale
 
     def cost(vertex: int, start: FloatArray, end: FloatArray) -> FloatArray:
-        one, other = units.points(start), units.points(end)
-        if inside:  # walked the other way, the edge starts at its end
-            return area * at_cage.on_edge(int(unit_cage.successor[vertex]), other, one)
-        return area * at_cage.on_edge(vertex, one, other)
+        return area * at_cage.on_edge(vertex, units.points(start), units.points(end))
 
     return cost
 

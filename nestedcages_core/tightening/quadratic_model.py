@@ -69,7 +69,7 @@ def model_at(
     keep = np.flatnonzero(not_implied(some, contact, room))
     some, contact = some.take(keep), contact.take(keep)
 
-    cage, successor = x[:m], bodies.cage.successor
+    cage, successor = x[:m], bodies.coarse.successor
     curvature = contact_curvature(bodies, cage, loads, region.radius)
     program = QuadraticProgram(
         energy.gradient(cage, successor),

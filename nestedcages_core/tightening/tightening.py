@@ -137,7 +137,7 @@ class _Run:
         self.systems += widened.systems
         if widened.closest >= 0:
             return self._outcome(0, False, f"There is no room for the clearance at {self._name(widened.closest)}.")
-        settings, energy, successor = self.settings, self.energy, self.bodies.cage.successor
+        settings, energy, successor = self.settings, self.energy, self.bodies.coarse.successor
         unit = self.bodies.cage_edge_length
         first = settings.first_radius * unit
         region = TrustRegion(first, first, settings.largest_radius * unit, unit, self.m)

@@ -96,7 +96,7 @@ def find_trial(
         hit, _ = impacts(near.pairs, x, motion, near.distance, closest)
         failing = np.concatenate([hit, np.flatnonzero(after.distance < near.required)])
         if len(failing) == 0:
-            restored_value = energy.value(restored[:m], bodies.cage.successor)
+            restored_value = energy.value(restored[:m], bodies.coarse.successor)
             if restored_value < value - SUFFICIENT_DECREASE * float(fraction.min()) * max(decrease, 0.0):
                 return Trial(restored, fraction, restored_value, True)
             # reductions of single vertices may have turned the step uphill: reduce all alike

@@ -87,6 +87,19 @@ class LineCycles:
         """The same for meshes inside the fine one."""
         return replace(self, on_curve=False, side=-1)
 
+    def keeping(self, symmetry: Symmetry) -> LineCycles:
+        """The same with a symmetry."""
+        return replace(self, symmetry=symmetry)
+
+    def preferring(self, symmetry: Symmetry) -> LineCycles:
+        """The same with a symmetry where that costs little, unless one is chosen."""
+        chosen = self.symmetry is not None or self.preferred is not None
+        return self if chosen else replace(self, preferred=symmetry)
+
+    def respecting(self, importance: Importance) -> LineCycles:
+        """The same with more lines where vertices matter."""
+        return replace(self, importance=importance)
+
     def decimate(self, fine: Mesh, count: Count, *, clearance: float = 0.0) -> Mesh:
         """A mesh that strictly encloses the fine one, by exact predicates; see `starts`."""
         return drain(self.starts(fine, count, clearance=clearance, most=1))[0].coarse

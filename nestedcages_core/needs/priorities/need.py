@@ -11,10 +11,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ...decimation import LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...decimation.importance import PIN_REACH, Importance
-from ...energies import Area, CageEnergy
+from ...energies import CageEnergy
 from ...energies.weighted_sum import BoundSum
 from ...errors import Fault, NestingError, note
 from ...geometry.arrays import TINY, FloatArray, IntArray
@@ -113,10 +112,8 @@ class Priorities(Need):
 
     def applied(self, settings: Chosen) -> Chosen:
         """The settings with line cycles that respect the priorities."""
-        decimation = settings.decimation
-        if isinstance(decimation, LineCycles):
-            decimation = replace(decimation, importance=self.importance)
-        return replace(settings, decimation=decimation)
+        respecting = getattr(settings.decimation, "respecting", None)
+        return settings if respecting is None else replace(settings, decimation=respecting(self.importance))
 
     def count(self, plan: Plan, count: int) -> tuple[int, tuple[Fault, ...]]:
         """The number of vertices, reduced if edges of the least length do not allow that many; and a note if so."""
@@ -134,7 +131,11 @@ class Priorities(Need):
         """An energy of a cage with the priorities; see `Need.energy`."""
         inner, inside = units.from_input(plan.outline), plan.inside
         if self.importance.weights is not None:
-            energy = self._weighted(energy, coarse, inner, units, inside)
+            at = self.importance.at
+            outline = coarse.vertices, coarse.successor, inner
+            energy = energy.with_area(
+                WeightedArea.of(*outline, lambda points: at(units.to_input(points)), side=plan.side)
+            )
         terms: list[tuple[float, CageEnergy]] = [(1.0, energy)]
         if len(self.importance.pins):
             target, _ = self._targets(inner, units.points(self.importance.pins), clearance, inside)
@@ -146,20 +147,6 @@ class Priorities(Need):
         if angle is not None:
             terms.append((1.0, sharp_angles(coarse, angle, self.pull)))
         return BoundSum(tuple(terms)) if len(terms) > 1 else energy
-
-    def _weighted(self, energy: CageEnergy, coarse: Mesh, inner: Mesh, units: SolverUnits, inside: bool) -> CageEnergy:
-        """The energy with the area weighted."""
-        if isinstance(energy, BoundSum):
-            return BoundSum(tuple((w, self._weighted(term, coarse, inner, units, inside)) for w, term in energy.terms))
-        if not isinstance(energy, Area):
-            return energy
-        return WeightedArea.of(
-            coarse.vertices,
-            coarse.loop_order.walked(-1 if inside else 1).successor,
-            inner,
-            lambda points: self.importance.at(units.to_input(points)),
-            inside=inside,
-        )
 
     def _targets(self, inner: Mesh, pins: FloatArray, clearance: float, inside: bool) -> tuple[FloatArray, FloatArray]:
         """(P, 2) target positions of pinned vertices, and (P,) their distances from the mesh."""

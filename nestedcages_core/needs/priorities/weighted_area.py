@@ -41,6 +41,8 @@ class WeightedArea(CageEnergy):
     anchor: FloatArray
     """(m, 2) f."""
     constant: float
+    side: int
+    """1 around the fine mesh, -1 inside it."""
 
     @classmethod
     def of(
@@ -50,17 +52,16 @@ class WeightedArea(CageEnergy):
         fine: Mesh,
         weight_at: Callable[[FloatArray], FloatArray],
         *,
-        inside: bool = False,
+        side: int = 1,
     ) -> WeightedArea:
-        """The energy at a cage (m, 2); inside: the cage lies inside the fine mesh and has reversed loops."""
-        outline = FineOutline(fine, -1.0 if inside else 1.0)
-        return cls(weight_at, outline, successor, np.ones(len(cage)), cage, 0.0).after(cage)
+        """The energy at a cage (m, 2); side: -1 for one inside the fine mesh."""
+        return cls(weight_at, FineOutline(fine), successor, np.ones(len(cage)), cage, 0.0, side).after(cage)
 
     def after(self, cage: FloatArray) -> WeightedArea:
         """The energy with weights and anchors of another cage (m, 2)."""
         along = (np.arange(SAMPLES_PER_EDGE) + 0.5) / SAMPLES_PER_EDGE
         points = cage[:, None] + along[:, None] * (cage[self.successor] - cage)[:, None]
-        weight = self.weight_at(points.reshape(-1, 2)).reshape(len(cage), SAMPLES_PER_EDGE).mean(axis=1)
+        weight = self.side * self.weight_at(points.reshape(-1, 2)).reshape(points.shape[:2]).mean(axis=1)
         anchor, swept = self.fine.swept(cage, self.successor)
         return replace(self, weight=weight, anchor=anchor, constant=-float(weight @ swept))
 
@@ -92,9 +93,8 @@ class WeightedArea(CageEnergy):
 class FineOutline:
     """The fine mesh, for closest points and for the areas that stretches between them sweep around the origin."""
 
-    def __init__(self, fine: Mesh, sense: float) -> None:
-        """sense: 1 if the cage has the direction of the fine mesh, -1 if it is reversed."""
-        self.fine, self.sense = fine, sense
+    def __init__(self, fine: Mesh) -> None:
+        self.fine = fine
         self.edges = EdgeSearch.of(fine)
         self.length, self.area = np.empty(len(fine.vertices)), np.empty(len(fine.vertices))
         self.lengths, self.areas = np.empty(len(fine.loops)), np.empty(len(fine.loops))
@@ -116,9 +116,9 @@ class FineOutline:
         area = self.area[close.edge] + 0.5 * cross(start, point)
         # the way from one to the next, which may begin before the first vertex of a loop and end after it
         whole = self.lengths[loop]
-        way = self.sense * (place[successor] - place) / whole
+        way = (place[successor] - place) / whole
         turns = -np.floor(way + MAX_BACKWARDS)
-        swept = area[successor] - area + self.sense * turns * self.areas[loop]
+        swept = area[successor] - area + turns * self.areas[loop]
         other = loop != loop[successor]
         swept[other] = 0.5 * cross(point, point[successor])[other]
         return point, swept

@@ -8,14 +8,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...contact import SequentialQP
-from ...decimation import Decimation, LineCycles
 from ...decimation.base import LEAST_PER_LOOP
 from ...errors import Fault, InvalidMeshError, NestingError, note
 from ...geometry.group import Symmetry
 from ...geometry.mesh import Mesh
 from ...geometry.predicates import winding_number
 from ...geometry.vectors import rotated_right
+from ...level.attempts import default_contact
 from ...level.choices import Choices
 from ...level.plan import Need, Numbers, Plan
 from ...level.symmetrised_start import orbits_of
@@ -101,24 +100,23 @@ def found_for(symmetry: Symmetry | Found, fine: Mesh) -> tuple[Symmetry | None, 
 
 def keeping(choices: Chosen, symmetry: Symmetry) -> Chosen:
     """The methods, told to keep a symmetry. Raises NestingError for methods that cannot."""
-    contact = choices.contact
-    several = [SequentialQP()] if contact is None else [contact] if isinstance(contact, SequentialQP) else contact
-    if not isinstance(several, list | tuple) or not all(isinstance(each, SequentialQP) for each in several):
+    contact, decimation = choices.contact or default_contact(), choices.decimation
+    several = tuple(contact) if isinstance(contact, Sequence) else (contact,)
+    if not all(getattr(each, "keeps_ties", False) for each in several):
         raise NestingError(
             f"Symmetric cages need contact=SequentialQP(), not {contact!r}; leave it out.", code="setting.conflict"
         )
+    if not hasattr(decimation, "keeping"):
+        raise NestingError(
+            f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict"
+        )
+    kept = decimation.keeping(symmetry)
     return replace(
         choices,
-        contact=tuple(several),
-        decimation=_alike(choices.decimation, symmetry),
-        fallback=None if choices.fallback is None else LineCycles(on_curve=False, symmetry=symmetry),
+        contact=several,
+        decimation=kept,
+        fallback=None if choices.fallback is None else kept.outside,
     )
-
-
-def _alike(decimation: Decimation, symmetry: Symmetry) -> Decimation:
-    if isinstance(decimation, LineCycles):
-        return replace(decimation, symmetry=symmetry)
-    raise NestingError(f"Symmetric cages need decimation=LineCycles(), not {decimation!r}.", code="setting.conflict")
 
 
 def with_images(fine: Mesh, symmetry: Symmetry, *, inside: bool = False) -> tuple[Mesh, tuple[Fault, ...]]:
