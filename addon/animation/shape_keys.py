@@ -7,6 +7,7 @@ interpolation, so the evaluated mesh is the step on its frame and the linear ble
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -185,18 +186,18 @@ def discard(
 ) -> None:
     """Removes objects, and then the meshes and actions that nothing uses any more, also those of their animation.
 
-    Each kind in one pass over the file: removing blocks one by one takes as many passes.
+    In one pass over the file: removing blocks one by one, or kind by kind, takes as many passes.
     """
-    gone, old = list(objects), set(meshes)
-    animated: list[Any] = [*gone, *old, *(mesh.shape_keys for mesh in old if mesh.shape_keys is not None)]
+    gone, old = set(objects), set(meshes)
+    shown = Counter(obj.data for obj in gone)
+    unused = [mesh for mesh in old if mesh.users == shown[mesh]]
+    shapes = [mesh.shape_keys for mesh in unused if mesh.shape_keys is not None]
+    animated: list[Any] = [*gone, *unused, *shapes]
     data = [owner.animation_data for owner in animated if owner.animation_data is not None]
-    played = {*actions, *(found.action for found in data)} - {None}
-    if gone:  # an empty pass takes as long as any
-        bpy.data.batch_remove(gone)
-    if unused := [mesh for mesh in old if mesh.users == 0]:
-        bpy.data.batch_remove(unused)
-    if idle := [action for action in played if action is not None and action.users == 0]:
-        bpy.data.batch_remove(idle)
+    played = Counter(found.action for found in data if found.action is not None)
+    idle = [action for action in {*actions, *played} if action is not None and action.users == played[action]]
+    if blocks := [*gone, *unused, *idle]:  # an empty pass takes as long as any
+        bpy.data.batch_remove(blocks)
 
 
 def _runs_of_equal(steps: NDArray[np.float32]) -> list[tuple[int, int]]:

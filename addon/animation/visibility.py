@@ -80,7 +80,9 @@ class VisibilityAnimation:
 def detach(obj: bpy.types.Object) -> VisibilityAnimation:
     """Undoes `hide_until`. An action with nothing else in it is kept for `restore`; other animation stays."""
     data = obj.animation_data
-    obj.hide_viewport = obj.hide_render = False
+    for name in VISIBILITY:
+        if getattr(obj, name):  # setting it makes Blender go through all objects
+            setattr(obj, name, False)
     if data is None or data.action is None:
         return VisibilityAnimation(None, None, (), False)
     curves = shape_keys.curves_of(obj)
