@@ -26,6 +26,13 @@ METHOD_ITEMS = (
 ALL_EDGES, OUTLINES = 1.0, 0.5
 
 
+def show_outlines(context: bpy.types.Context) -> None:
+    """Hides edges between coplanar triangles in the 3D view, unless the user has changed that setting."""
+    space = context.space_data
+    if isinstance(space, bpy.types.SpaceView3D) and space.overlay.wireframe_threshold == ALL_EDGES:
+        space.overlay.wireframe_threshold = OUTLINES
+
+
 class BindingOperator(OutputOperator):
     """Works on outputs that are bound, or are not bound yet."""
 
@@ -47,10 +54,7 @@ class LinkOperator(BindingOperator):
     method: choice("Method", "How each level follows the next coarser one", METHOD_ITEMS, default="AUTO")
 
     def show_result_in(self, context: bpy.types.Context) -> None:
-        """Hides edges between coplanar triangles in the 3D view, unless the user has changed that setting."""
-        space = context.space_data
-        if isinstance(space, bpy.types.SpaceView3D) and space.overlay.wireframe_threshold == ALL_EDGES:
-            space.overlay.wireframe_threshold = OUTLINES
+        show_outlines(context)
 
     def each(self, context: bpy.types.Context, collection: bpy.types.Collection) -> Work[binding.Binding]:
         if not self.needs_bound and ownership.is_bound(collection):

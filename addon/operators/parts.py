@@ -20,6 +20,7 @@ from ..scene.areas import paints
 from ..scene.convert import Drawing
 from ..scene.selection import chosen, scene_of, select
 from .base import JobOperator
+from .bind import show_outlines
 
 
 class OnParts(JobOperator):
@@ -51,6 +52,9 @@ class OBJECT_OT_nested_cages_rig(OnParts, bpy.types.Operator):
         if _armature(context) is None:
             return "Select an armature too, or press Suggest Bones"
         return super().unavailable(context)
+
+    def show_result_in(self, context: bpy.types.Context) -> None:
+        show_outlines(context)
 
     def work(self, context: bpy.types.Context) -> Work[None]:
         armature = _armature(context)
